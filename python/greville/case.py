@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from numbers import Integral
 from pathlib import Path
 
 from .results import Error, Run, how_to_install, read_parameter_text, read_table, read_text
@@ -84,8 +85,15 @@ class Progress:
             print(f"\r\033[K{line}", end="\n" if part >= 1. else "", file=sys.stderr, flush=True)
 
 
+def check_number(name, n):
+    """Refuse numbers of processes that are no whole numbers above zero."""
+    if not isinstance(n, Integral) or isinstance(n, bool) or n < 1:
+        raise RunFailed(f"{name} has to be a whole number above zero, not {n!r}.")
+
+
 def call(arguments, processes=1, progress=None):
     """Run the program, and return what it prints; progress(part, line) is called about five times a second."""
+    check_number("processes", processes)
     command = [str(program()), *map(str, arguments)]
     if processes > 1:
         command = ["mpirun", "-np", str(processes), *command]
@@ -133,6 +141,8 @@ def call(arguments, processes=1, progress=None):
 
 def as_text(value):
     """A value as a parameter file has it: a list with commas, a list of lists with semicolons between them."""
+    if getattr(value, "ndim", None) == 0 and hasattr(value, "item") and value.dtype == bool:   # Of numpy.
+        value = value.item()
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str) or not hasattr(value, "__iter__"):
@@ -169,6 +179,18 @@ def as_prm(tree, indent=""):
     return result
 
 
+def check_repetitions(file, names):
+    """Refuse names that are there twice in one section."""
+    for name in names:
+        if names.count(name) > 1:
+            raise RunFailed(f"{file} has <{name}> twice in one section.")
+
+
+def dict_of(file, pairs):
+    check_repetitions(file, [name for name, _ in pairs])
+    return dict(pairs)
+
+
 def import_yaml(file):
     try:
         import yaml
@@ -181,7 +203,14 @@ def read_tree(file):
     """The sections of a JSON or YAML file."""
     text, yaml = read_text(file), None if file.suffix == ".json" else import_yaml(file)
     try:
-        tree = yaml.safe_load(text) if yaml else json.loads(text)
+        if yaml:
+            class Loader(yaml.SafeLoader):
+                def construct_mapping(self, node, deep=False):
+                    check_repetitions(file, [name.value for name, _ in node.value])
+                    return super().construct_mapping(node, deep)
+            tree = yaml.load(text, Loader)
+        else:
+            tree = json.loads(text, object_pairs_hook=lambda pairs: dict_of(file, pairs))
     except (yaml.YAMLError if yaml else ValueError) as error:
         raise RunFailed(f"{file} is no {'YAML' if yaml else 'JSON'}: {error}.") from None
     if not isinstance(tree, dict):
@@ -218,6 +247,8 @@ class Case:
 
     def set(self, name, value):
         """Replace a parameter, such as 'Material clay/Cohesion'; returns the case."""
+        if value is None:
+            raise RunFailed(f"The parameter <{name}> has no value.")
         self.settings[name] = as_text(value)
         return self
 
@@ -305,6 +336,11 @@ class Sweep:
         for name, failed in zip(self.table["run"], self.table["failed"]):
             self.runs.append(None if failed else Run(self.folder / name))
 
+    def report(self, **options):
+        """Write report.html about the runs side by side, and return its path; options are those of Run.report()."""
+        from . import report
+        return report.write([self.folder], **options)
+
     def __iter__(self):
         return iter(zip(self.values, self.runs))
 
@@ -314,6 +350,8 @@ class Sweep:
 
 def sweep(case, parameter, values, processes=1, processes_per_run=1, progress=None):
     """Run a case with each of these values of a parameter, as many runs at a time as groups of processes; a Sweep."""
+    check_number("processes", processes)
+    check_number("processes_per_run", processes_per_run)
     case = case.copy().set("Sweep/Parameter", parameter).set("Sweep/Values", " | ".join(map(as_text, values)))
     case.set("Sweep/Processes per run", processes_per_run if processes > 1 else 0)
     folder = case.results

@@ -20,3 +20,5 @@ def run_command(parser, action):
         action(arguments)
     except ResultsError as error:
         sys.exit(f"{parser.prog}: {error}")
+    except OSError as error:
+        sys.exit(f"{parser.prog}: {error.filename}: {error.strerror}.")

@@ -2,6 +2,7 @@
 import math
 
 from .results import PACKAGES, ResultsError, how_to_install, pretty
+from .rigid import cut, loops_of
 
 # Help is there without the libraries, too.
 try:
@@ -33,6 +34,10 @@ def need_libraries():
         raise ResultsError(how_to_install(MISSING if MISSING in PACKAGES else "matplotlib"))
 
 
+# Room for labels beside and below the box of axes in 3D, inches.
+LABELS_3D = 0.5, 0.65
+
+
 def fit_box(axes, size, inches):
     """The largest box of this shape that fits into so many inches with its labels."""
     axes.set_box_aspect(size)
@@ -41,7 +46,7 @@ def fit_box(axes, size, inches):
                         for k in range(8)])
     projected = np.c_[corners, np.ones(8)] @ axes.get_proj().T
     pixels = axes.transData.transform(projected[:, :2] / projected[:, 3:])
-    room = (np.array(inches) - [0.5, 0.65]) * axes.figure.dpi
+    room = (np.array(inches) - LABELS_3D) * axes.figure.dpi
     axes.set_box_aspect(size, zoom=float((room / np.ptp(pixels, axis=0)).min()))
 
 
@@ -56,17 +61,11 @@ def keep_apart(axis):
             tick.label1.set_horizontalalignment("right")
 
 
-def loops_of(segments):
-    """The closed lines that segments, which have the inside on their left, make of one after the other."""
-    ends = [tuple(map(tuple, segment[:, :2])) for segment in segments]
-    following, corners, codes = dict(ends), [], []
-    while following:
-        start, place = following.popitem()
-        loop = [start]
-        while place != start and place in following:
-            loop.append(place)
-            place = following.pop(place)
-        corners += loop + [start]
+def outline_of(segments):
+    """The path of the closed lines that segments make."""
+    corners, codes = [], []
+    for loop in loops_of(segments):
+        corners += loop + loop[:1]
         codes += [Outline.MOVETO] + [Outline.LINETO] * (len(loop) - 1) + [Outline.CLOSEPOLY]
     return Outline(corners, codes)
 
@@ -85,6 +84,8 @@ def places_in(triangles, spacing):
 def draw_spheres(axes, x, diameter, colours, facets, limits, sampling=2):
     """Spheres, and grey triangles within limits, with a depth buffer, which matplotlib lacks, as an image over the axes."""
     axes.figure.canvas.draw()
+    # Of long ones, what lies beyond the picture would take most of the time.
+    facets = cut(facets, np.linalg.norm(np.subtract(*limits)) / 8, limits, np.inf)
     matrix = axes.get_proj()
     scale = sampling * (axes.transData.transform([1., 0.]) - axes.transData.transform([0., 0.]))[0]
 
@@ -118,13 +119,25 @@ def draw_spheres(axes, x, diameter, colours, facets, limits, sampling=2):
         place, z = (sample[order, :2] - sampling * origin).astype(int) @ [1, width], sample[order, 2]
         wins = z > nearest[place]
         nearest[place[wins]], owner[place[wins]] = z[wins], len(x) + mine[order][wins]
-    for i, j in np.ndindex(2 * reach + 1, 2 * reach + 1):
-        place = corner + [i - reach, j - reach]
-        z = radius**2 - ((place + 0.5 - pixel)**2).sum(axis=1)
-        inside = np.flatnonzero(z > 0)
-        place, z = place[inside] @ [1, width], depth[inside] + np.sqrt(z[inside])
-        wins = z > nearest[place]
-        nearest[place[wins]], owner[place[wins]] = z[wins], inside[wins]
+    if len(x) < (2 * reach + 1)**2:
+        # Few large ones, one after the other.
+        rows, owners = nearest.reshape(height, width), owner.reshape(height, width)
+        for m in range(len(x)):
+            (left, right), (low, high) = ((max(c - reach, 0), c + reach + 1) for c in corner[m])
+            z = (radius[m]**2 - (np.arange(left, right) + 0.5 - pixel[m, 0])[None, :]**2
+                 - (np.arange(low, high) + 0.5 - pixel[m, 1])[:, None]**2)
+            place = np.s_[low:high, left:right]
+            z = np.where(z > 0, depth[m] + np.sqrt(np.maximum(z, 0.)), -np.inf)
+            wins = z > rows[place]
+            rows[place][wins], owners[place][wins] = z[wins], m
+    else:
+        for i, j in np.ndindex(2 * reach + 1, 2 * reach + 1):
+            place = corner + [i - reach, j - reach]
+            z = radius**2 - ((place + 0.5 - pixel)**2).sum(axis=1)
+            inside = np.flatnonzero(z > 0)
+            place, z = place[inside] @ [1, width], depth[inside] + np.sqrt(z[inside])
+            wins = z > nearest[place]
+            nearest[place[wins]], owner[place[wins]] = z[wins], inside[wins]
 
     # Light from the upper left; darker where something near stands in front.
     place = np.flatnonzero(owner >= 0)

@@ -14,6 +14,7 @@ Needs nothing but Python. The run needs the field size (it is a default of
 'Output/Fields').
 """
 from .command import parser_of, run_command
+from .display import array_of, check_field, main_field, up_axis
 from .results import ResultsError, Run
 
 SCRIPT = '''# Written by scripts/paraview of Greville:
@@ -140,21 +141,19 @@ if sys.argv[-1].endswith(".png"):
 '''
 
 
-def script_of(run, field):
+def script_of(run, field, up):
     available = run.point_fields
+    field = field or main_field(run) or "size"
     if "size" not in available:
         raise ResultsError(f"{run.folder} has no field size, which glyphs need: 'Output/Fields' has to name it. "
                            f"There are: {', '.join(available)}.")
-    name, component = ("velocity", "Magnitude") if field == "speed" else (field, "Magnitude")
-    if name not in available and name[:-2] in available and name[-2:] in ("_x", "_y", "_z"):
-        name, component = name[:-2], name[-1].upper()
-    if name not in available:
-        raise ResultsError(f"{run.folder} has no field {field}. There are: {', '.join(['speed'] + available)}.")
+    check_field(run, field)
+    name = array_of(run, field)
+    component = "Magnitude" if field in ("speed", name) else field[-1].upper()
     if not run.grid_box:
         raise ResultsError(f"{run.folder} has no parameters.prm with the corners of the grid.")
     lower, upper = (corner + [0.] * (3 - run.dim) for corner in run.grid_box)
-    gravity = run.parameters.get("Loads/Gravity", "").split(";")[:run.dim]
-    up = next((d for d, word in enumerate(gravity) if word.strip() not in ("", "0", "0.", "0.0")), run.dim - 1)
+    up = up_axis(run, up) if run.dim == 3 else 1
     folder = run.folder.resolve()
     return SCRIPT.format(path=folder / "view.py", field=name, component=component, folder=str(folder),
                          units={name: run.unit("points.pvd", name) for name in available if run.unit("points.pvd", name)},
@@ -167,15 +166,17 @@ def script_of(run, field):
 
 def main(program=None):
     parser = parser_of(program, __doc__)
-    parser.add_argument("--field", default="speed", metavar="NAME",
-                        help="colour of points: speed (the default), a field of points.pvd, or a component such as velocity_x")
+    parser.add_argument("--field", metavar="NAME",
+                        help="colour of points: speed, a field of points.pvd, or a component such as velocity_x. "
+                             "Without it: that of scripts/picture")
+    parser.add_argument("--up", choices=["x", "y", "z"], help="the upright axis in 3D, as scripts/picture has it")
     run_command(parser, write)
 
 
 def write(arguments):
     for folder in arguments.folders:
         file = folder / "view.py"
-        text = script_of(Run(folder), arguments.field)
+        text = script_of(Run(folder), arguments.field, arguments.up)
         try:
             file.write_text(text, encoding="utf-8")
         except OSError as error:

@@ -124,8 +124,10 @@ def draw_failure_lines(axes, simulation, k):
         corners = x[triangles.triangles, :2]
         edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
         triangles.set_mask(edges > 4. * np.median(diameter))   # Those across the air and along walls.
-        contour = axes.tricontour(triangles, moved, colors="white", linewidths=style["linewidth"],
-                                  levels=[float(simulation.parameters["Reference/Failure displacement"])])
+        level = float(simulation.parameters["Reference/Failure displacement"])
+        if not moved.min() < level < moved.max():   # Nothing fails yet.
+            return
+        contour = axes.tricontour(triangles, moved, colors="white", linewidths=style["linewidth"], levels=[level])
         for lines in getattr(contour, "collections", [contour]):   # One collection since matplotlib 3.8.
             lines.set_path_effects(style["path_effects"])
         axes.plot([], [], label="that of the run", **style)
@@ -216,7 +218,7 @@ def draw_failure(simulation):
     x, increment = increments(run)
     size = np.linalg.norm(increment, axis=1)
     size /= size.max() or 1.
-    ratio = panel_ratio(simulation)
+    ratio = panel_ratio(simulation, 5.7)
     height, bottom = 5.7 * ratio, 3.
     total = bottom + height + 0.4
     figure = plt.figure(figsize=(7.2, total), dpi=200)
@@ -263,13 +265,13 @@ def draw_failure(simulation):
 def main(program=None):
     parser = parser_of(program, __doc__)
     parser.add_argument("--field", metavar="NAME",
-                        help="colour of points: speed, a field of points.pvd, such as pressure, von_mises, "
-                             "plastic_strain or body, or a component of a vector, such as velocity_x. "
-                             "Without it: plastic_strain of soil that yields, and else speed")
+                        help="colour of points: speed, a field of points.pvd, such as pressure or body, or a component such as "
+                             "velocity_x. Without it: the field that says most about the run")
     parser.add_argument("--no-rigid-bodies", action="store_true",
                         help="leave rigid bodies out, which may hide the others (3D)")
     parser.add_argument("--magnify", type=float, default=1., metavar="FACTOR",
                         help="draw displacements this many times as large")
+    parser.add_argument("--up", choices=["x", "y", "z"], help="the upright axis in 3D, instead of that of gravity")
     parser.add_argument("--mesh", action="store_true", help="draw the mesh behind the points (2D)")
     run_command(parser, draw)
 
@@ -296,7 +298,7 @@ def draw(arguments):
     elif has_points(folder):
         is_set_up = not (folder / "statistics.csv").exists() and not (folder / "messages.log").exists()
         field = arguments.field or ("body" if is_set_up and "body" in Run(folder).point_fields else None)
-        simulation = Simulation(folder, field, arguments.magnify, not arguments.no_rigid_bodies)
+        simulation = Simulation(folder, field, arguments.magnify, not arguments.no_rigid_bodies, arguments.up)
         if is_set_up:
             draw_set_up(simulation, axes_order(simulation), arguments.mesh)
             return

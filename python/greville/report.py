@@ -19,16 +19,20 @@ import sys
 import zlib
 from pathlib import Path
 
+from .case import project_file
 from .command import parser_of, run_command
-from .results import (ResultsError, Run, how_to_install, main_field, names_in, np, parts_in_range, pretty, range_of_colours,
-                      read_table, runs_in)
+from .display import array_of, check_field, main_field, parts_in_range, range_of_colours, up_axis
+from .results import Error, ResultsError, Run, how_to_install, names_in, np, pretty, read_table, runs_in
+from .rigid import rigid_data, rigid_rows
 
 TEMPLATE = Path(__file__).resolve().parent / "report.html"
 MOST_ROWS, MOST_FRAMES, MOST_POINTS = 1000, 61, 40000
 # Of all frames, in characters.
 BUDGET = 3_000_000
-# Fields that are shown if they are there; the first is shown at first, unless main_field() is another.
-FIELDS = ["speed", "pressure", "von_mises", "plastic_strain", "displacement", "density"]
+# The page that explains figures of a run, in the source tree or installation.
+GUIDE = "doc/user/output.md"
+# Fields that are shown if they are there, after that of main_field().
+FIELDS = ["speed", "pressure", "von_mises", "plastic_strain", "displacement", "pore_pressure", "density"]
 ABSENT = 65535
 
 
@@ -61,9 +65,17 @@ def table_data(run):
     columns.update({"change of energy": numbers(change[rows]), "work": numbers(work[rows]), "not accounted for": numbers(left[rows])})
     units = {name: pretty(run.unit("statistics.csv", name)) for name in table}
     units.update({name: unit for name in ("change of energy", "work", "not accounted for")})
+    # Of the rows only, where the program compares with each hundredth step.
     energy = np.max(np.abs(np.concatenate([change, work, table["kinetic"], table["strain"]])))
     return {"columns": columns, "units": units, "n": table.n_rows, "works": run.work,
-            "balance": {"left": number(left[-1]), "share": number(left[-1] / energy) if energy > 0 else 0.}}
+            "loss": loss_data(run, -left[-1], -left[-1] / energy if energy > 0 else 0.)}
+
+
+def loss_data(run, loss, share):
+    """The numerical loss that the run has found, with its judgement; until it ends that of its rows, both given."""
+    found = run.summary.get("energy", {})
+    return {"loss": number(found.get("numerical_loss", loss)), "share": number(found.get("relative_loss", share)),
+            "judgement": found.get("judgement", "until now")}
 
 
 def probes_data(run):
@@ -163,6 +175,12 @@ def scheme_facts(run):
             for number, name in enumerate(stages, 1)]
 
 
+def cost_of_point(summary):
+    """Microseconds as text."""
+    speed = summary.get("point_steps_per_second")
+    return f"{1e6 * summary['processes'] / speed:.3g} µs" if speed else ""
+
+
 def facts(run):
     """What is said of the run at the top."""
     s, table = run.summary, run.statistics
@@ -173,13 +191,14 @@ def facts(run):
               ["simulated", f"{table['time'][-1]:.4g} s"]]
     if s:
         result += [["steps", f"{s['steps']:,}"], ["wall time", f"{s['wall_time']:.3g} s"], ["processes", s["processes"]],
-                   ["points times steps", f"{s['point_steps_per_second'] / 1e3:,.0f} thousand per second"],
-                   ["memory per point", f"{s['bytes_per_point']:.0f} bytes"]]
+                   ["time per point, step and process", cost_of_point(s)],
+                   ["memory of points", f"{s['bytes_per_point'] * s['points'] / 1e6:,.3g} MB"]]
         if "to" in s.get("ramp", {}):
             result.append(["factor at failure", f"{s['ramp']['factor']:.4g} ({s['ramp']['from']:.5g} to {s['ramp']['to']:.5g})"])
-        loss = s.get("energy", {}).get("relative_loss")
-        if loss is not None:
-            result.append(["numerical loss", f"{100 * loss:.3g} % of the largest energy or work"])
+        loss = s.get("energy", {})
+        if "relative_loss" in loss:
+            judgement = loss.get("judgement", "").split(",")[0]
+            result.append(["numerical loss of energy", f"{100 * loss['relative_loss']:.3g} %" + (f", {judgement}" if judgement else "")])
     return [[name, str(value)] for name, value in result if value != ""]
 
 
@@ -196,8 +215,7 @@ def load_frames(run, frames, stride, names):
     # Single precision cannot tell ids above 16.7 million.
     keyed = keyed and len(np.unique(keys(first))) == len(first.x)
     order = np.sort(keys(first))[::stride] if keyed else None
-    wanted = sorted({"velocity" if name == "speed" else name[:-2] if name not in run.point_fields and name[-2:-1] == "_" else name
-                     for name in names} | ({"body", "id"} if keyed else set())
+    wanted = sorted({array_of(run, name) for name in names} | ({"body", "id"} if keyed else set())
                     | {name for name in ("size", "J", "body") if name in run.point_fields})
     result = []
     for k in frames:
@@ -248,25 +266,16 @@ def pack(frames, dim, lower, upper, ranges):
     return base64.b64encode(zlib.compress(b"".join(np.ascontiguousarray(part).tobytes() for part in parts), 9)).decode()
 
 
-def check_fields(run, names):
-    available = run.point_fields if run.has_points else []
-    for name in names:
-        if name not in available and not (name[:-2] in available and name[-2:] in ("_x", "_y", "_z")) and name != "speed":
-            raise ResultsError(f"{run.folder} has no field {name}. There are: {', '.join(['speed'] + available)}.")
-
-
-def frames_data(run, budget, chosen):
+def frames_data(run, budget, chosen, up):
     if not run.has_points:
         return None
     available = run.point_fields
-    names = list(chosen) + [name for name in FIELDS if name in available or name == "speed" and "velocity" in available]
-    if not chosen and names:
-        names.insert(0, main_field(run) if "velocity" in available else names[0])
-    names = list(dict.fromkeys(names))
+    names = [*chosen, main_field(run)] + [name for name in FIELDS if name in available or name == "speed" and "velocity" in available]
     if len(run.bodies) > 1 and "body" in available:
         names.append("body")
-    elif not names:
-        return None
+    names = list(dict.fromkeys(name for name in names if name))
+    if not names:
+        raise ResultsError("the points have no field, as 'Output/Fields' wants it.")
     times, dim = run.times, run.dim
     frames = [int(k) for k in np.unique(np.linspace(0, len(times) - 1, min(len(times), MOST_FRAMES)).round())]
     stride = -(-len(run.points(0, []).x) // MOST_POINTS)
@@ -282,8 +291,7 @@ def frames_data(run, budget, chosen):
             low, high, has_signs = limits_of(names[k], data[:, :, dim + 1 + k])
             if names[k] == "body":
                 low, high, has_signs = 0., 255., False
-            array = "velocity" if names[k] == "speed" else names[k] if names[k] in available else names[k][:-2]
-            fields.append({"name": names[k], "label": label_of(names[k]), "unit": pretty(run.unit("points.pvd", array)),
+            fields.append({"name": names[k], "label": label_of(names[k]), "unit": pretty(run.unit("points.pvd", array_of(run, names[k]))),
                            "low": low, "high": high, "diverging": has_signs, "bodies": names[k] == "body"})
         columns = data[:, :, [*range(dim + 1), *(dim + 1 + k for k in kept)]]
         text = pack(columns, dim, lower, lower + width, [(0., largest)] + [(field["low"], field["high"]) for field in fields])
@@ -295,17 +303,16 @@ def frames_data(run, budget, chosen):
             frames, data = [frames[k] for k in keep], data[keep]
         else:
             data, stride = data[:, ::2], stride * 2
-    box = run.grid_box
-    gravity = run.parameters.get("Loads/Gravity", "").split(";")
-    up = next((d for d, word in enumerate(gravity[:dim]) if word.strip() not in ("", "0", "0.", "0.0")), 1)
+    rigid, view = rigid_data(run, times[frames], lower, lower + width)
     return {"times": numbers(times[frames], 6), "n": int(data.shape[1]), "dim": dim, "lower": numbers(lower, 9),
-            "upper": numbers(lower + width, 9), "size": number(largest * stride**(1. / dim)), "fields": fields, "data": text, "up": up,
-            "box": box, "bounded": run.parameters.get("Scheme/Formulation") != "total Lagrangian", "walls": run.walls, "all_times": len(times), "stride": stride}
+            "upper": numbers(lower + width, 9), "size": number(largest * stride**(1. / dim)), "fields": fields, "data": text,
+            "up": up_axis(run, up) if dim == 3 else 1, "rigid": rigid, "view": [numbers(end, 6) for end in view],
+            "box": run.grid_box, "bounded": run.parameters.get("Scheme/Formulation") != "total Lagrangian", "walls": run.walls, "all_times": len(times), "stride": stride}
 
 
 # The page.
 
-def run_data(run, budget, fields, has_points):
+def run_data(run, budget, fields, has_points, up):
     kinds = [kind for kind, _ in run.messages]
     state = "failed" if kinds[-1:] == ["Error"] and not run.summary else "finished" if run.summary else "unfinished"
     if kinds[-1:] == ["Error"] and run.summary:
@@ -315,16 +322,16 @@ def run_data(run, budget, fields, has_points):
     if parts:
         parts.append(("output, other", summary["wall_time"] - sum(seconds for _, seconds in parts)))
     try:
-        frames = frames_data(run, budget, fields) if has_points else None
+        frames = frames_data(run, budget, fields, up) if has_points else None
     except ResultsError as error:
         print(f"no moving points: {error}", file=sys.stderr)
         frames = None
     try:
-        bodies = body_data(run)
+        bodies, rigid = body_data(run), rigid_rows(run)
     except ResultsError:
-        bodies = [{"name": name} for name in run.bodies]
+        bodies, rigid = [{"name": name} for name in run.bodies], []
     return {"name": run.name, "title": run.title, "folder": str(run.folder), "dim": run.dim, "state": state,
-            "facts": facts(run), "bodies": bodies, "messages": run.messages, "parameters": parameter_data(run),
+            "facts": facts(run), "bodies": bodies, "rigid_bodies": rigid, "messages": run.messages, "parameters": parameter_data(run),
             "all_parameters": [[name, line.value, pretty(line.unit)] for name, line in run.parameter_lines.items()],
             "table": table_data(run), "probes": probes_data(run), "newton": newton_data(run),
             "parts": [[name, number(seconds, 4)] for name, seconds in parts], "comparison": comparison_data(run), "frames": frames,
@@ -343,16 +350,25 @@ def sweep_data(folder):
     return lines
 
 
+def guide():
+    """The address of the page of the guide that explains figures, where it is on this machine."""
+    try:
+        return project_file(GUIDE).resolve().as_uri()
+    except Error:
+        return ""
+
+
 def main(program=None):
     parser = parser_of(program, __doc__, "results of a run, or of a sweep")
     parser.add_argument("--field", action="append", default=[], metavar="NAME",
                         help="show this field of points.pvd, too, such as J or velocity_x; first of all. May be repeated")
+    parser.add_argument("--up", choices=["x", "y", "z"], help="the upright axis in 3D, as scripts/picture has it")
     parser.add_argument("--no-points", action="store_true", help="no moving points: a smaller file")
     parser.add_argument("--output", type=Path, metavar="FILE", help="instead of report.html where the results are")
     run_command(parser, lambda arguments: print(write(**vars(arguments))))
 
 
-def write(folders, field=(), no_points=False, output=None):
+def write(folders, field=(), no_points=False, output=None, up=None):
     """Write the page, and return its name."""
     if np is None:
         raise ResultsError(how_to_install("numpy"))
@@ -370,9 +386,11 @@ def write(folders, field=(), no_points=False, output=None):
     runs = [Run(folder) for folder in folders]
     if not no_points:
         for run in runs:
-            check_fields(run, field)
+            for name in field:
+                check_field(run, name)
     names = [run.name for run in runs]
-    data = {"runs": [run_data(run, BUDGET // len(runs), field, not no_points) for run in runs], "sweep": sweep,
+    data = {"runs": [run_data(run, BUDGET // len(runs), field, not no_points, up) for run in runs], "sweep": sweep,
+            "guide": guide(),
             "title": place.resolve().name.replace("_", " ") if len(runs) > 1 and n_given == 1
             else " and ".join(run.title for run in runs)}
     # Runs of the same name are told by their folders.

@@ -13,7 +13,7 @@ import csv
 import json
 import re
 import sys
-from numbers import Integral
+from numbers import Integral, Real
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -30,10 +30,6 @@ AXES = "xyz"
 # The packages of Debian that bring the modules.
 PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "vtkmodules": "python3-vtk9",
             "h5py": "python3-h5py", "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml"}
-# The smallest upper end of the scale of a field. A plastic strain of less than a
-# hundredth does not change the shape of a body visibly; on a scale that fits it, a
-# body that stands would look like one that fails.
-LEAST_UPPER_ENDS = {"plastic_strain": 0.01}
 
 
 class Error(Exception):
@@ -49,17 +45,6 @@ def how_to_install(*modules):
     packages = " or ".join(PACKAGES[module] for module in modules)
     return (f"{' or '.join(modules)} is missing in {sys.executable}: install Debian's {packages} for /usr/bin/python3 "
             f"(sudo apt install {PACKAGES[modules[0]]}), or use this Python's own package manager.")
-
-
-def parts_in_range(field):
-    """Percentiles of values between which a scale of colours lies. The plastic strain of a thin sheared layer is many
-    times that of the body above it."""
-    return (0., 97.) if field == "plastic_strain" else (0.2, 99.8)
-
-
-def range_of_colours(field, low, high):
-    """The range of a scale that fits the values from low to high."""
-    return low, max(high, LEAST_UPPER_ENDS.get(field, high))
 
 
 def pretty(unit):
@@ -293,6 +278,8 @@ class Series:
 
     def place_of(self, k):
         """The number of the time that is nearest to a float, or k."""
+        if not isinstance(k, Real):
+            raise ResultsError(f"A time of {self.path} is a whole number, or a float in s, not {k!r}.")
         if not isinstance(k, Integral):
             return min(range(len(self)), key=lambda i: abs(self.times[i] - k))
         if not -len(self) <= k < len(self):
@@ -333,7 +320,8 @@ class Run:
         if not self.folder.is_dir():
             raise ResultsError(f"{folder} is not a folder." if self.folder.exists() else f"There is no folder {folder}.")
         if not (self.folder / "statistics.csv").exists() and not has_points(self.folder):
-            raise ResultsError(f"{folder} has no results of a simulation: no statistics.csv, points.pvd or points.vtkhdf.")
+            raise ResultsError(f"{folder} has the results of a sweep, which greville.Sweep reads." if (self.folder / "sweep.csv").exists()
+                               else f"{folder} has no results of a simulation: no statistics.csv, points.pvd or points.vtkhdf.")
         self.name = self.folder.resolve().name
         self._known = {}
 
@@ -467,14 +455,12 @@ class Run:
         return self.series("points")(k, names)
 
     def plot(self, k=-1, **options):
-        """A Picture of the points at the kth time, or nearest to a time in s; options: field, magnify, mesh, rigid_bodies."""
+        """A Picture of the points at the kth time, or nearest to a time in s; options: field, magnify, mesh, rigid_bodies, up ('x', 'y', 'z')."""
         from . import pictures
-        if not isinstance(k, Integral):
-            k = int(np.argmin(abs(self.times - k)))
-        return pictures.picture_of(self, k, **options)
+        return pictures.picture_of(self, self.series("points").place_of(k), **options)
 
     def report(self, **options):
-        """Write report.html, and return its path; options: field (a list), no_points, output."""
+        """Write report.html, and return its path; options: field (a list), no_points, output, up ('x', 'y', 'z')."""
         from . import report
         return report.write([self.folder], **options)
 
@@ -490,8 +476,7 @@ class Run:
                 if (self.folder / f"rigid_{name}.pvd").exists()]
 
     def rigid(self, name, time):
-        series = self.series("rigid_" + name)
-        fields = series(int(np.argmin(abs(series.times - time))))
+        fields = self.series("rigid_" + name)(float(time))
         return fields.x.reshape(-1, self.dim, 3), fields
 
     def sizes(self, k=None, points=None):
@@ -499,22 +484,24 @@ class Run:
         if "size" in self.point_fields:
             return (points if points is not None and "size" in points else self.points(k, ["size"]))["size"].astype(float)
         first = self._once("volumes", self._estimate_volumes)
-        if points is None or "J" not in points or "body" not in points:
-            points = self.points(k, ["J", "body"])
-        volumes = first[points["body"].astype(int)] * np.clip(points["J"], 0.3, 3.)
-        return volumes**(1. / self.dim)
+        known = [name for name in ("J", "body") if name in self.point_fields]
+        if points is None or not set(known) <= set(points):
+            points = self.points(k, known)
+        body = points["body"].astype(int) if "body" in points else np.zeros(len(points.x), int)
+        return (first[body] * np.clip(points["J"] if "J" in points else 1., 0.3, 3.))**(1. / self.dim)
 
     def _estimate_volumes(self):
         """For results without the field size: the distance of points and their mass give the volumes of bodies."""
-        points = self.points(0, ["J", "body", "density"])
-        body = points["body"].astype(int)
-        volumes = np.ones(body.max() + 1)
+        # Points of a run that has written none of these are those of one body.
+        points = self.points(0, [name for name in ("J", "body", "density") if name in self.point_fields])
+        body = points["body"].astype(int) if "body" in points else np.zeros(len(points.x), int)
+        volumes = np.ones(body.max(initial=0) + 1)
         for b in np.unique(body):
             mine = points.x[body == b]
             sample = mine[np.linspace(0, len(mine) - 1, 200).astype(int)] if len(mine) > 1 else []
             squares = [np.partition(((mine - s)**2).sum(axis=1), 1)[1] for s in sample] or [1e-4]
             volumes[b] = np.median(squares)**(self.dim / 2)
-        if (self.folder / "statistics.csv").exists():
+        if (self.folder / "statistics.csv").exists() and {"J", "density"} <= set(points):
             volumes *= self.statistics["mass"][0] / np.sum(points["density"] * volumes[body] * points["J"])
         return volumes
 
@@ -553,15 +540,6 @@ class Run:
         work = sum((table[name] for name in self.work), np.zeros(len(energy)))
         change = energy - energy[0]
         return change, work, change - work
-
-
-def main_field(run):
-    """The field that says most about a run: the plastic strain of soil, where there is any, and else the speed."""
-    models = {run.parameters.get(f"Material {run.parameters.get(f'Body {name}/Material')}/Model") for name in run.bodies}
-    if models & {"drucker-prager", "mohr-coulomb"} and "plastic_strain" in run.point_fields \
-            and run.points(-1, ["plastic_strain"])["plastic_strain"].max() > 0:
-        return "plastic_strain"
-    return "speed"
 
 
 def runs_in(folder):

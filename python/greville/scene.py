@@ -1,9 +1,9 @@
 """The points of a simulation at a time as axes of matplotlib, and the frame of an animation."""
-import re
 import sys
 
-from .drawing import (BODY_COLOURS, EllipseCollection, draw_spheres, fit_box, keep_apart, loops_of, matplotlib, np, plt)
-from .results import ResultsError, Run, main_field, parts_in_range, pretty, range_of_colours
+from .drawing import (BODY_COLOURS, LABELS_3D, EllipseCollection, draw_spheres, fit_box, keep_apart, matplotlib, np, outline_of, plt)
+from .display import (array_of, check_field, main_field, parts_in_range, range_of_colours, room_for_rigid_bodies, up_axis)
+from .results import ResultsError, Run, pretty
 
 
 def read_reference(run, name):
@@ -17,27 +17,27 @@ def read_reference(run, name):
 class Simulation:
     """A run with the colours and limits of its pictures."""
 
-    def __init__(self, folder, field=None, magnify=1., rigid_bodies=True):
+    def __init__(self, folder, field=None, magnify=1., rigid_bodies=True, up=None):
         self.run, self.magnify, self.has_rigid_bodies = Run(folder), magnify, rigid_bodies
         self.folder, self.title_of_run = folder, self.run.title
         self.times, self.dim, self.parameters = np.asarray(self.run.times), self.run.dim, self.run.parameters
-        self.decimals = max(0, 2 - int(np.floor(np.log10(self.times[-1] or 1.))))
+        span = np.ptp(self.times) or abs(self.times[-1]) or 1.
+        self.decimals = max(0, 2 - int(np.floor(np.log10(span))))
         self.statistics = self.run.statistics if (folder / "statistics.csv").exists() else None
 
         available = self.run.point_fields
         field = field or main_field(self.run)
-        self.array, self.component = ("velocity" if field == "speed" else field), field
-        if field not in available and field[-2:] in ("_x", "_y", "_z") and field[:-2] in available:
-            self.array = field[:-2]
-        if self.array not in available:
-            speed = ["speed"] if "velocity" in available else []
-            raise ResultsError(f"{folder} has no field {field}. There are: {', '.join(speed + available)}.")
+        self.array, self.component = None, field
+        if field:
+            check_field(self.run, field)
+            self.array = array_of(self.run, field)
         self.needed = {name for name in (self.array, "velocity", "size", "J", "body", "displacement") if name in available}
         if self.magnify != 1. and "displacement" not in available:
             raise ResultsError(f"--magnify needs the field displacement, which the points in {folder} lack.")
         self.is_body = field == "body"
         self.unit = pretty(self.run.unit("points.pvd", self.array))
-        self.label = field.replace("_", " ").replace("von mises", "von Mises stress")
+        self.label = (field or "").replace("_", " ").replace("von mises", "von Mises stress")
+        self.up = up_axis(self.run, up) if self.dim == 3 else 1
         self.find_ranges()
 
     def load(self, k):
@@ -50,34 +50,19 @@ class Simulation:
             x = x + (self.magnify - 1.) * points["displacement"]
         speed = np.linalg.norm(points["velocity"], axis=1).mean() if "velocity" in points else 0.
         # A field that is not there yet has no numbers.
-        value = np.nan_to_num(points.component(self.component))
+        value = np.nan_to_num(points.component(self.component)) if self.component else np.zeros(len(x))
         if self.is_body:
             value = value % len(BODY_COLOURS)
         self.body = points["body"].astype(int) if "body" in points else np.zeros(len(x), int)
         return x, value, self.run.sizes(k, points), speed
 
     def rigid_facets(self, k):
-        """Corners of the facets of each rigid body at the kth time."""
-        result = []
-        for name in self.run.rigid_bodies if self.has_rigid_bodies else []:
-            facets, fields = self.run.rigid(name, self.times[k])
-            result.append(facets + (self.magnify - 1.) * fields["displacement"].reshape(facets.shape))
-        return result
+        """Corners of the facets of each rigid body that is drawn at the kth time, by name."""
+        return {name: self.facets_of(name, k) for name in (self.run.rigid_bodies if self.has_rigid_bodies else [])}
 
-    def with_rigid_bodies(self, lower, upper):
-        """Limits of bodies with room for rigid ones. Those without an end, which are cut beyond the grid, and those that do not fit have little."""
-        room, (low, high) = (upper - lower).max(), (lower, upper)
-        ends = [np.r_[end, [0.] * (3 - self.dim)] for end in self.run.grid_box or (lower[:self.dim], upper[:self.dim])]
-        for k in range(len(self.times)):
-            for name, facets in zip(self.run.rigid_bodies, self.rigid_facets(k)):
-                if not len(facets):
-                    continue
-                least, most = facets.min(axis=(0, 1)), facets.max(axis=(0, 1))
-                endless = bool(re.search("half_space|level_set|[<>]", self.parameters.get(f"Rigid body {name}/Shape", "")))
-                least = np.where((least < lower - room) | endless & (least < ends[0]), lower - 0.1 * room, least)
-                most = np.where((most > upper + room) | endless & (most > ends[1]), upper + 0.1 * room, most)
-                low, high = np.minimum(low, least), np.maximum(high, most)
-        return low, high
+    def facets_of(self, name, k):
+        facets, fields = self.run.rigid(name, self.times[k])
+        return facets + (self.magnify - 1.) * fields["displacement"].reshape(facets.shape)
 
     def find_ranges(self):
         """Limits and range of colours, which are the same at all times, and mean speeds."""
@@ -98,7 +83,9 @@ class Simulation:
         self.failure_line = read_reference(self.run, "Failure line file") if self.dim == 2 else None
         if self.surface:
             upper[:2] = np.maximum(upper[:2], [self.surface[0].max(), self.surface[1].max()])
-        lower, upper = self.with_rigid_bodies(lower, upper)
+        lower, upper = room_for_rigid_bodies(self.run, lower, upper, {
+            name: (self.facets_of(name, k) for k in range(len(self.times)))
+            for name in (self.run.rigid_bodies if self.has_rigid_bodies else [])})
         margin = 0.04 * (upper - lower).max()
         lower, upper = lower - margin, upper + margin
         self.domain = np.array(self.run.grid_box) if self.run.grid_box else None
@@ -172,7 +159,7 @@ def add_axes(figure, position, simulation, mesh=False, labels="xy"):
             axis.set_major_locator(plt.FixedLocator(places[-1:] if part < 0.3 else places[::2] if len(places) > most else places))
             axis.set_pane_color((0.96, 0.96, 0.96, 1.))
             axis._axinfo["grid"].update(color="0.85", linewidth=0.5)
-        axes.view_init(elev=22, azim=-62)
+        axes.view_init(elev=ELEVATION, azim=AZIMUTH)
         fit_box(axes, (upper - lower)[order], position[2:])
         return axes
     axes = figure.add_axes(box, xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), aspect="equal",
@@ -214,12 +201,8 @@ def draw_walls(axes, simulation):
 
 
 def axes_order(simulation):
-    """The axes of a view from above: that which gravity follows most, by the first numbers in its formulas, is the last."""
-    gravity = simulation.parameters.get("Loads/Gravity", "").split(";")
-    found = [re.search(r"\d+\.?\d*", text) for text in gravity]
-    sizes = [float(number.group()) if number else 1. if text.strip() else 0. for number, text in zip(found, gravity)]
-    up = max(range(len(sizes)), key=lambda d: (sizes[d], d)) if any(sizes) else 1
-    return [[1, 2, 0], [0, 2, 1], [0, 1, 2]][up]
+    """The axes of a view from above: the upright one is the last."""
+    return [[1, 2, 0], [0, 2, 1], [0, 1, 2]][simulation.up]
 
 
 def draw_points(axes, simulation, k):
@@ -228,7 +211,7 @@ def draw_points(axes, simulation, k):
     if simulation.dim == 3:
         colours = plt.get_cmap(simulation.colours)(simulation.norm(value))[:, :3]
         order = axes_order(simulation)
-        facets = np.concatenate([np.zeros((0, 3, 3))] + simulation.rigid_facets(k))
+        facets = np.concatenate([np.zeros((0, 3, 3)), *simulation.rigid_facets(k).values()])
         draw_spheres(axes, x[:, order], diameter, colours, facets[:, :, order], (simulation.lower[order], simulation.upper[order]))
         return
     # Circles of the volume would leave gaps, and where bodies are sheared larger ones as well.
@@ -243,9 +226,9 @@ def draw_points(axes, simulation, k):
             circles.set_clip_path(plt.Rectangle(simulation.clip[0], *(simulation.clip[1] - simulation.clip[0]),
                                                 transform=axes.transData))
     draw_outlines(axes, simulation, x, diameter)
-    for segments in simulation.rigid_facets(k):
+    for segments in simulation.rigid_facets(k).values():
         if len(segments):
-            axes.add_patch(plt.matplotlib.patches.PathPatch(loops_of(segments), facecolor="0.78", edgecolor="0.35", linewidth=0.8, zorder=2.2))
+            axes.add_patch(plt.matplotlib.patches.PathPatch(outline_of(segments), facecolor="0.78", edgecolor="0.35", linewidth=0.8, zorder=2.2))
 
 
 def draw_outlines(axes, simulation, x, diameter):
@@ -259,6 +242,8 @@ def draw_outlines(axes, simulation, x, diameter):
                  zip(x[mine, :2].min(axis=0), x[mine, :2].max(axis=0))]
         area = np.histogram2d(*x[mine, :2].T, bins=edges, weights=diameter[mine]**2)[0] / width**2
         smooth = sum(np.roll(area, (i - 2, j - 2), axis=(0, 1)) for i, j in np.ndindex(5, 5)) / 25
+        if smooth.max() <= 0.5:   # Too thin for a line around it.
+            continue
         centers = [(edge[1:] + edge[:-1]) / 2 for edge in edges]
         axes.contour(*centers, smooth.T, levels=[0.5], colors="white", linewidths=2.2, zorder=2.4)
         axes.contour(*centers, smooth.T, levels=[0.5], colors=[BODY_COLOURS[(b + 1) % len(BODY_COLOURS)]], linewidths=1.1, zorder=2.5)
@@ -283,7 +268,9 @@ def is_inside(simulation, x, diameter):
 
 
 def add_colour_bar(figure, position, simulation):
-    """Or a legend of the bodies."""
+    """Or a legend of the bodies; nothing where points have no field."""
+    if not simulation.component:
+        return
     if simulation.is_body:
         handles = [plt.Line2D([], [], marker="o", linestyle="", markersize=6, color=BODY_COLOURS[k % len(BODY_COLOURS)],
                               label=name.replace("_", " ")) for k, name in enumerate(simulation.run.bodies)]
@@ -307,14 +294,24 @@ def add_colour_bar(figure, position, simulation):
                       bbox_to_anchor=((position[0] - 0.1) / width, (position[1] - 0.15) / height))
 
 
-def panel_ratio(simulation):
+# The direction of the view in 3D, degrees.
+ELEVATION, AZIMUTH = 22, -62
+
+
+def panel_ratio(simulation, width=2.45):
+    """Height over width of axes so many inches wide: of the box in 2D, of its view in 3D with the labels around it."""
     size = simulation.upper - simulation.lower
-    return 0.78 if simulation.dim == 3 else min(max(size[1] / size[0], 0.1), 3.)
+    if simulation.dim == 2:
+        return min(max(size[1] / size[0], 0.1), 3.)
+    a, b, c = size[axes_order(simulation)]
+    sine, cosine = np.abs(np.sin(np.deg2rad([AZIMUTH, ELEVATION]))), np.abs(np.cos(np.deg2rad([AZIMUTH, ELEVATION])))
+    seen = (sine[1] * (cosine[0] * a + sine[0] * b) + cosine[1] * c) / (sine[0] * a + cosine[0] * b)
+    return float(np.clip((seen * (width - LABELS_3D[0]) + LABELS_3D[1]) / width, 0.4, 1.2))
 
 
 def frame(simulation, k, mesh=False):
     """The figure of the kth time."""
-    ratio = panel_ratio(simulation)
+    ratio = panel_ratio(simulation, 5.6)
     width = min(5.6, 6. / ratio)
     height = max(width * ratio, 1.2)
     figure = plt.figure(figsize=(width + 1.8, height + 0.9), dpi=120)

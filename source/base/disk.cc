@@ -12,6 +12,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <unistd.h>
 
 namespace greville
@@ -160,6 +161,128 @@ namespace greville
     const int result = fsync(descriptor);
     close(descriptor);
     AssertThrow(result == 0, ExcMessage(write_error(file)));
+  }
+
+
+
+  namespace
+  {
+    const std::string     journal_begin    = "Greville: journal\n";
+    constexpr std::size_t journal_end_size = 17; // bytes
+
+
+
+    std::string
+    end_of_journal(const std::string &text)
+    {
+      char end[journal_end_size + 1];
+      std::snprintf(end,
+                    sizeof(end),
+                    "\n%016llx",
+                    static_cast<unsigned long long>(checksum(text, 0)));
+      return end;
+    }
+
+
+
+    /**
+     * What lies between ranges, up to a length.
+     */
+    std::vector<ByteRange>
+    gaps_between(std::vector<ByteRange> ranges, const std::uint64_t length)
+    {
+      std::sort(ranges.begin(),
+                ranges.end(),
+                [](const ByteRange &a, const ByteRange &b) {
+                  return a.begin < b.begin;
+                });
+      ranges.push_back({length, length});
+      std::vector<ByteRange> result;
+      std::uint64_t          at = 0;
+      for (const ByteRange &range : ranges)
+        {
+          if (at < std::min(range.begin, length))
+            result.push_back({at, std::min(range.begin, length)});
+          at = std::max(at, range.end);
+        }
+      return result;
+    }
+  } // namespace
+
+
+
+  void
+  write_journal(const std::string            &journal,
+                const std::string            &file,
+                const std::vector<ByteRange> &kept)
+  {
+    errno                      = 0;
+    const std::uint64_t length = std::filesystem::file_size(file);
+    const auto          parts  = gaps_between(kept, length);
+    std::string         text   = journal_begin + std::to_string(length) + ' ' +
+                       std::to_string(parts.size()) + '\n';
+    for (const ByteRange &part : parts)
+      text +=
+        std::to_string(part.begin) + ' ' + std::to_string(part.end) + '\n';
+    std::ifstream in(file, std::ios::binary);
+    for (const ByteRange &part : parts)
+      {
+        std::string bytes(part.end - part.begin, '\0');
+        in.seekg(part.begin);
+        in.read(&bytes[0], bytes.size());
+        text += bytes;
+      }
+    AssertThrow(in,
+                ExcMessage("Cannot read <" + file +
+                           ">: " + std::strerror(errno) + "."));
+    try
+      {
+        write_atomically(journal, text + end_of_journal(text));
+      }
+    catch (const std::exception &)
+      {
+        unlink((journal + ".tmp").c_str());
+        throw;
+      }
+  }
+
+
+
+  void
+  take_back(const std::string &journal, const std::string &file)
+  {
+    std::ostringstream content;
+    content << std::ifstream(journal, std::ios::binary).rdbuf();
+    std::string text = content.str();
+    AssertThrow(text.size() > journal_end_size &&
+                  text.rfind(journal_begin, 0) == 0,
+                ExcMessage("<" + journal + "> is no complete journal."));
+    const std::string end = text.substr(text.size() - journal_end_size);
+    text.resize(text.size() - journal_end_size);
+    AssertThrow(end == end_of_journal(text),
+                ExcMessage("<" + journal + "> is no complete journal."));
+    std::istringstream in(text.substr(journal_begin.size()));
+    std::uint64_t      length = 0, n_parts = 0;
+    in >> length >> n_parts;
+    std::vector<ByteRange> parts(n_parts);
+    std::uint64_t          n_bytes = 0;
+    for (ByteRange &part : parts)
+      {
+        in >> part.begin >> part.end;
+        n_bytes += part.end - part.begin;
+      }
+    std::uint64_t at = text.size() - n_bytes;
+    errno            = 0;
+    std::fstream out(file, std::ios::binary | std::ios::in | std::ios::out);
+    for (const ByteRange &part : parts)
+      {
+        out.seekp(part.begin);
+        out.write(text.data() + at, part.end - part.begin);
+        at += part.end - part.begin;
+      }
+    out.close();
+    AssertThrow(out, ExcMessage(write_error(file)));
+    std::filesystem::resize_file(file, length);
   }
 
 

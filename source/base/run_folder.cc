@@ -20,38 +20,83 @@ namespace greville
 
   namespace
   {
+    /**
+     * Folders that a run may have left in its own: the points at failure,
+     * pictures, and the runs of a sweep, which its table names.
+     */
+    std::vector<std::string>
+    inner_folders(const std::string &folder)
+    {
+      std::vector<std::string> names = {"failure", "frames"};
+      std::ifstream            table(folder + "/sweep.csv");
+      std::string              line;
+      std::getline(table, line); // The names of columns.
+      while (std::getline(table, line))
+        {
+          const std::string name = line.substr(0, line.find(','));
+          if (name.find('/') == std::string::npos && name.rfind('.', 0) != 0)
+            names.push_back(name);
+        }
+      return names;
+    }
+
+
+
+    /**
+     * Files that the programs and scripts write, and folders with some in them.
+     */
     std::vector<std::filesystem::path>
     results_in(const std::string &folder)
     {
       static const std::regex names(
-        R"((parameters\.prm|summary\.json|messages\.log|)"
-        R"((statistics|probes|newton|units|convergence|element_test)\.csv)"
+        R"((parameters\.prm|summary\.json|messages\.log|output\.txt|view\.py)"
+        R"(|(statistics|probes|newton|units|convergence|sweep|element_test)\.csv)"
+        R"(|(picture|failure|energies|convergence|element_test|frame_[0-9]+)\.png)"
+        R"(|animation\.(gif|mp4)|report\.html)"
         R"(|points\.(vtkhdf(\.refused|\.changing)?|xdmf))"
-        R"(|(points|grid|surface)[A-Za-z0-9_-]*\.(pvd|pvtu|vtu)|)"
-        R"((points|grid|surface)\w*_[0-9]+\.[0-9]+\.vtu|)"
-        R"(checkpoint_[0-9]+\.h5(\.new|\.refused)?)(\.tmp)?)");
+        R"(|(points|grid|surface|rigid)[A-Za-z0-9_-]*\.(pvd|pvtu|vtu))"
+        R"(|(points|grid|surface|rigid)\w*_[0-9]+\.[0-9]+\.vtu)"
+        R"(|checkpoint_[0-9]+\.h5(\.new|\.refused)?)(\.tmp)?)");
       std::vector<std::filesystem::path> results;
       for (const auto &entry : std::filesystem::directory_iterator(folder))
         if (entry.is_regular_file() &&
             std::regex_match(entry.path().filename().string(), names))
           results.push_back(entry.path());
+      for (const std::string &name : inner_folders(folder))
+        {
+          const std::filesystem::path inner = folder + "/" + name;
+          if (std::filesystem::is_directory(inner) &&
+              !results_in(inner.string()).empty())
+            results.push_back(inner);
+        }
       return results;
     }
 
 
 
     void
-    move_or_remove_results(const std::string &folder, const bool remove)
+    remove_results(const std::string &folder)
+    {
+      for (const auto &result : results_in(folder))
+        if (!std::filesystem::is_directory(result))
+          std::filesystem::remove(result);
+        else
+          {
+            remove_results(result.string());
+            // Files of the user stay, and so does their folder.
+            if (std::filesystem::is_empty(result))
+              std::filesystem::remove(result);
+          }
+    }
+
+
+
+    void
+    move_results_aside(const std::string &folder)
     {
       const auto results = results_in(folder);
       if (results.empty())
         return;
-      if (remove)
-        {
-          for (const auto &file : results)
-            std::filesystem::remove(file);
-          return;
-        }
       unsigned int n     = 1;
       const auto   aside = [&]() {
         return std::filesystem::path(folder) / ("earlier_" + std::to_string(n));
@@ -59,8 +104,8 @@ namespace greville
       while (std::filesystem::exists(aside()))
         ++n;
       std::filesystem::create_directory(aside());
-      for (const auto &file : results)
-        std::filesystem::rename(file, aside() / file.filename());
+      for (const auto &result : results)
+        std::filesystem::rename(result, aside() / result.filename());
     }
   } // namespace
 
@@ -108,7 +153,17 @@ namespace greville
       [&]() {
         try
           {
-            move_or_remove_results(folder, earlier == EarlierResults::remove);
+            // A run of the earlier sweep may go on.
+            for (const auto &result : results_in(folder))
+              if (std::filesystem::exists(result / "lock"))
+                RunFolder(result.string(),
+                          parameter,
+                          EarlierResults::keep,
+                          MPI_COMM_SELF);
+            if (earlier == EarlierResults::remove)
+              remove_results(folder);
+            else
+              move_results_aside(folder);
           }
         catch (const std::filesystem::filesystem_error &error)
           {

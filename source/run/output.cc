@@ -496,15 +496,18 @@ namespace greville
       {
         const std::string file = directory + "/" + PointSeries<dim>::file_name;
         times_and_names.erase(points);
+        std::string what_of_file = " Its times are lost";
         run_on_first(
           [&]() {
             std::error_code none;
             std::filesystem::remove(file + ".changing", none);
             std::filesystem::rename(file, file + ".refused", none);
+            if (!none)
+              what_of_file = " It is renamed to <" + file + ".refused>";
           },
           comm);
-        return message_of(error) + " If it is there it is renamed to <" + file +
-               ".refused>; a new one begins with the next time.";
+        return message_of(error) + what_of_file +
+               "; a new one begins with the next time.";
       }
   }
 

@@ -73,23 +73,6 @@ namespace greville
            << data_set << "</DataItem></DataItem>";
       return text.str();
     }
-
-
-
-    void
-    set_mark(const std::string &path, const bool is_set, const MPI_Comm comm)
-    {
-      MPI_Barrier(comm);
-      run_on_first(
-        [&]() {
-          const std::string mark = path + ".changing";
-          if (is_set)
-            write_atomically(mark, "");
-          else
-            std::filesystem::remove(mark);
-        },
-        comm);
-    }
   } // namespace
 
 
@@ -98,7 +81,27 @@ namespace greville
   PointSeries<dim>::PointSeries(const std::string &directory)
     : directory(directory)
     , path(directory + "/" + file_name)
+    , journal(path + ".changing")
   {}
+
+
+
+  template <int dim>
+  void
+  PointSeries<dim>::begin_change(const MPI_Comm comm)
+  {
+    run_on_first([&]() { write_journal(journal, path, chunks.ranges); }, comm);
+  }
+
+
+
+  template <int dim>
+  void
+  PointSeries<dim>::end_change(const MPI_Comm comm)
+  {
+    MPI_Barrier(comm);
+    run_on_first([&]() { std::filesystem::remove(journal); }, comm);
+  }
 
 
 
@@ -131,7 +134,8 @@ namespace greville
           reserve_room(path, n_bytes);
       },
       comm);
-    const VtkHdfContent before = content;
+    const VtkHdfContent before        = content;
+    const ChunkPlaces   chunks_before = chunks;
     content.times.push_back({time,
                              before.n_points(),
                              n,
@@ -149,6 +153,7 @@ namespace greville
         message = "Cannot write <" + path + ">: " + system_reason(path) +
                   message_of(error) + ".";
         content = before;
+        chunks  = chunks_before;
       }
     throw_on_all(message, comm);
     write_xdmf(comm);
@@ -172,7 +177,10 @@ namespace greville
       own += body.points.n_points();
     const std::uint64_t first_own = sum_before(own, comm);
 
-    set_mark(path, true, comm);
+    if (is_new)
+      chunks = {};
+    else
+      begin_change(comm);
     VtkHdfFile file(path, is_new, comm);
     if (is_new)
       file.make_structure(rows_of_chunk);
@@ -185,10 +193,6 @@ namespace greville
             content.fields[set.name] = added[set.name] = set.n_columns;
           }
     file.set_rows(content);
-    // From here on data are written, of which no description changes.
-    file.flush();
-    set_mark(path, false, comm);
-
     for (const auto &[name, n_columns] : added)
       file.write_nothing(name, n_columns, 0, now.first_point);
     for (const auto &[name, n_columns] : missing)
@@ -240,11 +244,10 @@ namespace greville
     if (is_new_part)
       file.write_cells(content, first_own, own);
     file.write_time(content, is_new_part);
-
-    set_mark(path, true, comm);
     file.set_n_times(content.times.size());
+    file.find_chunks(content, chunks);
     file.finish();
-    set_mark(path, false, comm);
+    end_change(comm);
   }
 
 
@@ -254,14 +257,25 @@ namespace greville
   PointSeries<dim>::go_on(const unsigned int n_times, const MPI_Comm comm)
   {
     content         = {};
+    chunks          = {};
     n_times_of_xdmf = 0;
     run_on_first(
       [&]() {
         AssertThrow(std::filesystem::exists(path),
                     ExcMessage("There is no file <" + path + ">."));
-        AssertThrow(!std::filesystem::exists(path + ".changing"),
-                    ExcMessage("The run was killed while it changed <" + path +
-                               ">."));
+        if (!std::filesystem::exists(journal))
+          return;
+        try
+          {
+            take_back(journal, path);
+          }
+        catch (const std::exception &error)
+          {
+            AssertThrow(false,
+                        ExcMessage("The run was killed while it changed <" +
+                                   path + ">. " + message_of(error)));
+          }
+        std::filesystem::remove(journal);
       },
       comm);
     const HDF5Silence silence;
@@ -270,11 +284,24 @@ namespace greville
       {
         VtkHdfFile file(path, false, comm);
         content = file.read(n_times);
-        set_mark(path, true, comm);
+        file.find_chunks(content, chunks);
+        begin_change(comm);
         file.set_rows(content);
         file.set_n_times(n_times);
+        const std::vector<ByteRange> before = chunks.ranges;
+        chunks                              = {};
+        file.find_chunks(content, chunks);
         file.finish();
-        set_mark(path, false, comm);
+        end_change(comm);
+        // Nothing takes the place of chunks that are no longer used, but behind
+        // the end of the file.
+        std::uint64_t length = 0;
+        run_on_first([&]() { length = std::filesystem::file_size(path); },
+                     comm);
+        length = Utilities::MPI::broadcast(comm, length);
+        for (const ByteRange &range : before)
+          if (range.begin < length)
+            chunks.ranges.push_back({range.begin, std::min(range.end, length)});
       }
     catch (const std::exception &error)
       {

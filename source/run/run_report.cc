@@ -17,6 +17,57 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    /**
+     * Microseconds that a process works for a point in a step.
+     */
+    double
+    cost_of_point(const double       wall_time,
+                  const double       n_points,
+                  const unsigned int n_steps,
+                  const MPI_Comm     comm)
+    {
+      return 1e6 * wall_time * Utilities::MPI::n_mpi_processes(comm) /
+             (n_points * n_steps);
+    }
+
+
+
+    /**
+     * Whether a loss of energy, a fraction of the largest energy or work, is
+     * much, and what lowers it.
+     */
+    std::string
+    judgement_of_loss(const double loss, const SchemeParameters &scheme)
+    {
+      if (loss < -0.01)
+        return "energy has come from nothing, less with shorter steps";
+      if (loss < 0.02)
+        return "low";
+      std::string remedy = "shorter steps";
+      if (scheme.stress_update == "backward-euler")
+        remedy += ", or 'Scheme/Stress update' = implicit-midpoint";
+      else if (is_explicit_scheme(scheme.stress_update))
+        {
+          std::ostringstream share;
+          share << scheme.flip;
+          remedy = "smaller cells";
+          if (scheme.is_flip() && scheme.flip < 1.)
+            remedy += ", a 'Scheme/FLIP share' (" + share.str() +
+                      ") closer to 1, or 'Scheme/Transfer' = APIC";
+          else if (scheme.is_pic())
+            remedy += ", or 'Scheme/Transfer' = APIC or FLIP";
+          else if (scheme.has_lumped_mass())
+            remedy += ", or 'Scheme/Mass' = consistent";
+        }
+      return (loss < 0.1 ? "moderate, less with " : "high, less with ") +
+             remedy;
+    }
+  } // namespace
+
+
+
   template <int dim>
   void
   SimulationRun<dim>::print_progress(const bool is_last)
@@ -49,20 +100,33 @@ namespace greville
     line << std::setprecision(4) << parameters.stage_text(last_stage) << "step "
          << common().n_steps << ", t = " << common().time << " of " << end
          << " s, dt = " << common().step << " s";
-    unsigned int n_iterations = 0;
-    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
-      n_iterations =
-        std::max(n_iterations, ensemble.part(k).state().n_iterations);
-    if (n_iterations > 0)
-      line << ", " << n_iterations << " iterations";
-    line << ", " << std::setprecision(3)
-         << 1e-6 * n_points * (common().n_steps - first_step) / elapsed
-         << " M points/s, " << std::ceil(elapsed / (part - begun) * (1. - part))
-         << " s left";
+    const double n_iterations = iterations_per_step();
+    line << std::setprecision(3);
+    if (n_iterations > 0.)
+      line << ", " << n_iterations << " iterations per step";
+    line << ", "
+         << cost_of_point(elapsed,
+                          n_points,
+                          common().n_steps - first_step,
+                          comm)
+         << " us per point and step, "
+         << std::ceil(elapsed / (part - begun) * (1. - part)) << " s left";
     if (is_terminal)
       out << "\r\033[K" << line.str() << (is_last ? "\n" : "") << std::flush;
     else
       out << line.str() << std::endl;
+  }
+
+
+
+  template <int dim>
+  double
+  SimulationRun<dim>::iterations_per_step()
+  {
+    return double(ensemble.sum([](const Simulation<dim> &part) {
+             return part.state().n_all_iterations;
+           })) /
+           std::max(1u, common().n_steps);
   }
 
 
@@ -116,10 +180,9 @@ namespace greville
     if (ensemble.first().grid().fields()[0].consistent && state.n_steps > 0)
       {
         typename Extension<dim>::Counts functions;
-        std::uint64_t n_iterations = 0, n_factorizations = 0, n_fragments = 0;
+        std::uint64_t                   n_factorizations = 0, n_fragments = 0;
         for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
           {
-            n_iterations += ensemble.part(k).state().n_all_iterations;
             for (const auto &field : ensemble.part(k).grid().fields())
               {
                 const auto counts = field.consistent->extension().counts();
@@ -133,7 +196,7 @@ namespace greville
         const bool is_implicit = ensemble.first().is_implicit();
         out << (is_implicit ? "  linear systems of Newton's method: "
                             : "  mass: ")
-            << std::setprecision(3) << double(n_iterations) / state.n_steps
+            << std::setprecision(3) << iterations_per_step()
             << " iterations per step";
         if (!is_implicit)
           out << ", " << n_factorizations << " factorizations";
@@ -144,11 +207,16 @@ namespace greville
     if (parameters.output.print_times)
       {
         const double bytes = bytes_per_point();
-        out << std::setprecision(3) << "  " << summary.wall_time << " s, "
-            << 1e-6 * n_points * (state.n_steps - first_step) /
-                 summary.wall_time
-            << " million points and steps per second, " << bytes
-            << " bytes per point\n";
+        out << std::setprecision(3) << "  " << summary.wall_time << " s";
+        if (state.n_steps > first_step)
+          out << ", "
+              << cost_of_point(summary.wall_time,
+                               n_points,
+                               state.n_steps - first_step,
+                               comm)
+              << " us per point, step and process";
+        out << "; memory of points " << 1e-6 * bytes * n_points << " MB, "
+            << bytes << " bytes each\n";
         const auto print = [&](const std::string &part, const double seconds) {
           out << "    " << std::left << std::setw(16) << part << std::right
               << std::fixed << std::setprecision(2) << std::setw(9) << seconds
@@ -168,7 +236,10 @@ namespace greville
       out << std::setprecision(3)
           << "  numerical loss of energy: " << 100. * summary.relative_loss
           << " % of the largest energy or work (" << summary.numerical_loss
-          << ' ' << unit_of_sums("J", dim, parameters.grid) << ")\n";
+          << ' ' << unit_of_sums("J", dim, parameters.grid) << "): "
+          << judgement_of_loss(summary.relative_loss,
+                               ensemble.first().stage_parameters().scheme)
+          << '\n';
     print_errors(out, "displacement", summary.errors.displacement);
     print_errors(out, "velocity", summary.errors.velocity);
     print_errors(out, "stress", summary.errors.stress);
@@ -258,6 +329,9 @@ namespace greville
       .begin("energy")
       .add("numerical_loss", summary.numerical_loss)
       .add("relative_loss", summary.relative_loss)
+      .add("judgement",
+           judgement_of_loss(summary.relative_loss,
+                             ensemble.first().stage_parameters().scheme))
       .end()
       .begin("parts");
     for (const auto &part : ensemble.part_times())

@@ -13,6 +13,7 @@
 #include <iomanip>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <sstream>
 
 namespace greville
@@ -227,17 +228,25 @@ namespace greville
             const bool         is_side_by_side)
     {
       check_other_folder(options, folder, comm);
-      RunFolder own(folder,
+      // A new run takes its folder when that of an earlier sweep has made room.
+      std::optional<RunFolder> own;
+      const auto               take_folder = [&]() {
+        own.emplace(folder,
                     "Output/Directory",
                     what_of_earlier(row.parameters, options),
                     comm);
+      };
+      if (options.resumes)
+        take_folder();
       // Those that had not begun begin now.
       RunOptions own_options = options;
       own_options.resumes    = options.resumes && has_checkpoints(folder, comm);
       own_options.prepare_folder = [&]() {
         if (options.prepare_folder)
           options.prepare_folder();
-        own.make_room();
+        if (!own)
+          take_folder();
+        own->make_room();
         write_parameters(row.parameters.with(
                            "subsection Output\n  set Directory = " + folder +
                            "\nend\n"),
@@ -400,10 +409,20 @@ namespace greville
               const std::string          &directory,
               std::ostream               &out,
               const MPI_Comm              comm,
-              const RunOptions           &options)
+              RunOptions                  options)
     {
       const bool has_exact = !parameters.exact.displacement.empty();
       auto       rows      = make_sweep_rows(parameters);
+      // The table names the folders from the start.
+      options.prepare_folder = [&, prepare = options.prepare_folder]() {
+        prepare();
+        if (options.resumes)
+          return;
+        auto begun = rows;
+        for (SweepRow &row : begun)
+          row.failure = "not at its end";
+        write_results(begun, parameters.sweep, directory, comm);
+      };
       if (parameters.sweep.processes > 0)
         run_side_by_side<dim>(rows, parameters, directory, out, comm, options);
       else

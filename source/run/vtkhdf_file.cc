@@ -388,9 +388,41 @@ namespace greville
 
 
   void
-  VtkHdfFile::flush()
+  VtkHdfFile::find_chunks(const VtkHdfContent &content,
+                          ChunkPlaces         &places) const
   {
-    check_hdf5(H5Fflush(file, H5F_SCOPE_GLOBAL));
+    const auto find = [&](const std::string &name) {
+      const HDF5Handle data_set(H5Dopen2(file, name.c_str(), H5P_DEFAULT),
+                                H5Dclose);
+      const HDF5Handle space(H5Dget_space(data_set), H5Sclose);
+      const HDF5Handle list(H5Dget_create_plist(data_set), H5Pclose);
+      hsize_t          size[] = {0, 0}, chunk[] = {0, 0};
+      check_hdf5(H5Sget_simple_extent_dims(space, size, nullptr));
+      check_hdf5(H5Pget_chunk(list, 2, chunk));
+      std::uint64_t &k = places.n_known[name];
+      for (; k * chunk[0] < size[0]; ++k)
+        {
+          const hsize_t first[] = {k * chunk[0], 0};
+          unsigned int  filters = 0;
+          haddr_t       begin   = HADDR_UNDEF;
+          hsize_t       n_bytes = 0;
+          check_hdf5(H5Dget_chunk_info_by_coord(
+            data_set, first, &filters, &begin, &n_bytes));
+          if (begin == HADDR_UNDEF)
+            break;
+          places.ranges.push_back({begin, begin + n_bytes});
+        }
+    };
+    for (const std::string &name :
+         {"Points", "Connectivity", "Types", "Offsets"})
+      find(root + name);
+    for (const auto &field : content.fields)
+      find(point_data + field.first);
+    for (const std::string &name : names_of_parts)
+      find(root + name);
+    for (const auto *names : {&names_of_steps, &names_of_cells})
+      for (const std::string &name : *names)
+        find(steps + name);
   }
 
 

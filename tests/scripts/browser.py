@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """The report in a browser: tests/scripts/browser.py [BUILD_FOLDER]
 
-Runs prm/simulation/dam_break.prm and bouncing_ball_3d.prm on coarse grids, and
-cooks_membrane.prm in three steps, writes their reports and one of two runs, and opens each in headless
+Runs prm/simulation/dam_break.prm, bouncing_ball_3d.prm and rolling_ball_3d.prm, which
+has a rigid body, on coarse grids, and cooks_membrane.prm in three steps, writes their reports and one of two runs, and opens each in headless
 Chromium, light and dark, wide and narrow: no script may fail, all charts have to be
 there, points have to be drawn, and nothing may be wider than the window. Takes
 two minutes; it is not among the tests of ctest. Pictures go to output/browser.
@@ -28,9 +28,10 @@ CASES = {
     "dam_break_finer": "subsection Grid\n  set Cells = 60, 30\nend\n",
     "bouncing_ball_3d": "subsection Time\n  set End = 0.1\nend\nsubsection Scheme\n  set Mass = lumped\nend\n",
     "cooks_membrane": "subsection Time\n  set End = 0.3\nend\n",
+    "rolling_ball_3d": "subsection Grid\n  set Cells = 8, 8, 4\nend\nsubsection Time\n  set Maximum steps = 20\nend\n",
 }
 # Reports: runs, charts at least, colours of points that have to be in the picture.
-REPORTS = {"dam_break": (["dam_break"], 6), "bouncing_ball_3d": (["bouncing_ball_3d"], 5), "cooks_membrane": (["cooks_membrane"], 7),
+REPORTS = {"dam_break": (["dam_break"], 6), "bouncing_ball_3d": (["bouncing_ball_3d"], 5), "cooks_membrane": (["cooks_membrane"], 7), "rolling_ball_3d": (["rolling_ball_3d"], 5),
            "two_runs": (["dam_break", "dam_break_finer"], 9)}
 
 

@@ -11,7 +11,7 @@ os.environ["GREVILLE"] = PROGRAM
 sys.path.insert(0, str(PROJECT / "python"))
 sys.dont_write_bytecode = True
 import greville
-from greville.case import as_prm
+from greville.case import as_prm, as_text
 
 SECTIONS = {
     "Simulation": {"Bodies": ["block"], "Materials": "solid"},
@@ -75,6 +75,11 @@ def check_formats(case):
         check(f"a case that is saved as {name}", greville.Case(name).set("Simulation/Name", "case").parameters == first)
     check("parameters", first["Body block/Velocity"] == "0.5; 0" and first["Grid/Order"] == "2")
     check("check", "critical step" in case.check())
+    Path("merged.yaml").write_text("a: &one {x: 1}\nb: {<<: *one, x: 2}\n")
+    check("YAML that merges sections", greville.Case("merged.yaml").tree == {"a": {"x": 1}, "b": {"x": 2}})
+    import numpy
+    check("values of numpy", [as_text(value) for value in (numpy.bool_(True), numpy.array([True, False]), numpy.float64(0.5), numpy.int64(3))]
+          == ["true", "true, false", "0.5", "3"])
 
 
 def check_version():
@@ -90,11 +95,21 @@ def check_errors(case):
             ("a step", "is above the critical step", lambda: case.copy().set("Time/Step", 1).set("Output/Directory", "bad").run()),
             ("a file", "There is no file nowhere.prm.", lambda: greville.Case("nowhere.prm")),
             ("a value that is missing", "The parameter <End> has no value.", lambda: greville.Case({"Time": {"End": None}}).check()),
+            ("a number of processes", "processes has to be a whole number above zero, not -1.", lambda: case.run(-1)),
+            ("a text for it", "processes has to be a whole number above zero, not '2'.", lambda: case.run("2")),
+            ("processes of a run of a sweep", "processes_per_run has to be a whole number above zero, not 0.",
+             lambda: greville.sweep(case, "Time/Step", [0.1], 2, 0)),
+            ("no value", "The parameter <Time/End> has no value.", lambda: case.copy().set("Time/End", None)),
+            ("a time", "is a whole number, or a float in s, not 'last'.", lambda: greville.Run("output/case").points("last")),
             ("a template", "there is no template <slop>", lambda: greville.Case.new("slop"))]:
         message = message_of(action)
         check(f"message about {what}: {message}", text in message and "\n" not in message)
     Path("bad.json").write_text("{")
     Path("bad.yaml").write_text("a: [")
+    Path("twice.json").write_text('{"Time": {"End": 1, "End": 2}}')
+    Path("twice.yaml").write_text("Time: {End: 1, Start: 0, End: 2}")
+    for name in ("twice.json", "twice.yaml"):
+        check(name, message_of(lambda: greville.Case(name)) == f"{name} has <End> twice in one section.")
     check("bad JSON", "bad.json is no JSON" in message_of(lambda: greville.Case("bad.json")))
     check("bad YAML", "bad.yaml is no YAML" in message_of(lambda: greville.Case("bad.yaml")))
 
@@ -103,6 +118,9 @@ def check_sweep(case):
     study = greville.sweep(case, "Time/Step", [0.005, 0.0025, 1], processes=2)
     check(f"a run of a sweep that fails: {study.message}", "is above the critical step" in study.message and study.runs[2] is None)
     check("steps of a sweep", [run.summary["steps"] for _, run in study if run] == [20, 40])
+    check("a report of a sweep", study.report(no_points=True) == study.folder / "report.html")
+    message = message_of(lambda: greville.Run(study.folder))
+    check(f"a sweep is no run: {message}", message.endswith("has the results of a sweep, which greville.Sweep reads."))
     check("the table of a sweep", abs(study.table["time"][:2] - 0.1).max() < 1e-12)
 
 

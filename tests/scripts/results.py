@@ -16,7 +16,7 @@ from pathlib import Path
 PROJECT, PROGRAM = Path(sys.argv[1]), sys.argv[2]
 sys.path.insert(0, str(PROJECT / "python"))
 sys.dont_write_bytecode = True
-from greville import ResultsError, Run, read_table, results
+from greville import ResultsError, Run, display, read_table, results
 
 try:
     import numpy as np
@@ -116,9 +116,9 @@ def check_tables(run):
     message = message_of(lambda: run.points(0))
     results.np = numpy
     check(f"message about numpy: {message}", f"numpy is missing in {sys.executable}: install Debian's python3-numpy" in message)
-    check("scale of plastic strains", results.range_of_colours("plastic_strain", 0., 1e-4) == (0., 0.01)
-          and results.range_of_colours("plastic_strain", 0., 0.5) == (0., 0.5)
-          and results.range_of_colours("pressure", -1., -0.5) == (-1., -0.5))
+    check("scale of plastic strains", display.range_of_colours("plastic_strain", 0., 1e-4) == (0., 0.01)
+          and display.range_of_colours("plastic_strain", 0., 0.5) == (0., 0.5)
+          and display.range_of_colours("pressure", -1., -0.5) == (-1., -0.5))
     check("message about results", "has no results of a simulation" in message_of(lambda: Run(PROJECT)))
     # A run that is killed leaves a line that is not whole.
     (run.folder / "cut.csv").write_text("a,b\n1,2\n3")
@@ -166,12 +166,12 @@ def check_report(run, has_points):
             check("positions in the report", abs(np.sort(x[k]) - np.sort(points.x[:, d])).max() < 1e-4)
 
 
-def report_of(folder, case, settings):
+def report_of(folder, case, settings, options=("--no-points",)):
     """The runs of the report of a run of the case with other parameters."""
     sets = [word for setting in settings for word in ("--set", setting)]
     result = subprocess.run([PROGRAM, case, *sets, "--set", f"Output/Directory={folder}"], capture_output=True, text=True)
     check(f"the run: {result.stderr}", result.returncode == 0)
-    result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "report", "--no-points", folder], capture_output=True, text=True)
+    result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "report", *options, folder], capture_output=True, text=True)
     check(f"report: {result.stderr}", result.returncode == 0)
     page = (folder / "report.html").read_text()
     return json.loads(re.search(r"^const DATA = (.*);$", page, re.MULTILINE).group(1))["runs"]
@@ -254,6 +254,59 @@ def check_film(folder):
     check(f"without a film: {done.stderr}", done.returncode == 0 and "no animation.mp4: ffmpeg says: no film today" in done.stderr and not film.exists())
 
 
+RIGID = ["Simulation/Rigid bodies=floor, disc", "Rigid body floor/Shape=half_space(0, 1, 0.1)", "Rigid body disc/Shape=ball(1, 0.7, 0.1)",
+         "Rigid body disc/Velocity=1; -1", "Rigid body disc/Rotation=10 * t", "Simulation/Contacts=ground, side", "Contact ground/Bodies=block, floor", "Contact side/Bodies=block, disc"]
+
+
+def check_rigid_bodies(place, case):
+    """The report has rigid bodies where they are, and one figure for the loss of energy."""
+    folder = place / "rigid"
+    data = report_of(folder, case, [*RIGID, "Walls/Bottom=free"], [])[0]
+    run, frames = Run(folder), data["frames"]
+    check(f"rigid bodies: {data['rigid_bodies']}", data["rigid_bodies"][0] == {"name": "floor", "model": "rigid"}
+          and data["rigid_bodies"][1]["name"] == "disc" and abs(data["rigid_bodies"][1]["extent"][0] - 0.2) < 2e-3)
+    check(f"the view has room for them: {frames['view']}", frames["view"][0][1] < 0.2 and abs(frames["view"][1][1] - run.rigid("disc", 0.04)[0][:, :, 1].max()) < 1e-4)
+    for body in frames["rigid"]:
+        raw = np.frombuffer(zlib.decompress(base64.b64decode(body["data"])), np.uint16)
+        shape = body["shapes"][0]
+        x = np.array(shape["low"]) + np.array(shape["width"]) * raw[:2 * shape["n"]].reshape(-1, 2) / 65535
+        check(f"one shape of {body['name']}, closed lines", len(body["shapes"]) == 1 and sum(shape["loops"]) == shape["n"])
+        for frame, time in zip(body["frames"], run.times):
+            expected = run.rigid(body["name"], time)[0][:, 0, :2]
+            moved = x @ np.array(frame[1:5]).reshape(2, 2).T + frame[5:]
+            gap = np.linalg.norm(moved[:, None] - expected, axis=2)
+            check(f"{body['name']} at {time} s", max(gap.min(axis=0).max(), gap.min(axis=1).max()) < 1e-3)
+    energy = run.summary["energy"]
+    found = [fact for fact in data["facts"] if "loss" in fact[0]]
+    check(f"one figure for the loss: {found}, {data['table']['loss']}", len(found) == 1 and data["table"]["loss"]["judgement"] == energy["judgement"]
+          and found[0][1].startswith(f"{100 * energy['relative_loss']:.3g} %, {energy['judgement'].split(',')[0]}")
+          and abs(data["table"]["loss"]["share"] - energy["relative_loss"]) <= 1e-4 * abs(energy["relative_loss"]))
+
+
+def check_choices(place, case):
+    """What pictures show of runs that write other fields, or begin before zero, and which axis is upright."""
+    from types import SimpleNamespace
+
+    class Points:
+        has_points, dim = True, 3
+
+        def __init__(self, extents=(1., 1., 1.), **parameters):
+            self.parameters = {f"{name.replace('_', ' ')}/Gravity": value for name, value in parameters.items()}
+            self.points = lambda k, names: SimpleNamespace(x=np.array([np.zeros(3), extents]))
+    for expected, run, up in [(2, Points(Loads="0; 0; -9.81"), None), (0, Points(Loads="-9.81; 0; 0"), None), (1, Points(), None),
+                              (2, Points(**{"Stage settle/Loads": "0; -1; -10 * t"}), None), (0, Points(Loads="0; 0; -9.81"), "x"),
+                              (2, Points(extents=(1., 0.9, 0.1)), None), (0, Points(extents=(0.1, 1., 0.9)), None)]:
+        check(f"the axis {expected} is upright: {run.parameters}", display.up_axis(run, up) == expected)
+    check("no such axis", "is x, y or z, not <up>" in message_of(lambda: display.up_axis(Points(), "up")))
+    for fields, expected in [("displacement, von_mises", "displacement"), ("body", "body"), ("", None)]:
+        folder = place / ("fields_" + (fields[:4] or "none"))
+        sets = ["Time/Start=-0.3", "Time/End=-0.2", "Time/Maximum steps=2", f"Output/Fields={fields}"]
+        report_of(folder, case, sets, [])
+        check(f"the main field of <{fields}>", display.main_field(Run(folder)) == expected)
+        drawn = subprocess.run([sys.executable, "-B", PROJECT / "scripts/picture", folder], capture_output=True, text=True)
+        check(f"pictures of <{fields}>: {drawn.stderr}", drawn.returncode == 0 and not drawn.stderr and (folder / "animation.gif").is_file())
+
+
 def check_facts(place, case):
     """Reports of sweeps and of stages say what each of them did."""
     sweep = report_of(place / "sweep", case, ["Sweep/Cells=8, 16", "Sweep/Orders=1, 2", "Sweep/Masses=lumped, consistent",
@@ -303,6 +356,9 @@ def main():
         if has_vtk() and has("matplotlib") and has("PIL"):
             check_drawing(Path(name), Path(name) / "case.prm")
             check_one_file(Path(name), Path(name) / "case.prm")
+            check_choices(Path(name), Path(name) / "case.prm")
+        if has_points:
+            check_rigid_bodies(Path(name), Path(name) / "case.prm")
         check_facts(Path(name), Path(name) / "case.prm")
         if has_points:
             check_factor_of_safety(Path(name))

@@ -46,6 +46,34 @@ namespace greville
 
 
   /**
+   * The bytes of a file from @p begin on, up to @p end.
+   */
+  struct ByteRange
+  {
+    std::uint64_t begin, end;
+  };
+
+  /**
+   * Write a journal: the length of a file and its bytes but those of @p kept,
+   * which need no order and may overlap. The journal appears complete, or not
+   * at all. Throws dealii::ExcMessage where it cannot be written.
+   */
+  void
+  write_journal(const std::string            &journal,
+                const std::string            &file,
+                const std::vector<ByteRange> &kept);
+
+  /**
+   * Make a file what it was when its journal was written, if the bytes that the
+   * journal lacks are as they were. Throws dealii::ExcMessage, and changes
+   * nothing, where the journal is damaged.
+   */
+  void
+  take_back(const std::string &journal, const std::string &file);
+
+
+
+  /**
    * Collective. The first of @p n things that this process takes, and the one
    * behind its last: each takes the same number, but for one.
    */

@@ -32,8 +32,9 @@ namespace greville
    * destroyed or the process ends, however it does. The file says on which
    * host and by which process.
    *
-   * Results are files with the names that the programs give them; other files
-   * in the folder stay as they are.
+   * Results are files with the names that the programs and scripts give them,
+   * and the folders of the runs of a sweep with all that is in them; other
+   * files in the folder stay as they are.
    */
   class RunFolder
   {

@@ -19,9 +19,9 @@ namespace greville
    * do not know times in VTKHDF, such as ParaView 5.11.
    *
    * The file is closed between two times, so that it can be read while the run
-   * goes on. While what describes its data changes, which takes milliseconds,
-   * points.vtkhdf.changing lies beside it: a run that goes on does not trust a
-   * file with it, on which HDF5 may crash.
+   * goes on. While a time is appended, its journal points.vtkhdf.changing lies
+   * beside it, with all that describes the data: a run that goes on makes of a
+   * file with it what it was, since HDF5 may crash on half of a change.
    */
   template <int dim>
   class PointSeries
@@ -51,6 +51,15 @@ namespace greville
     go_on(const unsigned int n_times, const MPI_Comm comm);
 
   private:
+    /**
+     * Collective. What is between these two can be taken back.
+     */
+    void
+    begin_change(const MPI_Comm comm);
+
+    void
+    end_change(const MPI_Comm comm);
+
     void
     append(const BodyList<dim>                 &bodies,
            const std::vector<OutputField<dim>> &fields,
@@ -60,9 +69,12 @@ namespace greville
     void
     write_xdmf(const MPI_Comm comm);
 
-    const std::string directory, path;
+    const std::string directory, path, journal;
 
     VtkHdfContent content;
+
+    // Of the file when it was closed.
+    ChunkPlaces chunks;
 
     // Of points.xdmf, without its begin and its end; the first process has it.
     std::string  xdmf;

@@ -3,6 +3,7 @@
 #ifndef greville_run_vtkhdf_file_h
 #define greville_run_vtkhdf_file_h
 
+#include <greville/base/disk.h>
 #include <greville/base/hdf5_calls.h>
 
 #include <cstdint>
@@ -49,6 +50,18 @@ namespace greville
      */
     std::uint64_t
     n_cells_before(const std::uint64_t part) const;
+  };
+
+
+
+  /**
+   * Where a file has the numbers of its data sets, in chunks that never move,
+   * and how many of them are known of each data set.
+   */
+  struct ChunkPlaces
+  {
+    std::vector<ByteRange>               ranges;
+    std::map<std::string, std::uint64_t> n_known;
   };
 
 
@@ -138,8 +151,11 @@ namespace greville
     VtkHdfContent
     read(const unsigned int n_times) const;
 
+    /**
+     * Add the places of chunks that are not known yet.
+     */
     void
-    flush();
+    find_chunks(const VtkHdfContent &content, ChunkPlaces &places) const;
 
     /**
      * Close the file.
