@@ -53,10 +53,14 @@ namespace greville
     {
     public:
       FormulaFriction(const std::string &text, const std::string &parameter)
-        : what("The formula <" + text + "> of the parameter '" + parameter +
-               "' is ")
-        , mu(text, parameter, {"p", "v"})
+        : mu(text, parameter, {"p", "v"})
       {
+        const double first = coefficient(1., 0.);
+        AssertThrow(first >= 0.,
+                    ExcMessage("The formula <" + text + "> of the parameter '" +
+                               parameter + "' is " + text_of(first) +
+                               " at p = 1, v = 0: a coefficient of friction is "
+                               "not negative."));
         // What is not defined there is found before the first contact.
         for (const double pressure : {0., 1., 1e6})
           for (const double speed : {0., 1e-3, 10.})
@@ -66,20 +70,18 @@ namespace greville
       double
       strength(const double pressure, const double speed) const override
       {
-        const std::array<double, 2> values{{pressure, speed}};
-        const double                coefficient =
-          mu(ArrayView<const double>(values.data(), 2));
-        AssertThrow(coefficient >= 0.,
-                    ExcMessage(what + text_of(coefficient) + " at p = " +
-                               text_of(pressure) + ", v = " + text_of(speed) +
-                               ": a coefficient of friction is not negative. "
-                               "max(0, ...) makes it zero there."));
-        return pressure * coefficient;
+        return pressure * std::max(0., coefficient(pressure, speed));
       }
 
     private:
-      std::string what;
-      Expression  mu;
+      double
+      coefficient(const double pressure, const double speed) const
+      {
+        const std::array<double, 2> values{{pressure, speed}};
+        return mu(ArrayView<const double>(values.data(), 2));
+      }
+
+      Expression mu;
     };
 
 

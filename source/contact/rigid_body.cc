@@ -129,7 +129,7 @@ namespace greville
                               section + "/Shape file",
                               parameters.shape_file_unit));
     // Throws for an empty shape.
-    surface->box();
+    extent = surface->box();
     if (!parameters.velocity.empty())
       velocity = {parameters.velocity, section + "/Velocity", {"t"}};
     if (!parameters.rotation.empty())
@@ -141,7 +141,7 @@ namespace greville
       inertia[d][d] = parameters.inertia[d];
     if (parameters.density > 0.)
       {
-        const Moments<dim> moments(parameters, section, surface->box());
+        const Moments<dim> moments(parameters, section, extent);
         reference = moments.center;
         mass      = parameters.density * moments.volume;
         if constexpr (dim == 2)
@@ -276,14 +276,12 @@ namespace greville
                       const RigidPosition<dim> &now,
                       const BoundingBox<dim>   &region) const
   {
-    if (!extent)
-      extent = surface->box();
-    const bool is_open = !std::isfinite(extent->lower_bound(0));
+    const bool is_open = !std::isfinite(extent.lower_bound(0));
     double     longest = 0.;
     for (unsigned int v = 0; v < GeometryInfo<dim>::vertices_per_cell; ++v)
       {
         const Point<dim> X =
-          is_open ? initial_position(now, region.vertex(v)) : extent->vertex(v);
+          is_open ? initial_position(now, region.vertex(v)) : extent.vertex(v);
         longest = std::max(longest,
                            current_position(now, X).distance(
                              current_position(before, X)));
@@ -303,7 +301,7 @@ namespace greville
       corners.push_back(initial_position(now, region.vertex(v)));
     const BoundingBox<dim> box(corners);
     if (last_mesh.empty())
-      has_end = std::isfinite(surface->box().lower_bound(0));
+      has_end = std::isfinite(extent.lower_bound(0));
     if (last_mesh.empty() || (!has_end && !(box == last_region)))
       last_mesh = surface->mesh(box);
     last_region = box;

@@ -42,7 +42,7 @@ namespace greville
     judgement_of_loss(const double loss, const SchemeParameters &scheme)
     {
       if (loss < -0.01)
-        return "energy has come from nothing, less with shorter steps";
+        return "gained, less with shorter steps";
       if (loss < 0.02)
         return "low";
       std::string remedy = "shorter steps";

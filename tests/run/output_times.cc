@@ -450,7 +450,7 @@ test_main()
         text.with("Simulation", {"Rigid bodies = piston", "Contacts = push"})
           .with("Rigid body piston",
                 {"Shape = box(0.7, 0, 0.85, 1)",
-                 "Velocity = -0.5 * cos(9 * t); 0"})
+                 "Velocity = 1 + cos(9 * t); 0"})
           .with("Contact push", {"Bodies = body, piston"}));
     }
   check_front(falling);

@@ -106,9 +106,9 @@ namespace greville
 
   /**
    * The law that a @p parameter `Friction` has as its @p text: the coefficient
-   * mu as a number, or as a formula mu(p, v); or the name of a law. Throws
-   * dealii::ExcMessage where it is wrong, and strength() of a formula where its
-   * value is negative.
+   * mu as a number, or as a formula mu(p, v), whose negative values count as
+   * zero; or the name of a law. Throws dealii::ExcMessage where it is wrong,
+   * and for a formula that is negative at p = 1 Pa without sliding.
    */
   std::unique_ptr<const FrictionLaw>
   make_friction_law(const std::string &text, const std::string &parameter);

@@ -143,8 +143,8 @@ namespace greville
     double                               mass = 0.;
     dealii::Tensor<2, n_rotations>       inertia;
 
-    /// ClosestSurface::box(), which takes long, where way() has been called.
-    mutable std::optional<dealii::BoundingBox<dim>> extent;
+    /// ClosestSurface::box(), which takes long to find.
+    dealii::BoundingBox<dim> extent;
 
     /// The last mesh, and the box for it, in the initial position: it matters
     /// where the end of the body is not known.
