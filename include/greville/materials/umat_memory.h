@@ -34,7 +34,7 @@ namespace greville
       dpred,
       constants, // CELENT, TEMP, DTEMP
       integers,  // NDI to KSTEP, in the order of lay_out()
-                // These are written before each call.
+                 // These are written before each call.
       stran,
       dstran,
       time,
