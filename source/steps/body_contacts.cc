@@ -547,7 +547,7 @@ namespace greville
   BodyContacts<dim>::begin_step(const double dt)
   {
     at_start = now;
-    add_to_intervals(at_start, dt);
+    add_to_intervals(at_start.contacts, dt);
     const auto positions = moved_bodies(dt);
     commit();
     for (Simulation<dim> *part : parts)
@@ -567,19 +567,19 @@ namespace greville
       }
     for (unsigned int k = 0; k < parts.size(); ++k)
       stamps[k] = parts[k]->current.points_stamp;
-    add_to_intervals(now, parts.front()->current.step);
   }
 
 
 
   template <int dim>
   void
-  BodyContacts<dim>::add_to_intervals(const Results &results, const double dt)
+  BodyContacts<dim>::add_to_intervals(
+    const std::vector<ContactResult<dim>> &results, const double dt)
   {
     for (unsigned int k = 0; k < contacts.size(); ++k)
       {
         ContactInterval<dim> &interval = of_interval[k];
-        const Tensor<1, dim> &force    = results.contacts[k].force;
+        const Tensor<1, dim> &force    = results[k].force;
         interval.impulse += dt * force;
         interval.time += dt;
         interval.largest_force = std::max(interval.largest_force, force.norm());

@@ -521,6 +521,7 @@ namespace greville
   TrialContacts<dim>::accept()
   {
     add_work();
+    contacts.add_to_intervals(results, dt);
     if (share != 1.)
       fail_on_all(find_forces(1., false), contacts.comm);
     for (unsigned int c = 0; c < points.size(); ++c)

@@ -165,7 +165,8 @@ namespace greville
 
     /// Let results that acted for a time @p dt, s, count for intervals().
     void
-    add_to_intervals(const Results &results, const double dt);
+    add_to_intervals(const std::vector<ContactResult<dim>> &results,
+                     const double                           dt);
 
     bool
     steps_are_implicit() const;
