@@ -413,7 +413,7 @@ namespace greville
           places.ranges.push_back({begin, begin + n_bytes});
         }
     };
-    for (const std::string &name :
+    for (const char *const name :
          {"Points", "Connectivity", "Types", "Offsets"})
       find(root + name);
     for (const auto &field : content.fields)
