@@ -186,7 +186,7 @@ namespace greville
 
 
     /**
-     * What lies between ranges, up to a length.
+     * Return the gaps between ranges, up to a length.
      */
     std::vector<ByteRange>
     gaps_between(std::vector<ByteRange> ranges, const std::uint64_t length)

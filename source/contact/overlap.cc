@@ -87,7 +87,7 @@ namespace greville
         if (sum > result.excess)
           result = {sum, points[p].x, points[p].side, points[p].body};
       }
-    // That of the first process which has the largest one.
+    // The first process that has the largest overlap sends it to all.
     const double       largest = Utilities::MPI::max(result.excess, comm);
     const unsigned int first =
       Utilities::MPI::min(result.excess == largest

@@ -35,8 +35,8 @@ namespace greville
 
 
     /**
-     * Whether a loss of energy, a fraction of the largest energy or work, is
-     * much, and what lowers it.
+     * Return a judgement of a loss of energy, a fraction of the largest energy
+     * or work, with the remedy.
      */
     std::string
     judgement_of_loss(const double loss, const SchemeParameters &scheme)

@@ -382,16 +382,7 @@ namespace greville
     const RigidPosition<dim> &now =
       parts.front()->current.rigid_bodies[contact.rigid].now;
     CellDistances &known = place.distances;
-    double         way   = 0.; // of the body, at most
-    for (unsigned int v = 0; v < GeometryInfo<dim>::vertices_per_cell; ++v)
-      {
-        Point<dim> x;
-        for (unsigned int d = 0; d < dim; ++d)
-          x[d] = (v >> d) & 1 ? lattice.upper(d) : lattice.lower(d);
-        way = std::max(way,
-                       x.distance(current_position(known.position,
-                                                   initial_position(now, x))));
-      }
+    double         way   = rigid_way(contact, known.position, now);
     if (way > slack || reach > known.reach)
       {
         known = {now, std::max(reach + slack, known.reach), {}};
@@ -413,11 +404,14 @@ namespace greville
     const auto is_far = [&](NearCell &cell) {
       const auto [found, is_new] =
         known.of_cells.emplace(numbers[cell.cell],
-                               std::numeric_limits<double>::infinity());
+                               std::numeric_limits<double>::max());
       if (is_new)
         {
           if (center->is_facing)
             found->second = center->gap;
+          else if (rigid_bodies[contact.rigid].contains(center->x,
+                                                        known.position))
+            found->second = -std::numeric_limits<double>::max();
           ++center;
         }
       cell.distance = found->second - way;

@@ -72,6 +72,19 @@ namespace greville
 
 
   /**
+   * Sums over the steps of an interval, of the force on side 0.
+   */
+  template <int dim>
+  struct ContactInterval
+  {
+    dealii::Tensor<1, dim> impulse;            // N s (2D: N s / m)
+    double                 time          = 0.; // s
+    double                 largest_force = 0.; // N (2D: N / m)
+  };
+
+
+
+  /**
    * What is remembered of the keys of an AveragedContact that belong to this
    * process, between the iterations of a step. Pressures are those of the
    * method of Uzawa: those that are given, Pa, are the averages of

@@ -13,8 +13,7 @@
 namespace greville
 {
   /**
-   * What a UMAT has done that no law may do, as opposed to a step that is too
-   * long for it.
+   * A fault of a UMAT that a shorter step does not mend.
    */
   class UmatFault : public dealii::ExcMessage
   {

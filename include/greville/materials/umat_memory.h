@@ -100,21 +100,21 @@ namespace greville
     }
 
     /**
-     * Whether a call has left memory alone that it must not write.
+     * Return whether a call has written no memory that it must not write.
      */
     bool
     is_intact() const;
 
     /**
-     * What it has done otherwise, such as "has written beyond STATEV, which has
-     * 3 entries". Puts it right.
+     * Return the fault of such a call, such as "has written beyond STATEV,
+     * which has 3 entries", and restore the memory.
      */
     std::string
     damage();
 
     /**
-     * Whether all results are finite; if not, not_finite() may still find none
-     * that has to be.
+     * Return whether all results are finite. If not, not_finite() says whether
+     * one of them has to be.
      */
     bool
     is_finite() const;
@@ -127,7 +127,7 @@ namespace greville
     not_finite() const;
 
     /**
-     * Whether @p address lies in the pages around the arguments.
+     * Return whether an @p address lies in the pages around the arguments.
      */
     bool
     is_beyond(const void *address) const;

@@ -19,7 +19,8 @@ namespace greville
             const std::vector<std::string> &bodies);
 
   /**
-   * Whether a boundary gives the pressure of pore water in the stage at hand.
+   * Return whether a boundary gives the pressure of pore water in the present
+   * stage.
    */
   bool
   is_drained(const SimulationParameters &parameters);

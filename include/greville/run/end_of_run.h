@@ -35,8 +35,9 @@ namespace greville
     holds(const unsigned int stage, const std::vector<double> &row) const;
 
     /**
-     * What 'End when' of a stage compares and is NaN in the @p row, so that the
-     * comparison is false; empty if there is nothing.
+     * Return the side of a comparison in 'End when' of a stage that is NaN in
+     * the
+     * @p row, so that the comparison is false; empty if there is none.
      */
     std::string
     undefined(const unsigned int stage, const std::vector<double> &row) const;

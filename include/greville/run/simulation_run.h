@@ -83,7 +83,7 @@ namespace greville
     bool
     holds_now();
 
-    /// Whether 'End when' holds for a row; a note says where it compares NaN.
+    /// Return whether 'End when' holds for a row; note a comparison with NaN.
     bool
     criterion_holds(const unsigned int stage, const std::vector<double> &row);
 

@@ -21,17 +21,6 @@ namespace greville
   class TrialContacts;
 
   /**
-   * What a contact did in the steps of an interval, on its first side.
-   */
-  template <int dim>
-  struct ContactInterval
-  {
-    dealii::Tensor<1, dim> impulse;            // N s (2D: N s / m)
-    double                 time          = 0.; // s
-    double                 largest_force = 0.; // N (2D: N / m)
-  };
-
-  /**
    * The contacts of bodies that are parts of an Ensemble, and the rigid bodies
    * that they meet. At the start of each explicit step, with all parts at the
    * same time, a contact gives forces to the points of its surfaces, as loads
@@ -90,7 +79,7 @@ namespace greville
     add_to(Statistics<dim> &row, const bool at_start_of_step) const;
 
     /**
-     * What each contact did in the steps of the interval.
+     * Return the sums over the steps of the interval, for each contact.
      */
     const std::vector<ContactInterval<dim>> &
     intervals() const
@@ -114,7 +103,8 @@ namespace greville
     friend class TrialContacts<dim>;
 
     /// How far the centers of cells are from a rigid body in a position, by
-    /// numbers of cells: infinite, where that is more than the reach, m.
+    /// numbers of cells: the largest number, or in the body its negative, where
+    /// that is more than the reach, m.
     struct CellDistances
     {
       RigidPosition<dim>                        position;
@@ -128,7 +118,7 @@ namespace greville
       Simulation<dim> *part;
       unsigned int     surface;
       CellDistances    distances = CellDistances();
-      /// Whether check_added() has seen the points of its body.
+      /// True after check_added() for its body.
       bool is_known = false;
     };
 

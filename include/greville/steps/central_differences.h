@@ -275,7 +275,7 @@ namespace greville
     StepSize<dim>       step_size;
     bool                have_constraints = false; // by contacts
     VectorField<dim>    work_field, surface_velocity;
-    // What surfaces see of velocities and accelerations, see
+    // Velocities and accelerations for surfaces if
     // GridMass::extends_surfaces().
     std::array<VectorField<dim>, 3> seen_by_surfaces;
     LateRow<dim>                   *row = nullptr; // that the step sums up

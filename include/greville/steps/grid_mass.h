@@ -161,10 +161,10 @@ namespace greville
     }
 
     /**
-     * Whether surfaces in contact see extended functions in place of those that
-     * have hardly any mass, although solve() does not: then their loads are to
-     * be condensed, b = E^T b, and they move with distributed velocities,
-     * v = E v. E is the matrix of ExtendedUnknowns.
+     * Return whether functions with hardly any mass are extended for surfaces
+     * in contact, although not for solve(). If so, loads of surfaces are to be
+     * condensed, b = E^T b, and they move with distributed velocities, v = E v.
+     * E is the matrix of ExtendedUnknowns.
      */
     virtual bool
     extends_surfaces() const

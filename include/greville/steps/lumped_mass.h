@@ -79,7 +79,7 @@ namespace greville
     distribute(VectorField<dim> &x) const override;
 
   private:
-    /// What extends the functions that surfaces see.
+    /// The extension of functions for surfaces.
     struct Extended
     {
       CellFilling<dim>      filling;
