@@ -7,6 +7,7 @@
 
 #include "gradients.h"
 #include <array>
+#include <cmath>
 #include <memory>
 
 namespace greville
@@ -42,6 +43,8 @@ namespace greville
       double         u_r = 0.; // in axisymmetry
       double         p   = 0.;
       Tensor<1, dim> p_slope;
+      // The sums of the absolute values of what these are the sums of.
+      double slope_size = 0., p_size = 0., p_slope_size = 0.;
     };
 
 
@@ -69,7 +72,8 @@ namespace greville
       virtual void
       end() = 0;
 
-      /// Of the forces, and of the rows, of the cells.
+      /// Of the forces of the cells, and of the absolute values of what their
+      /// rows are the sums of.
       std::array<double, 2> squares{};
     };
 
@@ -97,9 +101,15 @@ namespace greville
               if (fields.u)
                 u[i][a] = fields.u[std::size_t(of_u.functions[a]) * dim + i];
             }
+        for (int a = 0; a < n_functions && fields.u; ++a)
+          {
+            u_size[a] = 0.;
+            for (int i = 0; i < dim; ++i)
+              u_size[a] += std::abs(u[i][a]);
+          }
         for (int b = 0; b < n_functions; ++b)
           {
-            r[b] = 0.;
+            r[b] = r_size[b] = 0.;
             if (fields.rows)
               p[b] = fields.p[of_p.functions[b]];
           }
@@ -121,6 +131,8 @@ namespace greville
                   at.slope[i][j] += u[i][a] * G.values[j][a];
             for (int a = 0; a < n_functions && with_hoop; ++a)
               at.u_r += u[0][a] * N[a];
+            for (int a = 0; a < n_functions; ++a)
+              at.slope_size += u_size[a] * size(G, a);
           }
         if (fields.rows)
           {
@@ -130,6 +142,8 @@ namespace greville
                 at.p += p[b] * q.values[b];
                 for (int j = 0; j < dim; ++j)
                   at.p_slope[j] += p[b] * q.gradients.values[j][b];
+                at.p_size += std::abs(p[b]) * q.values[b];
+                at.p_slope_size += std::abs(p[b]) * size(q.gradients, b);
               }
           }
         return at;
@@ -153,6 +167,8 @@ namespace greville
               r[b] += sources.value * q.values[b];
               for (int j = 0; j < dim; ++j)
                 r[b] += sources.gradient[j] * q.gradients.values[j][b];
+              r_size[b] += sources.value_size * q.values[b] +
+                           sources.gradient_size * size(q.gradients, b);
             }
       }
 
@@ -169,19 +185,30 @@ namespace greville
         for (int b = 0; b < n_functions && fields.rows; ++b)
           {
             fields.rows[of_p.functions[b]] += r[b];
-            this->squares[1] += r[b] * r[b];
+            this->squares[1] += r_size[b] * r_size[b];
           }
       }
 
     private:
       static constexpr int n_functions = power(n, dim);
 
+      static double
+      size(const Gradients<dim, n> &gradients, const int a)
+      {
+        double sum = 0.;
+        for (int j = 0; j < dim; ++j)
+          sum += std::abs(gradients.values[j][a]);
+        return sum;
+      }
+
       const typename WaterTangents<dim>::Fields fields;
       const bool                                with_hoop;
       CellGeometry<dim, n>                      of_u, of_p;
       double                                    u[dim][n_functions];
+      double                                    u_size[n_functions];
       double                                    f[dim][n_functions];
       double                                    p[n_functions], r[n_functions];
+      double                                    r_size[n_functions];
       // Of the last evaluate().
       Gradients<dim, n>          G;
       ValuesAndGradients<dim, n> q;

@@ -196,18 +196,22 @@ namespace greville
       const Tensor<2, dim> h = at.slope * term.to_basis;
       const Tensor<2, dim> inverse =
         invert(Tensor<2, dim>(unit_symmetric_tensor<dim>()) + h);
-      term.change = change_of_volume(h);
+      term.change      = change_of_volume(h);
+      term.change_size = at.slope_size * term.to_basis.norm();
       if (terms.is_axisymmetric)
         {
+          term.change_size += 1. + term.radius / term.radius_of_F;
           term.end_radius = term.radius + at.u_r;
           term.change += (1. + term.change) *
                          (term.radius - term.radius_of_F + at.u_r) /
                          term.radius_of_F;
         }
-      term.J        = 1. + term.change;
-      term.map      = term.to_basis * inverse;
-      term.p        = at.p;
-      term.gradient = transpose(term.map) * at.p_slope;
+      term.J             = 1. + term.change;
+      term.map           = term.to_basis * inverse;
+      term.p             = at.p;
+      term.gradient      = transpose(term.map) * at.p_slope;
+      term.p_size        = at.p_size;
+      term.gradient_size = at.p_slope_size * term.map.norm();
       terms.finish(term, inverse);
       const Sources result = terms.sources(term);
       count(term, result.value);

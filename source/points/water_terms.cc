@@ -85,8 +85,12 @@ namespace greville
       result.radial = -term.volume * term.J * term.p / term.end_radius;
     result.value = term.volume * term.change +
                    term.storage * (term.p - term.old_p) - term.earlier;
-    result.gradient = dt * mobility(term).value * term.J *
-                      (term.map * (term.gradient - weight));
+    const double flow = dt * mobility(term).value * term.J;
+    result.gradient   = flow * (term.map * (term.gradient - weight));
+    result.value_size = term.volume * term.change_size +
+                        term.storage * (term.p_size + std::abs(term.old_p)) +
+                        std::abs(term.earlier);
+    result.gradient_size = flow * (term.gradient_size + weight.norm());
     return result;
   }
 
@@ -105,9 +109,14 @@ namespace greville
       result.value = dt * std::max(0., outflow(term));
     else
       {
-        result.value = dt * outflow(term);
-        result.gradient =
-          -dt * mobility(term).value * (term.p - term.value) * (term.map * a);
+        result.value        = dt * outflow(term);
+        const double flow   = dt * mobility(term).value;
+        const double excess = term.p_size + std::abs(term.value);
+        result.gradient     = -flow * (term.p - term.value) * (term.map * a);
+        result.value_size =
+          flow * a.norm() *
+          (term.penalty * excess + term.gradient_size + weight.norm());
+        result.gradient_size = flow * excess * a.norm();
       }
     return result;
   }

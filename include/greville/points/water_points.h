@@ -188,8 +188,9 @@ namespace greville
     }
 
     /**
-     * The sums of squares of the forces, and of the rows, that the cells of
-     * this process gave to the last evaluate().
+     * The sums of squares of the forces that the cells of this process gave to
+     * the last evaluate(), and of the absolute values of what their rows are
+     * the sums of, to which round-off is relative.
      */
     const std::array<double, 2> &
     squares() const

@@ -116,6 +116,9 @@ namespace greville
       dealii::Tensor<2, dim> map;
       double                 p = 0.;
       dealii::Tensor<1, dim> gradient;
+      // The sums of the absolute values of what change, p and gradient are the
+      // sums of.
+      double change_size = 0., p_size = 0., gradient_size = 0.;
     };
 
     struct Point : Term
@@ -158,6 +161,8 @@ namespace greville
       double                 radial = 0.;
       double                 value  = 0.;
       dealii::Tensor<1, dim> gradient;
+      // See Term: round-off of value and gradient is relative to these.
+      double value_size = 0., gradient_size = 0.;
     };
 
     /**
