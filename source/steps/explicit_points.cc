@@ -50,7 +50,9 @@ namespace greville
       row->watch(state.bodies, row->fraction, true);
     motion.merge(trial.motion);
     trial.motion = std::move(motion);
-    if (kick || move)
+    // Where values are averaged over domains, masses depend on F.
+    const CellWindows<dim> *const windows = discretization.cell_windows();
+    if (kick || move || (deformation && windows && windows->averages_values()))
       state.points_have_changed();
   }
 

@@ -23,23 +23,32 @@ namespace greville
   void
   USF<dim>::find_fields(State<dim> &state)
   {
-    const double dt    = this->trial.velocity_step;
-    const double share = this->kept_share(state);
+    const double dt           = this->trial.velocity_step;
+    const double share        = this->kept_share(state);
+    const auto   map_velocity = [&]() {
+      this->constrain(state);
+      for (GridField<dim> &field : this->discretization.fields())
+        {
+          this->solve(field, {&field.velocity}, {&field.momentum});
+          field.momentum_of_walls = {};
+          this->add_momentum_of_walls(
+            field, field.velocity, field.momentum, 0, 1. - share);
+          const WallSums<dim> stopped = this->stop(field.velocity, field);
+          for (unsigned int w = 0; w < 2 * dim; ++w)
+            field.momentum_of_walls[w] += (1. - share) * stopped[w];
+        }
+    };
     this->discretization.sum(state);
     this->set_guesses(state);
-    this->constrain(state);
-    for (GridField<dim> &field : this->discretization.fields())
-      {
-        this->solve(field, {&field.velocity}, {&field.momentum});
-        this->add_momentum_of_walls(
-          field, field.velocity, field.momentum, 0, 1. - share);
-        const WallSums<dim> stopped = this->stop(field.velocity, field);
-        for (unsigned int w = 0; w < 2 * dim; ++w)
-          field.momentum_of_walls[w] += (1. - share) * stopped[w];
-      }
+    map_velocity();
+    const auto stamp = state.points_stamp;
     this->update(state, nullptr, nullptr, &GridField<dim>::velocity, false);
+    const bool functions_changed = state.points_stamp != stamp;
     this->discretization.sum(state, true);
-    this->constrain(state);
+    if (functions_changed)
+      map_velocity();
+    else
+      this->constrain(state);
     this->add_gravity(state.time);
     for (GridField<dim> &field : this->discretization.fields())
       {
