@@ -18,7 +18,8 @@ namespace greville
     /**
      * The functions of windows that the points of a body see, cell by cell:
      * means over domains where the cell reaches its neighbours, and values at
-     * the points elsewhere.
+     * the points elsewhere. Sums without slopes do not depend on which cells
+     * reach where values are not averaged.
      */
     template <int dim, int n>
     class SeenFunctions
@@ -26,11 +27,13 @@ namespace greville
     public:
       SeenFunctions(const MaterialPoints<dim>   &points,
                     const SpacePolynomials<dim> &tables,
-                    const CellWindows<dim>      *windows)
+                    const CellWindows<dim>      *windows,
+                    const bool                   with_slopes = true)
         : points(points)
         , tables(tables)
         , windows(windows)
-        , has_domains(windows_of(points, windows))
+        , has_domains(windows_of(points, windows) &&
+                      (with_slopes || windows->averages_values()))
       {}
 
       void

@@ -130,6 +130,9 @@ test_main()
       .with("Output", {"Probes = 0.3, 0.3", "Statistics every = 0"})
       .with("Checkpoints", {"Every steps = 10"});
   test_same_files("lumped", text);
+  test_same_files("domains",
+                  text.with("Scheme",
+                            {"Mass = consistent", "Functions = domains"}));
   // The acceleration goes on at points, and on the grid.
   for (const std::string formulation :
        {"updated Lagrangian", "total Lagrangian"})
@@ -155,7 +158,7 @@ test_main()
   const Text few = text.with("Time", {"Maximum steps = 12"});
   check("another run", run(few, "parts").empty());
   check("moved aside",
-        std::filesystem::exists("parts/earlier_4/checkpoint_0000000040.h5"));
+        std::filesystem::exists("parts/earlier_5/checkpoint_0000000040.h5"));
   check("other files stay", content_of("parts/notes.txt") == "mine");
   check_message("refused",
                 run(few.with("Output", {"Earlier results = refuse"}), "parts"),
@@ -163,7 +166,7 @@ test_main()
   check(
     "removed",
     run(few.with("Output", {"Earlier results = remove"}), "parts").empty() &&
-      !std::filesystem::exists("parts/earlier_5"));
+      !std::filesystem::exists("parts/earlier_6"));
 
   // What may change, and what may not.
   const Text more = text.with("Time", {"Maximum steps = 16"});
