@@ -19,8 +19,8 @@ namespace greville
   namespace
   {
     // Of the larger cell size: how deep a point of a body may be inside of
-    // another one, when bodies are added and later; and the way after which the
-    // later check is made again.
+    // another one, at the start and later; and the way after which the later
+    // check is made again.
     constexpr double deepest_of_added = 0.05, deepest_later = 0.5,
                      way_between_checks = 0.25;
 
@@ -143,8 +143,8 @@ namespace greville
         {
           if (place.is_known || body_of(place).n_points == 0)
             continue;
-          // After a restart, the bodies that are there have been checked.
-          if (is_start || contact.is_checked)
+          // Bodies of contacts are there in all stages.
+          if (is_start)
             added.emplace_back(side, &place);
           place.is_known = true;
         }
@@ -210,10 +210,8 @@ namespace greville
                 ErrorOnAll("The bodies of 'Contact " + contact.name + "', <" +
                            contact.given.bodies + ">, overlap by " +
                            text.str() +
-                           (state.n_steps == 0
-                              ? " m at the start"
-                              : " m where 'Body " + body.name + "' is added") +
-                           ": leave a gap between them, or let them touch."));
+                           " m at the start: leave a gap between them, or let "
+                           "them touch."));
   }
 
 
