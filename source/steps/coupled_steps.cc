@@ -151,7 +151,7 @@ namespace greville
     front.log.newton.push_back(
       {parts[0].state->n_steps + 1, 1, parts[0].state->time, dt, result});
     if (!result.converged)
-      reject(x, result.reason);
+      reject(x, result.reason, contacts ? contacts->describe_changes() : "");
     const std::string problem = contacts ? contacts->check_motion() : "";
     if (!problem.empty())
       reject(x, problem);
@@ -166,11 +166,13 @@ namespace greville
 
   template <int dim>
   void
-  CoupledSteps<dim>::reject(const VectorType &x, const std::string &reason)
+  CoupledSteps<dim>::reject(const VectorType  &x,
+                            const std::string &reason,
+                            const std::string &changing)
   {
     // Of the iterate that is reported, which need not be the last trial.
     constexpr double much      = 1e4;
-    std::string      rejection = reason;
+    std::string      rejection = reason + changing;
     for (const Part &part : parts)
       part.steps->forces_vanish = false;
     VectorType r;
@@ -183,7 +185,8 @@ namespace greville
         for (unsigned int k = 0; k < parts.size(); ++k)
           {
             ImplicitSteps<dim> &steps = *parts[k].steps;
-            steps.forces_vanish = steps.force_scale <= much * steps.round_off;
+            steps.forces_vanish =
+              changing.empty() && steps.force_scale <= much * steps.round_off;
             steps.last_residual = blocks[k];
             const double size   = blocks[k].linfty_norm();
             if (size > largest)

@@ -38,6 +38,27 @@ namespace greville
                                             (cell_size * law.stiffness))
                                : 1.;
     }
+
+
+
+    /**
+     * Return whether keys have begun or ended to slide, or slide the other way,
+     * by KeyMemory::sliding before and now.
+     */
+    template <typename Directions>
+    bool
+    slides_otherwise(const Directions &before, const Directions &now)
+    {
+      for (const auto &[key, direction] : now)
+        {
+          const auto last = before.find(key);
+          const bool did  = last != before.end() && last->second.norm() > 0.,
+                     does = direction.norm() > 0.;
+          if (did != does || (did && direction * last->second < 0.))
+            return true;
+        }
+      return false;
+    }
   } // namespace
 
 
@@ -58,6 +79,7 @@ namespace greville
     , tangents(contacts.contacts.size())
     , forces(steps.size())
     , memories(contacts.contacts.size())
+    , n_changes(contacts.contacts.size(), 0)
     , directions(steps.size())
     , products(steps.size())
     , displacements(contacts.contacts.size())
@@ -291,6 +313,8 @@ namespace greville
           }
         else
           contacts.search.find_gaps(points[c], reach);
+        const auto before = with_stiffness ? memories[c].sliding
+                                           : decltype(memories[c].sliding)();
         results[c] =
           contact.average->act(points[c],
                                share_now * dt,
@@ -298,8 +322,35 @@ namespace greville
                                with_stiffness ? &tangents[c] : nullptr,
                                &memories[c],
                                share_now);
+        if (with_stiffness && slides_otherwise(before, memories[c].sliding))
+          ++n_changes[c];
       }
+    n_tangents += with_stiffness;
     return "";
+  }
+
+
+
+  template <int dim>
+  std::string
+  TrialContacts<dim>::describe_changes() const
+  {
+    // With a larger Penalty contact is stiffer than what it acts on.
+    constexpr double   soft_penalty = 1.;
+    std::ostringstream text;
+    for (unsigned int c = 0; c < n_changes.size(); ++c)
+      {
+        const Contact &contact = contacts.contacts[c];
+        const double   penalty = contact.average->law().stiffness *
+                               contact.cell_size / contact.modulus;
+        const unsigned int n = Utilities::MPI::max(n_changes[c], contacts.comm);
+        if (2 * n >= n_tangents && n > 0 && penalty > 1.001 * soft_penalty)
+          text << "; 'Contact " << contact.name
+               << "' goes on changing between sticking and sliding: if "
+                  "that is the reason, a smaller 'Contact "
+               << contact.name << "/Penalty' than " << penalty << " helps";
+      }
+    return text.str();
   }
 
 

@@ -113,10 +113,13 @@ namespace greville
     has_water() const;
 
     /**
-     * Collective. Tell the parts why Newton's method has failed at @p x.
+     * Collective. Tell the parts why Newton's method has failed at @p x, and
+     * which contacts are @p changing, see TrialContacts::describe_changes().
      */
     [[noreturn]] void
-    reject(const VectorType &x, const std::string &reason);
+    reject(const VectorType  &x,
+           const std::string &reason,
+           const std::string &changing = "");
 
     const std::vector<Part>   parts;
     TrialContacts<dim> *const contacts;

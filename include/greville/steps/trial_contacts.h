@@ -133,6 +133,14 @@ namespace greville
     check_motion() const;
 
     /**
+     * Collective. Name the contacts with friction that have changed between
+     * sticking and sliding before most tangents, and the parameter that helps,
+     * after "; ". Empty if there are none.
+     */
+    std::string
+    describe_changes() const;
+
+    /**
      * Collective. The step is taken. Before that, all that has been tried is
      * in the parts' integrators.
      */
@@ -230,8 +238,12 @@ namespace greville
     std::vector<ContactTangent<dim>>            tangents;
     std::vector<VectorField<dim>>               forces;
     std::vector<KeyMemory<dim>>                 memories;
-    std::vector<double> shares;       // of ContactPoint::stiffness in matrices
-    unsigned int        n_rounds = 0; // of augment()
+    // The tangents of this trial; and, by contact, those before which keys of
+    // this process have begun or ended to slide, or slide the other way.
+    unsigned int              n_tangents = 0;
+    std::vector<unsigned int> n_changes;
+    std::vector<double>       shares; // of ContactPoint::stiffness in matrices
+    unsigned int              n_rounds = 0; // of augment()
 
     // For products.
     std::vector<VectorField<dim>>                    directions, products;
