@@ -31,22 +31,21 @@ namespace greville
 
 
 
-    // A point that was not in the layer is in it, in implicit steps, up to this
-    // part of its spacing: rows that are compressed are not to join it.
-    constexpr double joining = 0.75;
-
-
-
     /**
      * Return the gap up to which points of this @p spacing are the outermost
      * layer, which is one spacing thick, if @p lowest is the smallest gap
      * nearby. Where nothing is closer than half a spacing, the layer ends in
      * the middle between two rows.
+     * A point that @p joins the layer is at most half of its spacing behind the
+     * foremost one: a row that comes closer behind another one would take part
+     * in the mean gap, and the energy of the contact would change by a jump.
      */
     double
-    end_of_layer(const double lowest, const double spacing)
+    end_of_layer(const double lowest, const double spacing, const bool joins)
     {
-      return std::max(std::min(lowest, 0.) + spacing, lowest + 0.5 * spacing);
+      return joins ? std::max(lowest, 0.) + 0.5 * spacing :
+                     std::max(std::min(lowest, 0.) + spacing,
+                              lowest + 0.5 * spacing);
     }
 
 
@@ -169,16 +168,13 @@ namespace greville
 
     /**
      * Collective. Return, for each point that faces the other side, the
-     * smallest gap in its box of the size @p h among points of all processes:
-     * where
-     * @p looks_ahead, in that box and its neighbors; otherwise in that box
-     * alone, and no more than 0.
+     * smallest gap in its box of the size @p h and the neighbors of that among
+     * points of all processes.
      */
     template <int dim>
     std::vector<double>
     lowest_in_boxes(const std::vector<ContactPoint<dim>> &points,
                     const double                          h,
-                    const bool                            looks_ahead,
                     const MPI_Comm                        comm)
     {
       constexpr unsigned int n_near = dim == 2 ? 9 : 27;
@@ -195,10 +191,8 @@ namespace greville
       constexpr double       none = std::numeric_limits<double>::max();
       std::unordered_map<std::uint64_t, double> lowest;
       for (const ContactPoint<dim> &point : points)
-        if (point.is_facing && (looks_ahead || point.gap < 0.))
-          for (unsigned int near = looks_ahead ? 0 : own;
-               near < (looks_ahead ? n_near : own + 1);
-               ++near)
+        if (point.is_facing)
+          for (unsigned int near = 0; near < n_near; ++near)
             {
               const auto entry = lowest.emplace(box_of(point.x, near), none);
               double    &gap   = entry.first->second;
@@ -294,7 +288,7 @@ namespace greville
     // The layer begins at the lowest point, if that is inside already: else
     // points above would hide it in the mean.
     const std::vector<double> lowest =
-      lowest_in_boxes(points, contact.cell_size, are_implicit, comm);
+      lowest_in_boxes(points, contact.cell_size, comm);
 
     std::size_t k = 0;
     for (unsigned int s = 0; s < ends.size(); ++s)
@@ -317,10 +311,9 @@ namespace greville
             const Candidate<dim> &candidate = candidates[k];
             const double          gap       = points[k].gap;
             const auto found = last.find(std::uint64_t(candidate.point.id()));
-            const bool joins = are_implicit && !is_new && found == last.end();
+            const bool joins = !is_new && found == last.end();
             if (!points[k].is_facing ||
-                gap >= end_of_layer(lowest[k],
-                                    (joins ? joining : 1.) * candidate.spacing))
+                gap >= end_of_layer(lowest[k], candidate.spacing, joins))
               continue;
             std::vector<double> row =
               contactor(layout,
