@@ -333,6 +333,7 @@ namespace greville
       }
     if (largest > 0.)
       summary.relative_loss = summary.numerical_loss / largest;
+    summary.contact_gains = ensemble.contact_gains();
     const EndOfStep<dim> end_of_step(ensemble);
     summary.errors   = exact.errors(ensemble.bodies(),
                                   common().time,

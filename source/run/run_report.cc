@@ -19,6 +19,12 @@ namespace greville
 
   namespace
   {
+    // The energy from nothing that a contact may give before the summary says
+    // so, as a fraction of the largest energy or work.
+    constexpr double noted_gain = 0.01;
+
+
+
     /**
      * Microseconds that a process works for a point in a step.
      */
@@ -240,6 +246,13 @@ namespace greville
           << judgement_of_loss(summary.relative_loss,
                                ensemble.first().stage_parameters().scheme)
           << '\n';
+    for (const auto &[name, gain] : summary.contact_gains)
+      if (gain > noted_gain)
+        out << std::setprecision(3) << "  'Contact " << name << "' has given "
+            << 100. * gain
+            << " % of the largest energy or work to the bodies from nothing: "
+               "less with shorter steps or a smaller 'Contact "
+            << name << "/Penalty'\n";
     print_errors(out, "displacement", summary.errors.displacement);
     print_errors(out, "velocity", summary.errors.velocity);
     print_errors(out, "stress", summary.errors.stress);
@@ -331,9 +344,15 @@ namespace greville
       .add("relative_loss", summary.relative_loss)
       .add("judgement",
            judgement_of_loss(summary.relative_loss,
-                             ensemble.first().stage_parameters().scheme))
-      .end()
-      .begin("parts");
+                             ensemble.first().stage_parameters().scheme));
+    if (!summary.contact_gains.empty())
+      {
+        json.begin("contact_gains");
+        for (const auto &[name, gain] : summary.contact_gains)
+          json.add(name, gain);
+        json.end();
+      }
+    json.end().begin("parts");
     for (const auto &part : ensemble.part_times())
       json.add(part.first, part.second);
     json.end().begin("errors");

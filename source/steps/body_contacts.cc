@@ -386,7 +386,7 @@ namespace greville
               state.rigid_bodies[contact.rigid].now;
             about = current_position(body, body.reference);
           }
-        add_way(contact, points);
+        find_way(contact, points);
         find_gaps(contact, points, reach_in_cells * contact.cell_size);
         check(contact, points);
         now.contacts.push_back(contact.average->act(points, state.step, about));
@@ -547,6 +547,8 @@ namespace greville
   BodyContacts<dim>::begin_step(const double dt)
   {
     at_start = now;
+    for (Contact &contact : contacts)
+      contact.way += contact.last_way;
     add_to_intervals(at_start.contacts, dt);
     const auto positions = moved_bodies(dt);
     commit();

@@ -206,6 +206,8 @@ namespace greville
           [&](Simulation<dim> &simulation) { simulation.take_step(dt); });
         if (trial)
           contacts->end_step();
+        else if (contacts)
+          contacts->check_gains();
       }
     catch (const StepFailed &failure)
       {

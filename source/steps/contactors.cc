@@ -26,6 +26,14 @@ namespace greville
     // round-off.
     constexpr double smallest_lift = 1e-6;
 
+    // Forces of less than this part of the modulus, by the area of a point,
+    // need not go on in the next step.
+    constexpr double negligible_pressure = 1e-10;
+
+    // The critical step is estimated anew where more than this part of the
+    // contactors joins them in a step.
+    constexpr double most_joined = 0.1;
+
     // One that is initially so little inside, by the spacing, touches.
     constexpr double deepest_initially = 0.25;
 
@@ -43,8 +51,8 @@ namespace greville
     double
     end_of_layer(const double lowest, const double spacing, const bool joins)
     {
-      return joins ? std::max(lowest, 0.) + 0.5 * spacing :
-                     std::max(std::min(lowest, 0.) + spacing,
+      return joins ? std::max(lowest, 0.) + 0.5 * spacing
+                   : std::max(std::min(lowest, 0.) + spacing,
                               lowest + 0.5 * spacing);
     }
 
@@ -83,9 +91,10 @@ namespace greville
 
     /**
      * A row for a material point, from the one that it has had in the last
-     * step, if it has had one. A radius that is not the default one belongs to
-     * the initial place, and is forgotten as the point slides. The pressure of
-     * its pores is the number @p pore of the point, null without water.
+     * step, if it has had one: its force stays. A radius that is not the
+     * default one belongs to the initial place, and is forgotten as the point
+     * slides. The pressure of its pores is the number @p pore of the point,
+     * null without water.
      */
     template <int dim>
     std::vector<double>
@@ -128,14 +137,33 @@ namespace greville
           p.reference(d)                = from.reference(d);
           p.velocity(d)                 = from.velocity(d);
         }
-      p.id()   = from.id();
-      p.mass() = std::pow(candidate.spacing, dim - 1) *
+      p.id()                 = from.id();
+      const double last_area = p.mass();
+      p.mass()               = std::pow(candidate.spacing, dim - 1) *
                  layout.thickness(from.position());
+      for (unsigned int d = 0; d < dim; ++d)
+        p[layout.first("load") + d] *= last_area / p.mass();
       if (layout.is_axisymmetric())
         p[layout.radius0] = from.position(0);
       p.J() = 1.;
       p.set_F(unit_symmetric_tensor<3>());
       return row;
+    }
+
+
+
+    /**
+     * Let a point that leaves the layer have its force, but no weight in the
+     * averages of the contact.
+     */
+    template <int dim>
+    void
+    take_area(const PointRef<dim> contactor, const PointLayout<dim> &layout)
+    {
+      constexpr double left = 1e-14;
+      contactor.mass() *= left;
+      for (unsigned int d = 0; d < dim; ++d)
+        contactor[layout.first("load") + d] /= left;
     }
 
 
@@ -169,7 +197,7 @@ namespace greville
     /**
      * Collective. Return, for each point that faces the other side, the
      * smallest gap in its box of the size @p h and the neighbors of that among
-     * points of all processes.
+     * points of the first side on all processes.
      */
     template <int dim>
     std::vector<double>
@@ -191,7 +219,7 @@ namespace greville
       constexpr double       none = std::numeric_limits<double>::max();
       std::unordered_map<std::uint64_t, double> lowest;
       for (const ContactPoint<dim> &point : points)
-        if (point.is_facing)
+        if (point.is_facing && point.side == 0)
           for (unsigned int near = 0; near < n_near; ++near)
             {
               const auto entry = lowest.emplace(box_of(point.x, near), none);
@@ -250,9 +278,11 @@ namespace greville
           largest = std::max(largest, p.extent(body_of(place).points.layout()));
         });
     largest = Utilities::MPI::max(largest, comm);
-    // Implicit steps may bring points from farther away.
+    // Steps may bring points from farther away, and those before have to be
+    // short enough for their stiffness.
     const double reach =
-      largest + (are_implicit ? longest_trial_motion * contact.cell_size : 0.);
+      largest + (are_implicit ? longest_trial_motion : longest_motion) *
+                  contact.cell_size;
     for (Place &place : contact.sides[0])
       {
         MaterialPoints<dim>        &all    = body_of(place).points;
@@ -269,12 +299,10 @@ namespace greville
               cell.distance - p.position().distance(cell.center);
             if (distance > reach)
               return;
-            const double spacing = p.extent(all.layout());
-            if (!are_implicit && distance > spacing)
-              return;
-            ContactPoint<dim> &point = points.emplace_back();
-            point.x                  = p.position();
-            point.thickness          = all.layout().thickness(p.position());
+            const double       spacing = p.extent(all.layout());
+            ContactPoint<dim> &point   = points.emplace_back();
+            point.x                    = p.position();
+            point.thickness            = all.layout().thickness(p.position());
             point.area = std::pow(spacing, dim - 1) * point.thickness;
             candidates.push_back({p, cell.cell, spacing});
           });
@@ -305,6 +333,7 @@ namespace greville
             last_rows.push_back(p[i]);
         });
         surface.points.reinit(place.part->space(), layout);
+        unsigned int              n_joined = 0;
         std::vector<unsigned int> left;
         for (; k < ends[s]; ++k)
           {
@@ -312,8 +341,18 @@ namespace greville
             const double          gap       = points[k].gap;
             const auto found = last.find(std::uint64_t(candidate.point.id()));
             const bool joins = !is_new && found == last.end();
-            if (!points[k].is_facing ||
-                gap >= end_of_layer(lowest[k], candidate.spacing, joins))
+            const bool is_in_layer =
+              points[k].is_facing &&
+              gap < end_of_layer(lowest[k], candidate.spacing, joins);
+            // Implicit steps begin with the forces of the last one.
+            const double *const last_row =
+              found == last.end() ? nullptr : &last_rows[found->second];
+            const bool leaves =
+              are_implicit && last_row && !is_in_layer &&
+              ConstPointRef<dim>(last_row).vector(layout.first("load")).norm() *
+                  ConstPointRef<dim>(last_row).mass() >
+                negligible_pressure * contact.modulus * points[k].area;
+            if (!is_in_layer && !leaves)
               continue;
             std::vector<double> row =
               contactor(layout,
@@ -324,9 +363,11 @@ namespace greville
                           ? gap
                           : default_radius * candidate.spacing,
                         body_of(place).points.layout().find("pore_pressure"),
-                        found == last.end() ? nullptr
-                                            : &last_rows[found->second]);
-            if (gap < -smallest_lift * candidate.spacing && !is_new)
+                        last_row);
+            if (leaves)
+              take_area(PointRef<dim>(row.data()), layout);
+            if (is_in_layer && gap < -smallest_lift * candidate.spacing &&
+                !is_new)
               {
                 lift(candidate.point,
                      PointRef<dim>(row.data()),
@@ -336,11 +377,19 @@ namespace greville
                 left.push_back(candidate.cell);
               }
             surface.points.insert(candidate.cell, make_array_view(row));
+            n_joined += last_row == nullptr;
           }
-        if (Utilities::MPI::max<unsigned int>(!left.empty(), comm) == 0)
+        Simulation<dim>          &part    = *place.part;
+        std::vector<unsigned int> numbers = {n_joined,
+                                             unsigned(last.size()),
+                                             unsigned(left.size())};
+        Utilities::MPI::sum(numbers, comm, numbers);
+        // The critical step is that with the stiffness of all contactors.
+        if (numbers[0] > most_joined * numbers[1])
+          part.current.estimates.next = part.current.n_steps;
+        if (numbers[2] == 0)
           continue;
         left.erase(std::unique(left.begin(), left.end()), left.end());
-        Simulation<dim> &part = *place.part;
         for (MaterialPoints<dim> *moved :
              {&body_of(place).points, &surface.points})
           part.discretization.transport().move(*moved, left);

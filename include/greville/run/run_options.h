@@ -40,7 +40,10 @@ namespace greville
     double front_99  = 0.; // likewise
     /// EnergyBalance::loss() of all parts, J (2D: J / m), and its fraction of
     /// the largest energy or work so far.
-    double                    numerical_loss = 0., relative_loss = 0.;
+    double numerical_loss = 0., relative_loss = 0.;
+    /// See BodyContacts::gains().
+    std::vector<std::pair<std::string, double>> contact_gains;
+
     ExactErrors               errors;
     std::optional<Distance>   surface, series;
     std::optional<double>     failure_line; // mean distance, m

@@ -93,6 +93,22 @@ namespace greville
     void
     set_intervals(const std::vector<ContactInterval<dim>> &intervals);
 
+    /**
+     * Collective. Return, by contacts, what their surfaces have given to the
+     * bodies beyond what they have taken, as a fraction of the largest energy
+     * or work of one source so far: it has come from nothing. Contacts with
+     * rigid bodies that have moved are left out, which do work.
+     */
+    std::vector<std::pair<std::string, double>>
+    gains() const;
+
+    /**
+     * Collective. Warn, or throw StepFailed, where gains() of explicit steps
+     * are more than a tenth.
+     */
+    void
+    check_gains();
+
     const std::vector<RigidBody<dim>> &
     all_rigid_bodies() const
     {
@@ -135,11 +151,13 @@ namespace greville
       dealii::Tensor<1, dim> cell_sizes;
       std::unique_ptr<AveragedContact<dim>> average;
       // How fast both sides have moved in the last step, added up, m / s; what
-      // they have moved since the last check for overlaps, m; whether there has
-      // been one, and the Overlap::excess then.
-      double speed = 0., way = 0.;
+      // they have moved in that, and from the last check for overlaps until
+      // then, m; whether there has been one, and the Overlap::excess then.
+      double speed = 0., last_way = 0., way = 0.;
       bool   is_checked   = false;
       double first_excess = 0.;
+      // What has been warned of, see check_gains().
+      double warned_gain = 0.;
     };
 
     /// Results of all contacts, and the rigid bodies then.
@@ -259,10 +277,10 @@ namespace greville
     std::string
     find_inside_of_body(Contact &contact) const;
 
-    /// Collective. Count what both sides have moved in the last step.
+    /// Collective. Find what both sides have moved in the last step.
     void
-    add_way(Contact                              &contact,
-            const std::vector<ContactPoint<dim>> &points) const;
+    find_way(Contact                              &contact,
+             const std::vector<ContactPoint<dim>> &points) const;
 
     /// The longest way of the rigid body of a contact between two positions, m.
     double

@@ -99,6 +99,16 @@ namespace greville
                       : std::vector<ContactInterval<dim>>();
     }
 
+    /**
+     * Collective. See BodyContacts::gains(); none without contacts.
+     */
+    std::vector<std::pair<std::string, double>>
+    contact_gains() const
+    {
+      return contacts ? contacts->gains()
+                      : std::vector<std::pair<std::string, double>>();
+    }
+
     void
     set_contact_intervals(const std::vector<ContactInterval<dim>> &intervals)
     {
