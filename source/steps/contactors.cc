@@ -217,15 +217,24 @@ namespace greville
       };
       constexpr unsigned int own  = n_near / 2;
       constexpr double       none = std::numeric_limits<double>::max();
-      std::unordered_map<std::uint64_t, double> lowest;
+      // The foremost point of each box.
+      std::unordered_map<std::uint64_t, const ContactPoint<dim> *> foremost;
       for (const ContactPoint<dim> &point : points)
         if (point.is_facing && point.side == 0)
-          for (unsigned int near = 0; near < n_near; ++near)
-            {
-              const auto entry = lowest.emplace(box_of(point.x, near), none);
-              double    &gap   = entry.first->second;
-              gap              = std::min(gap, point.gap);
-            }
+          {
+            const ContactPoint<dim> *&first =
+              foremost.emplace(box_of(point.x, own), &point).first->second;
+            if (point.gap < first->gap)
+              first = &point;
+          }
+      std::unordered_map<std::uint64_t, double> lowest;
+      for (const auto &[box, point] : foremost)
+        for (unsigned int near = 0; near < n_near; ++near)
+          {
+            double &gap =
+              lowest.emplace(box_of(point->x, near), none).first->second;
+            gap = std::min(gap, point->gap);
+          }
       const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
       if (n_processes > 1)
         {
