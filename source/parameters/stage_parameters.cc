@@ -155,7 +155,8 @@ namespace greville
       "What to do where the bodies have more energy than they had initially "
       "and loads and walls have given them, less what damping has taken, by a "
       "tenth of the largest energy or work of one source so far: an unstable "
-      "step shows in this. Likewise where a contact of explicit steps has given "
+      "step shows in this. Likewise where a contact of explicit steps has "
+      "given "
       "so much to the bodies beyond what it has taken.");
     add_parameter(prm, "Points outside", outside, Selection("error|remove"))(
       "What to do about points that leave the grid.");
