@@ -3,6 +3,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 
 #include <algorithm>
@@ -51,6 +52,7 @@ namespace greville
             const std::string                 &section,
             std::map<std::string, Entries>    &result)
     {
+      // JSON has names as they are.
       Entries &entries = result[section];
       for (const auto &child : tree)
         {
@@ -59,13 +61,12 @@ namespace greville
             return entry.get<std::string>(key, "");
           };
           if (entry.find("value") != entry.not_found())
-            entries[demangle(child.first)] = {value_of("default_value"),
-                                              value_of("pattern_description"),
-                                              value_of("documentation")};
+            entries[child.first] = {value_of("default_value"),
+                                    value_of("pattern_description"),
+                                    value_of("documentation")};
           else
             collect(entry,
-                    (section.empty() ? "" : section + "/") +
-                      demangle(child.first),
+                    (section.empty() ? "" : section + "/") + child.first,
                     result);
         }
     }
@@ -135,6 +136,8 @@ namespace greville
         return "a whole number";
       if (begins("[Bool"))
         return "true or false";
+      if (description == FormulaPattern::name)
+        return "formulas";
       if (begins("[List of <"))
         {
           const auto end = description.rfind("> of length ");
@@ -220,6 +223,8 @@ namespace greville
       const std::string &description = entry->second.pattern;
       const std::string what = line.place + ": the parameter '" + line.section +
                                "/" + line.name + "' is <" + line.value + ">; ";
+      if (description == FormulaPattern::name)
+        return;
       // Blanks in a word are no letters: ParameterHandler takes them off.
       const auto pattern = Patterns::pattern_factory(description);
       if (!pattern->match(line.value))

@@ -69,6 +69,18 @@ namespace greville
   {
     for (const auto &load : point_loads)
       load->find_points(bodies, comm);
+    precompute(bodies);
+  }
+
+
+
+  template <int dim>
+  void
+  Loads<dim>::precompute(std::vector<Body<dim>> &bodies) const
+  {
+    for (const auto &load : point_loads)
+      for (Body<dim> &body : bodies)
+        load->precompute(body.points);
   }
 
 

@@ -11,13 +11,13 @@ namespace greville
 
   namespace
   {
-    // muParser's functions know their arguments only: the point that shapes are
-    // asked for.
+    // Functions of formulas know their arguments only: the point that shapes
+    // are asked for.
     thread_local const double *shape_point = nullptr;
     thread_local int           shape_dim   = 0;
 
     /**
-     * An argument error becomes muParser's, and so one with the parameter.
+     * Throw for a wrong number of arguments; the formula adds its parameter.
      */
     void
     check_arguments(const char *shape, const int given, const int wanted)

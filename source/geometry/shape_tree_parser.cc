@@ -3,18 +3,20 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/geometry/level_set.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace greville
 {
   using namespace dealii;
 
   /**
-   * Reads a formula from outside to inside: operators in muParser's order, the
-   * weakest first, then functions.
+   * Reads a formula from outside to inside: operators, the weakest first, then
+   * functions.
    */
   template <int dim>
   class ShapeTree<dim>::Parser
@@ -25,13 +27,32 @@ namespace greville
       , level_sets(level_sets)
     {}
 
+    /**
+     * @p formula may have definitions of names behind it (NamedFormulas).
+     */
+    Node
+    parse_formula(const std::string &formula)
+    {
+      const auto lines = Utilities::split_string_list(formula, '\n');
+      for (unsigned int k = 1; k < lines.size(); ++k)
+        {
+          const auto equal = lines[k].find('=');
+          named[Utilities::trim(lines[k].substr(0, equal))] =
+            lines[k].substr(equal + 1);
+        }
+      definitions = formula.substr(formula_text(formula).size());
+      return parse(formula_text(formula));
+    }
+
+  private:
     Node
     parse(const std::string &given)
     {
       const std::string text = without_parentheses(given);
-      for (const auto &operators : {std::vector<std::string>{"|"},
-                                    std::vector<std::string>{"||", "&"},
-                                    std::vector<std::string>{"&&"}})
+      if (const auto found = named.find(text); found != named.end())
+        return parse(found->second);
+      for (const auto &operators : {std::vector<std::string>{"|", "||"},
+                                    std::vector<std::string>{"&", "&&"}})
         {
           const auto found = last_operator(text, operators);
           if (found.first != std::string::npos)
@@ -64,7 +85,6 @@ namespace greville
       return parse_call(text);
     }
 
-  private:
     static const std::vector<std::string> &
     comparisons()
     {
@@ -245,7 +265,7 @@ namespace greville
       std::vector<double> result;
       for (const std::string &argument : arguments)
         {
-          const Expression expression(argument,
+          const Expression expression(argument + definitions,
                                       parameter,
                                       coordinate_names<dim>());
           Point<dim>       one, other;
@@ -302,6 +322,35 @@ namespace greville
     }
 
     /**
+     * Whether a formula consists of coordinates, names of other formulas,
+     * numbers and operators of numbers.
+     */
+    bool
+    has_no_calls(const std::string &text) const
+    {
+      std::string word;
+      for (const char c : text + ' ')
+        {
+          if (c == '?' || c == '%')
+            return false;
+          if (std::isalnum(static_cast<unsigned char>(c)) || c == '_')
+            word += c;
+          else
+            {
+              const bool has_letter =
+                std::any_of(word.begin(), word.end(), [](const char letter) {
+                  return std::isalpha(static_cast<unsigned char>(letter)) &&
+                         letter != 'x' && letter != 'y' && letter != 'z';
+                });
+              if (has_letter && named.count(word) == 0)
+                return false;
+              word.clear();
+            }
+        }
+      return true;
+    }
+
+    /**
      * A formula that is negative inside. Linear ones are planes.
      */
     Node
@@ -309,16 +358,15 @@ namespace greville
     {
       LevelSet<dim> result;
       result.kind = LevelSet<dim>::formula;
-      result.text = text;
-      result.expression.emplace(text, parameter, coordinate_names<dim>());
+      result.text = text + definitions;
+      result.expression.emplace(result.text,
+                                parameter,
+                                coordinate_names<dim>());
       // Without functions and conditions, a formula that is linear at some
       // points is linear.
-      const bool is_polynomial =
-        std::none_of(text.begin(), text.end(), [](const char c) {
-          return (std::isalpha(static_cast<unsigned char>(c)) && c != 'x' &&
-                  c != 'y' && c != 'z') ||
-                 c == '?' || c == '%';
-        });
+      bool is_polynomial = has_no_calls(text);
+      for (const auto &definition : named)
+        is_polynomial = is_polynomial && has_no_calls(definition.second);
       if (is_polynomial)
         {
           Tensor<1, dim> normal;
@@ -361,8 +409,10 @@ namespace greville
       return node;
     }
 
-    std::string                 parameter;
-    std::vector<LevelSet<dim>> &level_sets;
+    std::string                        parameter;
+    std::vector<LevelSet<dim>>        &level_sets;
+    std::map<std::string, std::string> named;
+    std::string                        definitions; // these as text
   };
 
 
@@ -371,7 +421,7 @@ namespace greville
   ShapeTree<dim>::ShapeTree(const std::string &formula,
                             const std::string &parameter)
   {
-    root = Parser(parameter, all_level_sets).parse(formula);
+    root = Parser(parameter, all_level_sets).parse_formula(formula);
   }
 
 

@@ -3,6 +3,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/shared_library.h>
 #include <greville/materials/hencky.h>
 #include <greville/materials/material_lanes.h>
@@ -189,7 +190,7 @@ namespace greville
       "STATEV: names for the output, each with its unit in brackets if it has "
       "one, such as 'void_ratio, suction [Pa]'; or their number, for the names "
       "statev_1, statev_2, ...");
-    add_parameter(prm, "Initial state", initial_state)(
+    add_formula(prm, "Initial state", initial_state)(
       "STATEV at the start: formulas of x, y and z (0 in plane strain), "
       "separated by semicolons; one formula is for all of them, none is 0.");
     add_parameter(prm,
@@ -264,13 +265,14 @@ namespace greville
 
     initial_formulas.clear();
     const std::string parameter = section + "/Initial state";
-    const auto        n_formulas =
-      1 + std::count(initial_state.begin(), initial_state.end(), ';');
+    const bool        is_same =
+      formula_text(initial_state).find(';') == std::string::npos;
     if (!initial_state.empty())
-      initial_formulas = make_expressions(initial_state,
-                                          parameter,
-                                          coordinate_names<3>(),
-                                          n_formulas == 1 ? 1 : names.size());
+      for (const std::string &formula :
+           split_formulas(initial_state, parameter, is_same ? 1 : names.size()))
+        initial_formulas.emplace_back(formula,
+                                      parameter,
+                                      coordinate_names<3>());
 
     AssertThrow((bulk > 0.) == (shear > 0.),
                 ExcMessage("'" + section +

@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/expression.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/parameters/simulation_parameters.h>
 
@@ -100,7 +101,7 @@ namespace greville
            "radii do not come again.");
     refuse(
       has_radial_part(loads.gravity, "Loads/Gravity", time.start, time.end),
-      "'Loads/Gravity', which is <" + loads.gravity + ">",
+      "'Loads/Gravity', which is <" + formula_text(loads.gravity) + ">",
       "gravity acts along y, the axis; 'Loads/Body force' may be radial.");
     if (!grid.has_axis())
       return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
@@ -259,7 +260,7 @@ namespace greville
                       walls.type[w] == "sliding" || walls.type[w] == "moving",
                     ExcMessage("The wall '" + name + "' is " + walls.type[w] +
                                ", and '" + name + " region' is <" +
-                               walls.region[w] +
+                               formula_text(walls.region[w]) +
                                ">: fixed, sliding and moving walls may have "
                                "one."));
       }

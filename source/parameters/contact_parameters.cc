@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/parameters/section_parameters.h>
 
@@ -15,7 +16,7 @@ namespace greville
   void
   RigidBodyParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Shape", shape)(
+    add_formula(prm, "Shape", shape)(
       "The inside of the body at the start, see Body/Shape. Its edges and "
       "corners are as sharp as the formula says. Unit: m.");
     add_parameter(prm, "Shape file", shape_file)(
@@ -30,11 +31,11 @@ namespace greville
                   List(Double(), 0, 3))(
       "The point that has the velocity, about which the body turns and moments "
       "are counted, where it is at the start. Empty: the origin. Unit: m.");
-    add_parameter(prm, "Velocity", velocity)(
+    add_formula(prm, "Velocity", velocity)(
       "Velocity of the reference point: formulas of t, separated by "
       "semicolons. Empty: it stays where it is. Of a free body, the velocity "
       "at the start. Unit: m / s.");
-    add_parameter(prm, "Rotation", rotation)(
+    add_formula(prm, "Rotation", rotation)(
       "In 2D the angle about the reference point, counterclockwise, a formula "
       "of t; in 3D a rotation vector (axis times angle), three formulas of t, "
       "separated by semicolons. It is zero at the start. Empty: no rotation. "
@@ -118,7 +119,7 @@ namespace greville
       "spacing ahead (initially as far as the surface, where it begins in "
       "contact). A surface that flows or tears needs the latter, which are "
       "less accurate, and updated Lagrangian steps. Unit: none.");
-    add_parameter(prm, "Friction", friction)(
+    add_formula(prm, "Friction", friction)(
       "The coefficient of friction mu, a number or a formula of the pressure p "
       "(Pa) and of the speed of sliding v (m / s), such as 0.2 + 0.2 * exp(-v "
       "/ 0.01); or rough: surfaces that touch do not slide. The shear stress "

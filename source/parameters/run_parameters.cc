@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/run_parameters.h>
@@ -16,11 +17,11 @@ namespace greville
   void
   ExactParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Displacement", displacement)(
+    add_formula(prm, "Displacement", displacement)(
       "Formulas of the initial positions X, Y (, Z) and t, separated by "
       "semicolons; empty: unknown. Unit: m.");
-    add_parameter(prm, "Velocity", velocity)("Likewise. Unit: m / s.");
-    add_parameter(prm, "Stress", stress)(
+    add_formula(prm, "Velocity", velocity)("Likewise. Unit: m / s.");
+    add_formula(prm, "Stress", stress)(
       "Likewise the Cauchy stress xx; yy; zz; xy (; xz; yz). Unit: Pa.");
   }
 

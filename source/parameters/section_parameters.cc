@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
 
@@ -56,7 +57,7 @@ namespace greville
     add_parameter(prm, "Bulk modulus", bulk_modulus, Double(0.))(
       "With 'Simulation/Pore water': bulk modulus of the water; 0: it is "
       "incompressible. Unit: Pa.");
-    add_parameter(prm, "Table", table)(
+    add_formula(prm, "Table", table)(
       "The water table at the start, as the coordinate along gravity's axis: a "
       "formula of x, y (, z). Bodies begin with the pressure of water at rest, "
       "and 'K0' with the weight of the soil less that. Empty: the pressure is "
@@ -65,7 +66,7 @@ namespace greville
       "The suction, as a height of water, at which pores are so empty that "
       "the conductivity is a thousandth; it falls from 0 on. 0: pores stay "
       "full at any suction. Unit: m.");
-    add_parameter(prm, "Free surface pressure", free_surface_pressure)(
+    add_formula(prm, "Free surface pressure", free_surface_pressure)(
       "The pressure of water around all bodies, a formula of x, y (, z) and t: "
       "that of the pores in the outermost layer of points, wherever it is, and "
       "a load on the surface, 0 in air. Empty: no water passes the surface but "
@@ -152,7 +153,7 @@ namespace greville
     add_parameter(prm, "Body", body)(
       "The name of the body that bears the load. Its 'Placement' is fitted or "
       "fitted lattice.");
-    add_parameter(prm, "Where", where)(
+    add_formula(prm, "Where", where)(
       "The part of the surface that bears the load: what is inside this shape "
       "initially (see Body/Shape; X is called x). It is best to let it end at "
       "corners and edges of the body, or between two points. Empty: all of it. "
@@ -167,12 +168,12 @@ namespace greville
       "-rho (c_p v_n n + c_s v_t) with the wave speeds of the body's material; "
       "spring: -k (x - X); displacement: u(X, t) is given, and held by springs "
       "-k (x - X - u), which give way by their stress over k.");
-    add_parameter(prm, "Traction", traction)(
+    add_formula(prm, "Traction", traction)(
       "traction: formulas of x, y (, z), the initial positions X, Y (, Z) and "
       "t, separated by semicolons. Unit: Pa.");
     add_parameter(prm, "Area", area, Selection("initial|current"))(
       "traction: the area that it is a force per.");
-    add_parameter(prm, "Pressure", pressure)(
+    add_formula(prm, "Pressure", pressure)(
       "pressure: a formula of the same variables; positive values press. Unit: "
       "Pa.");
     add_parameter(prm, "Stiffness", stiffness, Double(0.))(
@@ -181,10 +182,10 @@ namespace greville
       "times the modulus of pressure waves of the material over the smallest "
       "edge of a cell, h: the error of the displacement is h / 10 times the "
       "strain at the surface. Unit: Pa / m.");
-    add_parameter(prm, "Displacement", displacement)(
+    add_formula(prm, "Displacement", displacement)(
       "displacement: formulas of X, Y (, Z) and t, separated by semicolons. "
       "Unit: m.");
-    add_parameter(prm, "Pore pressure", pore_pressure)(
+    add_formula(prm, "Pore pressure", pore_pressure)(
       "With 'Simulation/Pore water': the pressure of the water at this part of "
       "the surface, a formula of the variables of 'Traction'. Tractions and "
       "pressures of loads are total ones, of soil and water. Empty: no water "
@@ -193,7 +194,7 @@ namespace greville
       "Whether water only leaves where 'Pore pressure' is 0 or less, as in "
       "air: the pressure is at most the given one there. Where it is above 0, "
       "as below a water level, water passes both ways.");
-    add_parameter(prm, "Flux", flux)(
+    add_formula(prm, "Flux", flux)(
       "In place of 'Pore pressure': the water that leaves per area and time "
       "(negative: that comes, as rain), a formula of the same variables. Unit: "
       "m / s.");

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/base/shared_library.h>
+#include <greville/geometry/shape.h>
 #include <greville/materials/element_test.h>
 #include <greville/materials/umat.h>
 #include <greville/parameters/simulation_parameters.h>
@@ -97,6 +99,27 @@ namespace greville
                                             (model.empty() ? "|" : "")),
                         "The constitutive law; it has to be given. Its "
                         "parameters stand in the same section.");
+      prm.leave_subsection();
+    }
+
+
+
+    /**
+     * Declare the names of the section 'Formulas'.
+     */
+    void
+    declare_formulas(ParameterHandler                   &prm,
+                     std::map<std::string, std::string> &formulas)
+    {
+      if (formulas.empty())
+        return;
+      prm.enter_subsection("Formulas");
+      for (auto &[name, formula] : formulas)
+        add_formula(prm, name, formula)(
+          "A formula of x, y, z, X, Y, Z, t and other names of this section, "
+          "in any order, for which NAME stands in formulas of the whole file "
+          "that have these variables. A variable of that name in a formula, "
+          "such as h in 'Time/Step', is meant there.");
       prm.leave_subsection();
     }
 
@@ -321,6 +344,11 @@ namespace greville
 
     ParameterHandler prm;
     declare(prm);
+    std::map<std::string, std::string> formulas;
+    for (const ParameterLine &line : lines)
+      if (line.section == "Formulas" && !line.name.empty())
+        formulas[line.name];
+    declare_formulas(prm, formulas);
     std::map<std::string, std::shared_ptr<Material>> laws;
     for (const std::string &name : law_names)
       {
@@ -336,32 +364,6 @@ namespace greville
     parse_parameter_lines(prm, lines);
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
-    for (StageParameters &stage : stages)
-      {
-        AssertThrow(stage.time.start == time.start &&
-                      stage.time.max_steps == time.max_steps,
-                    ExcMessage("'Stage " + stage.name +
-                               "/Time' has a 'Start' or 'Maximum steps'. They "
-                               "belong to the whole run, and to the section "
-                               "'Time' outside of stages: a stage begins where "
-                               "the one before ends."));
-        if (stage.scheme.mass == "auto")
-          stage.scheme.mass = default_mass(stage.scheme);
-      }
-    find_materials();
-    if (!stages.empty())
-      enter_stage(0);
-    if (scheme.mass == "auto")
-      scheme.mass = default_mass(scheme);
-    for (std::string &mass : sweep.masses)
-      if (mass == "auto")
-        mass = default_mass(scheme);
-    make_axis();
-    make_rigid_walls();
-    check();
-    check_friction(walls, lines, "");
-    for (const StageParameters &stage : stages)
-      check_friction(stage.walls, lines, "Stage " + stage.name);
 
     // What is used lies elsewhere: it has absolute names of files.
     const auto set = [&](const std::string &section,
@@ -394,6 +396,35 @@ namespace greville
     std::ostringstream text;
     prm.print_parameters(text, ParameterHandler::PRM);
     used_text = without_common_times(text.str());
+    NamedFormulas(formulas, Utilities::split_string_list(shape_names(), '|'))
+      .attach_to(prm);
+
+    for (StageParameters &stage : stages)
+      {
+        AssertThrow(stage.time.start == time.start &&
+                      stage.time.max_steps == time.max_steps,
+                    ExcMessage("'Stage " + stage.name +
+                               "/Time' has a 'Start' or 'Maximum steps'. They "
+                               "belong to the whole run, and to the section "
+                               "'Time' outside of stages: a stage begins where "
+                               "the one before ends."));
+        if (stage.scheme.mass == "auto")
+          stage.scheme.mass = default_mass(stage.scheme);
+      }
+    find_materials();
+    if (!stages.empty())
+      enter_stage(0);
+    if (scheme.mass == "auto")
+      scheme.mass = default_mass(scheme);
+    for (std::string &mass : sweep.masses)
+      if (mass == "auto")
+        mass = default_mass(scheme);
+    make_axis();
+    make_rigid_walls();
+    check();
+    check_friction(walls, lines, "");
+    for (const StageParameters &stage : stages)
+      check_friction(stage.walls, lines, "Stage " + stage.name);
 
     for (const auto &law : laws)
       law.second->reinit("Material " + law.first);
@@ -555,6 +586,8 @@ namespace greville
     parameters.declare(prm);
     StageParameters stage;
     declare_section(prm, "Stage NAME", stage);
+    std::map<std::string, std::string> formulas = {{"NAME", ""}};
+    declare_formulas(prm, formulas);
     declare_model(prm, "Material NAME", "");
     std::vector<std::unique_ptr<Material>> laws;
     for (const std::string &model :

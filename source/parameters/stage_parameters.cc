@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/stage_parameters.h>
@@ -19,7 +20,7 @@ namespace greville
       "one ends, and has no 'Start'. Unit: s.");
     add_parameter(prm, "End", end)(
       "Stages end one after the other: time runs on over them. Unit: s.");
-    add_parameter(prm, "Step", step)(
+    add_formula(prm, "Step", step)(
       "A formula of the smallest edge h of a cell (m) and the order p. Empty: "
       "from the CFL number and the critical step. Unit: s.");
     add_parameter(prm, "CFL number", cfl, Double(0.))(
@@ -58,11 +59,11 @@ namespace greville
       "as a rigid one is further than this from its initial position (with "
       "'Stage/Reset displacements': from where it was at the start of the "
       "stage); 0: no limit. Unit: m.");
-    add_parameter(prm, "End when", end_when)(
+    add_formula(prm, "End when", end_when)(
       "A run ends after the row in which this formula of the columns of "
       "statistics.csv and probes.csv is true (not 0), such as 'time > 1 && "
       "kinetic < 1e-3'. Empty: never.");
-    add_parameter(prm, "Ramp until failure", ramp)(
+    add_formula(prm, "Ramp until failure", ramp)(
       "A formula of t: the factor, such as that of 'Strength reduction', which "
       "grows in this stage until no equilibrium is found, 'End when' is true, "
       "or a point has moved by 'Largest displacement'. Implicit stages go back "
@@ -187,28 +188,28 @@ namespace greville
           "whose 'Bodies' has walls as its second side; in all stages) or "
           "periodic (what leaves the grid here comes in at the wall on the "
           "other side, which is periodic, too; in all stages).");
-        add_parameter(prm, names[w] + " region", region[w])(
+        add_formula(prm, names[w] + " region", region[w])(
           "Of a fixed, sliding or moving wall: the shape or condition in which "
           "it is, beside which it is free; empty: everywhere. Coefficients "
           "whose Greville abscissae are inside are held.");
-        add_parameter(prm, names[w] + " velocity", velocity[w])(
+        add_formula(prm, names[w] + " velocity", velocity[w])(
           "Of a moving wall: formulas of x, y (, z) and t separated by "
           "semicolons. A sliding wall may have one, of which the normal "
           "component counts. Unit: m / s.");
-        add_parameter(prm, names[w] + " displacement", displacement[w])(
+        add_formula(prm, names[w] + " displacement", displacement[w])(
           "In place of the velocity: formulas of x, y (, z) and t separated by "
           "semicolons, d(x, t). A step moves the wall by d(x, t + dt) - d(x, "
           "t). Unit: m.");
         add_parameter(prm, names[w] + " friction", friction[w], Double(0.))(
           "Coefficient of Coulomb friction of a friction wall. Unit: none.");
-        add_parameter(prm, names[w] + " pore pressure", pore_pressure[w])(
+        add_formula(prm, names[w] + " pore pressure", pore_pressure[w])(
           "With 'Simulation/Pore water': the pressure of the water at this "
           "wall, a formula of x, y (, z) and t. Empty: no water passes. Unit: "
           "Pa.");
         add_parameter(prm, names[w] + " seepage face", seepage_face[w])(
           "Whether water only leaves where the pore pressure that is given at "
           "this wall is 0 or less (see 'Surface load NAME/Seepage face').");
-        add_parameter(prm, names[w] + " flux", flux[w])(
+        add_formula(prm, names[w] + " flux", flux[w])(
           "In place of a pore pressure: the water that leaves per area and "
           "time (negative: that comes), a formula of x, y (, z) and t. Unit: m "
           "/ s.");
@@ -220,9 +221,9 @@ namespace greville
   void
   LoadParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Gravity", gravity)(
+    add_formula(prm, "Gravity", gravity)(
       "Formulas of t separated by semicolons; empty: none. Unit: m / s^2.");
-    add_parameter(prm, "Body force", body_force)(
+    add_formula(prm, "Body force", body_force)(
       "Force per mass: formulas of x, y (, z), the initial positions X, Y (, "
       "Z) and t, separated by semicolons; empty: none. Unit: m / s^2.");
     add_parameter(prm, "Cundall damping", cundall, Double(0., 1.))(

@@ -3,6 +3,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/geometry/points_file.h>
 #include <greville/geometry/shape.h>
 #include <greville/points/body.h>
@@ -389,15 +390,11 @@ namespace greville
       const Lattice<dim>      &lattice    = body.points.space().lattice();
       const InitialStress<dim> stress(
         parameters, section, gravity, lattice, material.density, layers, table);
-      const auto formulas = [&](const std::string &text, const char *name) {
-        return text.empty() ? VectorExpression<dim>()
-                            : VectorExpression<dim>(text,
-                                                    section + name,
-                                                    coordinate_names<dim>());
-      };
       const auto displacement =
-        formulas(parameters.displacement, "/Displacement");
-      const auto velocity = formulas(parameters.velocity, "/Velocity");
+        initial_formulas<dim>(parameters.displacement,
+                              section + "/Displacement");
+      const auto velocity =
+        initial_formulas<dim>(parameters.velocity, section + "/Velocity");
 
       // A velocity that jumps shall not get a steep gradient.
       std::array<double, dim>       steps;
@@ -561,7 +558,8 @@ namespace greville
     AssertThrow(body.n_points > 0,
                 ExcMessage("The body of '" + section +
                            "' is empty: there is no point inside <" +
-                           parameters.shape + parameters.shape_file +
+                           formula_text(parameters.shape) +
+                           parameters.shape_file +
                            "> in the grid: is it outside ('Grid/Lower corner', "
                            "'Grid/Upper corner'), or are the cells too large "
                            "('Grid/Cells')?"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/points/body.h>
 
@@ -13,7 +14,7 @@ namespace greville
   {
     add_parameter(prm, "Material", material)(
       "The name of the body's material.");
-    add_parameter(prm, "Shape", shape)(
+    add_formula(prm, "Shape", shape)(
       "The inside of the body: a formula of x, y (and z) in m that is true "
       "inside. Shapes are box(x0, y0, [z0,] x1, y1, [z1]), ball(x, y, [z,] "
       "radius), cylinder(x0, y0, z0, x1, y1, z1, radius), half_space(n_x, n_y, "
@@ -63,20 +64,20 @@ namespace greville
     add_parameter(prm, "Jitter", jitter, Double(0., 1.))(
       "Each point is moved at random by at most this part of half the distance "
       "between points. Unit: none.");
-    add_parameter(prm, "Displacement", displacement)(
+    add_formula(prm, "Displacement", displacement)(
       "Initial displacement from the positions of the shape: formulas of x, y "
       "(, z) separated by semicolons, which also give the deformation gradient "
       "and the stress; empty: none. Unit: m.");
-    add_parameter(prm, "Velocity", velocity)(
+    add_formula(prm, "Velocity", velocity)(
       "Initial velocity: formulas of the positions of the shape x, y (, z) "
       "separated by semicolons; empty: at rest. Unit: m / s.");
-    add_parameter(prm, "Stress", stress)(
+    add_formula(prm, "Stress", stress)(
       "Initial Cauchy stress: formulas of x, y (, z) for xx; yy; zz; xy (; xz; "
       "yz); empty: none. Unit: Pa.");
     add_parameter(prm, "K0", K0)(
       "Not negative: the initial stress is the weight of what lies above, -rho "
       "g depth, along gravity, and K0 times that across. Unit: none.");
-    add_parameter(prm, "Surface", surface)(
+    add_formula(prm, "Surface", surface)(
       "For K0: where the body ends against gravity, as the coordinate along "
       "the axis of gravity; a formula of x, y (, z). No point may lie beyond "
       "it by half a cell or more. Unit: m.");

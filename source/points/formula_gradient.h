@@ -4,6 +4,7 @@
 #define greville_source_particles_formula_gradient_h
 
 #include <greville/base/expression.h>
+#include <greville/base/named_formulas.h>
 
 #include <array>
 
@@ -11,6 +12,20 @@ namespace greville
 {
   namespace internal
   {
+    /**
+     * An initial displacement or velocity; zero if the text is empty.
+     */
+    template <int dim>
+    VectorExpression<dim>
+    initial_formulas(const std::string &text, const std::string &parameter)
+    {
+      return text.empty()
+               ? VectorExpression<dim>()
+               : VectorExpression<dim>(with_initial_positions<dim>(text),
+                                       parameter,
+                                       coordinate_names<dim>());
+    }
+
     /**
      * Derivatives of formulas by differences of sixth order with these steps.
      */

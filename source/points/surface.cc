@@ -125,17 +125,12 @@ namespace greville
     const PointLayout<dim> layout = surface.points.layout();
     run_on_all(
       [&]() {
-        const auto formulas = [&](const std::string &text,
-                                  const std::string &parameter) {
-          return text.empty()
-                   ? VectorExpression<dim>()
-                   : VectorExpression<dim>(text,
-                                           "Body " + body.name + parameter,
-                                           coordinate_names<dim>());
-        };
-        const auto displacement =
-          formulas(body.parameters->displacement, "/Displacement");
-        const auto velocity = formulas(body.parameters->velocity, "/Velocity");
+        const std::string of_body = "Body " + body.name;
+        const auto        displacement =
+          initial_formulas<dim>(body.parameters->displacement,
+                                of_body + "/Displacement");
+        const auto velocity = initial_formulas<dim>(body.parameters->velocity,
+                                                    of_body + "/Velocity");
         const auto steps    = displacement_steps<dim>(space.lattice());
         std::optional<Shape<dim>> shape;
         if (!where.empty())

@@ -344,6 +344,9 @@ namespace greville
             << std::uint64_t(n_steps)
             << (is_cut ? ", as 'Time/Maximum steps' says"
                        : " to t = " + rounded(end, 3) + " s")
+            << (!is_cut && is_explicit && times.step.empty()
+                  ? ", if later ones are as long"
+                  : "")
             << '\n'
             << "  estimated time: " << duration(total)
             << (is_explicit ? ""

@@ -5,6 +5,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/base/step_errors.h>
 #include <greville/run/simulation_run.h>
@@ -88,7 +89,7 @@ namespace greville
       const auto fail          = [&](const double t, const std::string &why) {
         AssertThrow(false,
                     ExcMessage("The parameter 'Time/Ramp until failure' is <" +
-                               time.ramp + ">, which " + why +
+                               formula_text(time.ramp) + ">, which " + why +
                                " at t = " + text_of(t) +
                                " s: it is a factor that is not negative and "
                                         "grows from 'Time/Start' to 'Time/End'."));
@@ -179,9 +180,13 @@ namespace greville
                                      " Columns of probes are those of "
                                      "'Output/Probes'."));
             }
-        for (const std::string &side : compared_in(stage.time.end_when))
+        const std::string end_when = formula_text(stage.time.end_when);
+        const std::string definitions =
+          stage.time.end_when.substr(end_when.size());
+        for (const std::string &side : compared_in(end_when))
           {
-            const std::string itself = "(" + side + ") == (" + side + ")";
+            const std::string itself =
+              "(" + side + ") == (" + side + ")" + definitions;
             stages[k].compared.emplace_back(
               side, Expression(itself, "Time/End when", names));
             std::optional<Expression> constant;
@@ -197,7 +202,7 @@ namespace greville
               }
             AssertThrow((*constant)({}) != 0.,
                         ExcMessage("The parameter 'Time/End when' is <" +
-                                   stage.time.end_when + ">, where <" + side +
+                                   end_when + ">, where <" + side +
                                    "> is NaN: comparisons with it are never "
                                    "true."));
           }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/parameters/unit_of_sums.h>
 #include <greville/run/run_header.h>
 
@@ -105,8 +106,9 @@ namespace greville
       {
         const ContactParameters &contact = parameters.contacts.at(name);
         out << "  contact " << name << ": " << contact.bodies << ", "
-            << (contact.friction == "rough" ? "rough"
-                                            : "friction " + contact.friction)
+            << (contact.friction == "rough"
+                  ? "rough"
+                  : "friction " + formula_text(contact.friction))
             << '\n';
       }
     if (parameters.scheme.is_total_lagrangian() &&

@@ -90,8 +90,7 @@ namespace greville
         is_explicit_scheme(parameters.scheme.stress_update) && dt > 0.)
       {
         out << "automatic steps: the first one is " << std::setprecision(3)
-            << dt << " s, about " << std::ceil((end - common().time) / dt)
-            << " more would follow";
+            << dt << " s";
         if (parameters.scheme.is_total_lagrangian())
           out << "; they become shorter where cells are crushed";
         out << std::endl;

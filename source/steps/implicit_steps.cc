@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/step_errors.h>
 #include <greville/steps/coupled_steps.h>
 #include <greville/steps/step_size.h>
@@ -88,7 +89,7 @@ namespace greville
                                       system.space().degree());
     const double left = parameters.time.end - state.time;
     check_step(step, left, parameters.time, [&]() {
-      return "'Time/Step' is <" + parameters.time.step + ">.";
+      return "'Time/Step' is <" + formula_text(parameters.time.step) + ">.";
     });
     return left /
            std::max(1., std::ceil(left / (step * state.step_fraction) - 1e-9));

@@ -247,6 +247,8 @@ namespace greville
               p[affine->first + k] = 0.;
         });
       }
+    if (reset)
+      loads.precompute(current.bodies);
     current.points_have_changed();
 
     const Signals last      = current.signals;

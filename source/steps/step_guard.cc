@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/named_formulas.h>
 #include <greville/base/step_errors.h>
 #include <greville/steps/statistics.h>
 #include <greville/steps/step_guard.h>
@@ -265,7 +266,8 @@ namespace greville
         ". The usual cause is " +
         (parameters.time.step.empty()
            ? "'Time/CFL number', which is " + text_of(parameters.time.cfl)
-           : "'Time/Step', which is <" + parameters.time.step + ">") +
+           : "'Time/Step', which is <" + formula_text(parameters.time.step) +
+               ">") +
         ", or a 'Velocity' of a body");
     // Who takes larger steps has been warned by the step size.
     if (parameters.time.refuses_too_large_steps() &&
@@ -284,7 +286,8 @@ namespace greville
         ". The usual cause is " +
         (parameters.time.step.empty()
            ? "a law that becomes stiffer within a step"
-           : "'Time/Step', which is <" + parameters.time.step + ">"));
+           : "'Time/Step', which is <" + formula_text(parameters.time.step) +
+               ">"));
   }
 
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/steps/step_size.h>
 
 #include <algorithm>
@@ -49,9 +50,9 @@ namespace greville
     const double arguments[2] = {h, double(degree)};
     const double step         = formula(ArrayView<const double>(arguments, 2));
     AssertThrow(step > 0. && std::isfinite(step),
-                ExcMessage("The parameter 'Time/Step' is <" + parameters.step +
-                           ">, which gives " + text_of(step) +
-                           " s: it has to be positive."));
+                ExcMessage("The parameter 'Time/Step' is <" +
+                           formula_text(parameters.step) + ">, which gives " +
+                           text_of(step) + " s: it has to be positive."));
     return step;
   }
 
@@ -284,7 +285,7 @@ namespace greville
       formula ? given_step(state, has_estimate) : automatic_step(state);
 
     const auto reason = [&]() {
-      return formula ? "'Time/Step' is <" + parameters.step + ">."
+      return formula ? "'Time/Step' is <" + formula_text(parameters.step) + ">."
                      : what_sets_the_step(state);
     };
     const double left = parameters.end - state.time;

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// The language of formulas, row by row of doc/user/formulas.md, and what is
-// refused with a message that names the parameter.
+// The language of formulas, row by row of doc/user/formulas.md, named formulas
+// and their precomputed values, and what is refused with a message that
+// names the parameter.
 #include <greville/base/expression.h>
+#include <greville/base/named_formulas.h>
 
 #include <cmath>
+#include <map>
 #include <tests.h>
 
 namespace
@@ -23,6 +26,44 @@ namespace
             std::abs(make_function<2>(formula, "P")->value(Point<2>(0.7, 0.)) -
                      expected),
             1e-14);
+  }
+
+  void
+  named(const std::map<std::string, std::string> &formulas,
+        const std::string                        &formula,
+        const double                              expected)
+  {
+    try
+      {
+        const NamedFormulas names(formulas, {"ball"});
+        const Formulas      f(
+          {names.attach(formula)}, "P", {"x", "t", "h"}, {}, {"x"});
+        // At another place and time first: no value may be left over.
+        const std::vector<double> other = {0.1, 2., 0.5},
+                                  here  = {0.7, -1., 0.5};
+        std::vector<double> precomputed(f.n_precomputed()),
+          of_other(f.n_precomputed()), result(1);
+        f.precompute(here, precomputed);
+        f.precompute(other, of_other);
+        for (unsigned int k = 0; k < 2; ++k)
+          {
+            check(formula + " with names",
+                  std::abs(f.value(0, here) - expected),
+                  1e-14);
+            f.evaluate(other, of_other, result);
+            f.evaluate(here, precomputed, result);
+            check(formula + " with values of points",
+                  std::abs(result[0] - expected),
+                  1e-14);
+            f.evaluate(other, of_other, result);
+          }
+        print() << formula << ": " << f.n_precomputed() << " precomputed"
+                << std::endl;
+      }
+    catch (const std::exception &error)
+      {
+        print() << message_of(error) << std::endl;
+      }
   }
 
   void
@@ -125,4 +166,18 @@ test_main()
                                     "nan",
                                     "x; t"})
     refused(formula);
+
+  named({{"a", "b + x"}, {"b", "2 * t"}}, "a * b", (-2. + x) * -2.);
+  // A formula means its own variables.
+  named({{"h", "3"}, {"a", "h * x"}}, "a + h", 3. * x + 0.5);
+  named({{"r", "sin(x)"}, {"q", "r^2"}, {"s", "2 * q * t"}, {"k", "3"}},
+        "q + s + k * x",
+        std::pow(std::sin(x), 2) * (1. + 2. * -1.) + 3. * x);
+  const double none = 0.;
+  named({{"a", "b"}, {"b", "sin(a)"}}, "x", none);
+  named({{"a", "a + 1"}}, "x", none);
+  named({{"a", "c"}}, "x", none);
+  named({{"a", "Y"}}, "a", none);
+  for (const std::string name : {"x", "t", "pi", "sin", "ball", "1a", "a b"})
+    named({{name, "1"}}, "x", none);
 }

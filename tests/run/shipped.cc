@@ -42,7 +42,7 @@ namespace
           std::regex(
             "^(Body|Material|Stage|Surface load|Rigid body|Contact) [^/]+"),
           "$1 NAME");
-        result.emplace(section, line.name);
+        result.emplace(section, section == "Formulas" ? "NAME" : line.name);
         if (section == "Material NAME")
           result.emplace(section + " of model " + models[line.section],
                          line.name);

@@ -3,63 +3,45 @@
 #ifndef greville_base_expression_h
 #define greville_base_expression_h
 
-#include <deal.II/base/array_view.h>
 #include <deal.II/base/point.h>
 
-#include <memory>
-#include <string>
-#include <vector>
+#include <greville/base/formulas.h>
 
 namespace greville
 {
   /**
-   * A formula of a parameter file, read by muParser: doc/user/formulas.md has
-   * the whole language. Assignments and commas outside of the arguments of a
-   * function, which muParser allows, are refused.
+   * A formula of a parameter file.
    */
   class Expression
   {
   public:
-    /**
-     * A function that formulas may call with any number of arguments besides
-     * the ones of muParser.
-     */
-    struct Function
-    {
-      std::string name;
-      double (*function)(const double *arguments, int n_arguments);
-    };
+    using Function = Formulas::Function;
 
     /**
-     * Throws dealii::ExcMessage where @p text is no formula of @p variables,
-     * with the name of the @p parameter.
+     * Throws as Formulas.
      */
     Expression(const std::string              &text,
                const std::string              &parameter,
                const std::vector<std::string> &variables,
-               const std::vector<Function>    &functions = {});
+               const std::vector<Function>    &functions = {})
+      : formula(std::make_shared<Formulas>(
+          std::vector<std::string>{text}, parameter, variables, functions))
+    {}
+
     /**
-     * The value for the @p values of the variables. Throws dealii::ExcMessage,
-     * with the parameter and the values of the variables, where it is not
-     * finite or above 1e100 in size. Not for several threads at a time.
+     * As Formulas::value().
      */
     double
-    operator()(const dealii::ArrayView<const double> &values) const;
+    operator()(const dealii::ArrayView<const double> &values) const
+    {
+      return formula->value(0, values);
+    }
 
   private:
-    class Parser;
-    std::shared_ptr<Parser> parser; // copies share it
+    std::shared_ptr<const Formulas> formula; // copies share it
   };
 
-  /**
-   * The @p n formulas in @p text, which are separated by semicolons. Throws as
-   * Expression, and where there are not @p n of them.
-   */
-  std::vector<Expression>
-  make_expressions(const std::string              &text,
-                   const std::string              &parameter,
-                   const std::vector<std::string> &variables,
-                   const unsigned int              n);
+
 
   /**
    * x, y (and z): the variables of formulas of the position.
@@ -76,7 +58,8 @@ namespace greville
 
   /**
    * A vector whose components are formulas, separated by semicolons in one
-   * parameter. Throws as make_expressions(); zero if made without arguments.
+   * parameter. Throws as split_formulas() and Formulas; zero if made without
+   * arguments.
    */
   template <int n>
   class VectorExpression
@@ -87,21 +70,23 @@ namespace greville
     VectorExpression(const std::string              &text,
                      const std::string              &parameter,
                      const std::vector<std::string> &variables)
-      : components(make_expressions(text, parameter, variables, n))
+      : components(std::make_shared<Formulas>(
+          split_formulas(text, parameter, n), parameter, variables))
     {}
 
     bool
     is_zero() const
     {
-      return components.empty();
+      return !components;
     }
 
     dealii::Tensor<1, n>
     operator()(const dealii::ArrayView<const double> &values) const
     {
       dealii::Tensor<1, n> result;
-      for (unsigned int k = 0; k < components.size(); ++k)
-        result[k] = components[k](values);
+      if (components)
+        components->evaluate(values,
+                             dealii::ArrayView<double>(result.begin_raw(), n));
       return result;
     }
 
@@ -122,7 +107,7 @@ namespace greville
     }
 
   private:
-    std::vector<Expression> components;
+    std::shared_ptr<const Formulas> components;
   };
 } // namespace greville
 

@@ -34,15 +34,23 @@ namespace greville
     }
 
     void
+    add_fields(PointLayout<dim> &layout) const override
+    {
+      force.add_fields(layout);
+    }
+
+    void
+    precompute(MaterialPoints<dim> &points) const override
+    {
+      force.precompute(points);
+    }
+
+    void
     add_acceleration(MaterialPoints<dim> &points,
                      const unsigned int   first,
                      const double         t) const override
     {
-      points.for_each([&](const unsigned int, PointRef<dim> p) {
-        const dealii::Tensor<1, dim> b = force(p, p.position(), t);
-        for (unsigned int d = 0; d < dim; ++d)
-          p[first + d] += b[d];
-      });
+      force.add(points, first, t);
     }
 
     typename PointLoad<dim>::AtPosition

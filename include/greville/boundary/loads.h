@@ -36,6 +36,13 @@ namespace greville
     find_points(std::vector<Body<dim>> &bodies, const MPI_Comm comm) const;
 
     /**
+     * Precompute what depends on the initial positions of points alone, after
+     * these have changed.
+     */
+    void
+    precompute(std::vector<Body<dim>> &bodies) const;
+
+    /**
      * Whether points carry an acceleration.
      */
     bool

@@ -5,7 +5,7 @@
 
 #include <greville/parameters/simulation_parameters.h>
 
-#include <cctype>
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -47,6 +47,14 @@ namespace greville
      */
     virtual void
     find_points(std::vector<Body<dim>> &, const MPI_Comm) const
+    {}
+
+    /**
+     * Fill what depends on the initial positions of @p points alone. Called
+     * whenever these are set.
+     */
+    virtual void
+    precompute(MaterialPoints<dim> &) const
     {}
 
     /**
@@ -98,29 +106,50 @@ namespace greville
 
 
   /**
-   * A vector from formulas of x, X and t.
+   * A vector from formulas of x, X and t. Named formulas of X alone are
+   * precomputed, and stored in the points.
    */
   template <int dim>
   class LoadFormulas
   {
   public:
     LoadFormulas(const std::string &text, const std::string &parameter)
-      : formulas(text,
+      : formulas(split_formulas(text, parameter, dim),
                  parameter,
-                 dim == 2 ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
-                          : std::vector<std::string>{
-                              "x", "y", "z", "X", "Y", "Z", "t"})
+                 variables(),
+                 {},
+                 dim == 2 ? std::vector<std::string>{"X", "Y"}
+                          : std::vector<std::string>{"X", "Y", "Z"})
     {
-      std::string word;
-      for (const char c : text + ' ')
-        if (std::isalnum(static_cast<unsigned char>(c)) || c == '_')
-          word += c;
-        else
-          {
-            for (const std::string &name : coordinate_names<dim>())
-              with_position = with_position || word == name;
-            word.clear();
-          }
+      for (const std::string &name : coordinate_names<dim>())
+        with_position = with_position || formulas.depends_on(name);
+    }
+
+    /**
+     * Add the field of precomputed values.
+     */
+    void
+    add_fields(PointLayout<dim> &layout) const
+    {
+      if (formulas.n_precomputed() > 0)
+        layout.add(field, formulas.n_precomputed());
+    }
+
+    /**
+     * Fill it. To be called when initial positions are set.
+     */
+    void
+    precompute(MaterialPoints<dim> &points) const
+    {
+      if (formulas.n_precomputed() == 0)
+        return;
+      const unsigned int  first = points.layout().first(field);
+      std::vector<double> precomputed(formulas.n_precomputed());
+      points.for_each([&](const unsigned int, PointRef<dim> p) {
+        formulas.precompute(arguments(p, p.position(), 0.), precomputed);
+        for (unsigned int k = 0; k < precomputed.size(); ++k)
+          p[first + k] = precomputed[k];
+      });
     }
 
     /**
@@ -131,14 +160,32 @@ namespace greville
                const dealii::Point<dim> &x,
                const double              t) const
     {
-      double arguments[2 * dim + 1];
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          arguments[d]       = x[d];
-          arguments[dim + d] = p.reference(d);
-        }
-      arguments[2 * dim] = t;
-      return formulas(dealii::ArrayView<const double>(arguments, 2 * dim + 1));
+      dealii::Tensor<1, dim> result;
+      formulas.evaluate(arguments(p, x, t),
+                        dealii::ArrayView<double>(result.begin_raw(), dim));
+      return result;
+    }
+
+    /**
+     * Add the values for all @p points to their number @p first and the
+     * following.
+     */
+    void
+    add(MaterialPoints<dim> &points,
+        const unsigned int   first,
+        const double         t) const
+    {
+      std::vector<double> precomputed(formulas.n_precomputed());
+      const unsigned int  first_value =
+        precomputed.empty() ? 0 : points.layout().first(field);
+      points.for_each([&](const unsigned int, PointRef<dim> p) {
+        for (unsigned int k = 0; k < precomputed.size(); ++k)
+          precomputed[k] = p[first_value + k];
+        std::array<double, dim> result;
+        formulas.evaluate(arguments(p, p.position(), t), precomputed, result);
+        for (unsigned int d = 0; d < dim; ++d)
+          p[first + d] += result[d];
+      });
     }
 
     /**
@@ -151,8 +198,33 @@ namespace greville
     }
 
   private:
-    VectorExpression<dim> formulas;
-    bool                  with_position = false;
+    static constexpr const char *field = "load_terms";
+
+    static std::vector<std::string>
+    variables()
+    {
+      return dim == 2
+               ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
+               : std::vector<std::string>{"x", "y", "z", "X", "Y", "Z", "t"};
+    }
+
+    static std::array<double, 2 * dim + 1>
+    arguments(const ConstPointRef<dim>  p,
+              const dealii::Point<dim> &x,
+              const double              t)
+    {
+      std::array<double, 2 * dim + 1> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          result[d]       = x[d];
+          result[dim + d] = p.reference(d);
+        }
+      result[2 * dim] = t;
+      return result;
+    }
+
+    Formulas formulas;
+    bool     with_position = false;
   };
 } // namespace greville
 

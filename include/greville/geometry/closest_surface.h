@@ -30,7 +30,7 @@ namespace greville
    * The surface of a rigid body, which does not move: its distance from places.
    * Edges and corners are as sharp as they are given.
    *
-   * Searches use memory of the object and formulas of muParser, so that an
+   * Searches use memory of the object and formulas, so that an
    * object is not for several threads at a time. Results do not depend on
    * earlier ones.
    */

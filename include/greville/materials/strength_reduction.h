@@ -7,6 +7,7 @@
 #include <deal.II/base/parameter_handler.h>
 
 #include <greville/base/expression.h>
+#include <greville/base/named_formulas.h>
 #include <greville/materials/parameter_checks.h>
 
 #include <cmath>
@@ -27,9 +28,7 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm)
     {
-      prm.add_parameter(
-        "Strength reduction",
-        text,
+      add_formula(prm, "Strength reduction", text)(
         "What cohesion and tan(friction angle) are divided by: a formula of t, "
         "s, greater than 0, at the end of each step. The dilatancy angle is at "
         "most the friction angle that is left. Unit: none.");
@@ -60,10 +59,11 @@ namespace greville
       const double value =
         (*formula)(dealii::ArrayView<const double>(&time, 1));
       AssertThrow(value > 0.,
-                  dealii::ExcMessage(
-                    "The formula <" + text + "> of the parameter '" +
-                    parameter + "' is " + text_of(value) + " at t = " +
-                    text_of(time) + "; it has to be greater than 0."));
+                  dealii::ExcMessage("The formula <" + formula_text(text) +
+                                     "> of the parameter '" + parameter +
+                                     "' is " + text_of(value) +
+                                     " at t = " + text_of(time) +
+                                     "; it has to be greater than 0."));
       return value;
     }
 

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/formulas.h>
+#include <greville/base/named_formulas.h>
+#include <greville/base/parameters.h>
+
+#include "formula_names.h"
+#include <algorithm>
+#include <boost/algorithm/string/join.hpp>
+#include <boost/property_tree/json_parser.hpp>
+#include <cctype>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+  using internal::contains_name;
+  using internal::variables_of_names;
+
+  namespace
+  {
+    /**
+     * Throw where this is no name, or that of something else.
+     */
+    void
+    check_name_of_formula(const std::string              &name,
+                          const std::vector<std::string> &functions)
+    {
+      const std::string what =
+        "The section 'Formulas' has the name <" + name + ">, which ";
+      AssertThrow(names_in_formula(name) == std::vector<std::string>{name},
+                  ExcMessage(what + "has to be letters, digits and _, and to "
+                                    "begin with no digit."));
+      AssertThrow(!contains_name(variables_of_names(), name),
+                  ExcMessage(what + "is a variable of formulas."));
+      AssertThrow(!contains_name(Formulas::known_names(), name) &&
+                    !contains_name(functions, name),
+                  ExcMessage(what + "is a function or a constant."));
+    }
+
+
+
+    /**
+     * The entries of a property tree of ParameterHandler that take formulas,
+     * with their sections.
+     */
+    void
+    collect_formulas(const boost::property_tree::ptree &tree,
+                     const std::vector<std::string>    &path,
+                     std::vector<ParameterLine>        &result)
+    {
+      for (const auto &child : tree)
+        {
+          const auto &entry = child.second;
+          // JSON has names as they are.
+          const std::string name = child.first;
+          if (entry.find("value") == entry.not_found())
+            {
+              auto inner = path;
+              inner.push_back(name);
+              collect_formulas(entry, inner, result);
+            }
+          else if (entry.get<std::string>("pattern_description", "") ==
+                   FormulaPattern::name)
+            {
+              ParameterLine line;
+              line.name  = name;
+              line.value = entry.get<std::string>("value");
+              line.path  = path;
+              result.push_back(line);
+            }
+        }
+    }
+  } // namespace
+
+
+
+  NamedFormulas::NamedFormulas(
+    const std::map<std::string, std::string> &formulas,
+    const std::vector<std::string>           &functions)
+    : formulas(formulas)
+  {
+    std::vector<Formulas::Function> known;
+    for (const std::string &function : functions)
+      known.push_back({function, +[](const double *, int) { return 0.; }});
+    for (const auto &entry : formulas)
+      check_name_of_formula(entry.first, functions);
+    for (const auto &[name, text] : formulas)
+      {
+        std::vector<std::string> path = {name}, order;
+        collect(text, path, order);
+        Formulas({attach(text)},
+                 "Formulas/" + name,
+                 variables_of_names(),
+                 known);
+      }
+  }
+
+
+
+  void
+  NamedFormulas::collect(const std::string        &text,
+                         std::vector<std::string> &path,
+                         std::vector<std::string> &order) const
+  {
+    for (const std::string &name : names_in_formula(text))
+      {
+        const auto formula = formulas.find(name);
+        if (formula == formulas.end() || contains_name(order, name))
+          continue;
+        path.push_back(name);
+        AssertThrow(std::count(path.begin(), path.end(), name) == 1,
+                    ExcMessage("The parameter 'Formulas/" + name +
+                               "' needs its own value: " +
+                               boost::algorithm::join(path, ", ") + "."));
+        collect(formula->second, path, order);
+        path.pop_back();
+        order.push_back(name);
+      }
+  }
+
+
+
+  std::string
+  NamedFormulas::attach(const std::string &text) const
+  {
+    std::vector<std::string> path, order;
+    collect(text, path, order);
+    std::string result = text;
+    for (const std::string &name : order)
+      result += '\n' + name + " = " + formulas.at(name);
+    return result;
+  }
+
+
+
+  void
+  NamedFormulas::attach_to(ParameterHandler &prm) const
+  {
+    if (formulas.empty())
+      return;
+    std::stringstream json;
+    prm.print_parameters(json, ParameterHandler::JSON);
+    boost::property_tree::ptree tree;
+    boost::property_tree::read_json(json, tree);
+    std::vector<ParameterLine> lines;
+    collect_formulas(tree, {}, lines);
+    for (const ParameterLine &line : lines)
+      {
+        const std::string text = attach(line.value);
+        if (text == line.value || line.path[0] == "Formulas")
+          continue;
+        for (const std::string &section : line.path)
+          prm.enter_subsection(section);
+        prm.set(line.name, text);
+        for (unsigned int k = 0; k < line.path.size(); ++k)
+          prm.leave_subsection();
+      }
+  }
+} // namespace greville
