@@ -29,7 +29,7 @@ AXES = "xyz"
 
 # The packages of Debian that bring the modules.
 PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "vtkmodules": "python3-vtk9",
-            "h5py": "python3-h5py", "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml"}
+            "h5py": "python3-h5py", "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml", "sympy": "python3-sympy"}
 
 
 class Error(Exception):
