@@ -12,7 +12,7 @@ import tempfile
 from numbers import Integral
 from pathlib import Path
 
-from .results import Error, Run, how_to_install, read_parameter_text, read_table, read_text
+from .results import Error, Run, how_to_install, path_of, read_parameter_text, read_table, read_text
 
 PACKAGE = Path(__file__).resolve().parent
 PROGRESS = re.compile(r"step \d+, t = (\S+) of (\S+) s")
@@ -94,6 +94,8 @@ def check_number(name, n):
 def call(arguments, processes=1, progress=None):
     """Run the program, and return what it prints; progress(part, line) is called about five times a second."""
     check_number("processes", processes)
+    if progress is not None and not callable(progress):
+        raise RunFailed(f"progress has to be a function of the part that is done and a line, not {progress!r}.")
     command = [str(program()), *map(str, arguments)]
     if processes > 1:
         command = ["mpirun", "-np", str(processes), *command]
@@ -141,8 +143,8 @@ def call(arguments, processes=1, progress=None):
 
 def as_text(value):
     """A value as a parameter file has it: a list with commas, a list of lists with semicolons between them."""
-    if getattr(value, "ndim", None) == 0 and hasattr(value, "item") and value.dtype == bool:   # Of numpy.
-        value = value.item()
+    if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):   # Of numpy.
+        value = value.item() if value.dtype == bool else value[()]
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str) or not hasattr(value, "__iter__"):
@@ -230,7 +232,7 @@ class Case:
         if isinstance(source, dict):
             self.tree, self.name = source, "case"
         else:
-            self.file = Path(source)
+            self.file = path_of(source)
             self.name, self.folder = self.file.stem, self.file.parent
             if not self.file.is_file():
                 raise RunFailed(f"There is no file {source}.")
@@ -249,7 +251,11 @@ class Case:
         """Replace a parameter, such as 'Material clay/Cohesion'; returns the case."""
         if value is None:
             raise RunFailed(f"The parameter <{name}> has no value.")
-        self.settings[name] = as_text(value)
+        text = as_text(value)
+        # What the command line cannot take.
+        if any(character == "\0" or "\ud800" <= character <= "\udfff" for character in f"{name}{text}"):
+            raise RunFailed(f"The parameter {name!r} is {text!r}, which has characters that no file can have.")
+        self.settings[name] = text
         return self
 
     def copy(self):
@@ -330,7 +336,7 @@ class Sweep:
     """
 
     def __init__(self, folder, message=""):
-        self.folder, self.message = Path(folder), message
+        self.folder, self.message = path_of(folder), message
         self.table = read_table(self.folder / "sweep.csv")
         self.values, self.runs = self.table["value"], []
         for name, failed in zip(self.table["run"], self.table["failed"]):
@@ -352,6 +358,10 @@ def sweep(case, parameter, values, processes=1, processes_per_run=1, progress=No
     """Run a case with each of these values of a parameter, as many runs at a time as groups of processes; a Sweep."""
     check_number("processes", processes)
     check_number("processes_per_run", processes_per_run)
+    if not isinstance(case, Case):
+        raise RunFailed(f"A sweep needs a Case, not {case!r}.")
+    if isinstance(values, (str, bytes, dict)) or not hasattr(values, "__iter__"):
+        raise RunFailed(f"The values of a sweep are a list, not {values!r}.")
     case = case.copy().set("Sweep/Parameter", parameter).set("Sweep/Values", " | ".join(map(as_text, values)))
     case.set("Sweep/Processes per run", processes_per_run if processes > 1 else 0)
     folder = case.results

@@ -47,7 +47,7 @@ def check_field(run, name):
     """Refuse a field that points do not have: neither 'speed', nor an array of them, nor a component such as velocity_x."""
     available = run.point_fields
     if name == "speed" and "velocity" in available or name in available \
-            or name[:-2] in available and name[-2:] in ("_x", "_y", "_z"):
+            or isinstance(name, str) and name[:-2] in available and name[-2:] in ("_x", "_y", "_z"):
         return
     names = (["speed"] if "velocity" in available else []) + available
     raise ResultsError(f"{run.folder} has no field {name}. There are: {', '.join(names) or 'none'}.")

@@ -22,7 +22,8 @@ from pathlib import Path
 from .case import project_file
 from .command import parser_of, run_command
 from .display import array_of, check_field, main_field, parts_in_range, range_of_colours, up_axis
-from .results import Error, ResultsError, Run, how_to_install, names_in, np, pretty, read_table, runs_in
+from .results import (Error, ResultsError, Run, how_to_install, names_in, names_of_fields, np, path_of, pretty, read_table,
+                      runs_in)
 from .rigid import rigid_data, rigid_rows
 
 TEMPLATE = Path(__file__).resolve().parent / "report.html"
@@ -372,6 +373,7 @@ def write(folders, field=(), no_points=False, output=None, up=None):
     """Write the page, and return its name."""
     if np is None:
         raise ResultsError(how_to_install("numpy"))
+    field = names_of_fields(field)
     n_given, sweep = len(folders), None
     place = folders[0] if len(folders) == 1 else Path(os.path.commonpath([folder.resolve().parent for folder in folders]))
     if len(folders) == 1 and place.is_dir() and not (place / "statistics.csv").exists():
@@ -400,7 +402,7 @@ def write(folders, field=(), no_points=False, output=None, up=None):
     text = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=False).replace("</", "<\\/")
     title = data["title"].replace("&", "&amp;").replace("<", "&lt;")
     page = TEMPLATE.read_text(encoding="utf-8").replace("@TITLE@", title).replace('"@DATA@"', text, 1)
-    file = output or place / "report.html"
+    file = path_of(output or place / "report.html")
     try:
         file.write_text(page, encoding="utf-8")
     except OSError as error:

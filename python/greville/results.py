@@ -51,9 +51,28 @@ def pretty(unit):
     return unit.replace("^2", "²").replace("^3", "³").replace(" / ", "/")
 
 
+def path_of(name):
+    """The path with this name; refuses what is none."""
+    try:
+        path = Path(name)
+    except TypeError:
+        path = None
+    if path is None or "\0" in str(path):
+        raise ResultsError(f"{name!r} is no name of a file or folder.")
+    return path
+
+
+def names_of_fields(names):
+    """A list of names; one alone may be given as it is."""
+    names = [names] if isinstance(names, str) else names
+    if not hasattr(names, "__iter__") or not all(isinstance(name, str) for name in names):
+        raise ResultsError(f"Fields are a list of names, not {names!r}.")
+    return list(names)
+
+
 def read_text(path):
     try:
-        return Path(path).read_text(encoding="utf-8")
+        return path_of(path).read_text(encoding="utf-8")
     except FileNotFoundError:
         raise ResultsError(f"There is no file {path}.") from None
     except (OSError, UnicodeDecodeError) as error:
@@ -88,6 +107,17 @@ def column_of(words):
     except ValueError:
         return list(words)
     return numbers if np is None else np.array(numbers)
+
+
+def word_in(values):
+    """The first of the words of a column that is no number; None where there is none."""
+    for value in values:
+        if isinstance(value, str) and value:
+            try:
+                float(value)
+            except ValueError:
+                return value
+    return None
 
 
 def read_table(path, units=None, may_be_empty=False):
@@ -162,14 +192,18 @@ class Fields(dict):
         """A field of one number per point: of a vector its length, or a component as velocity_x."""
         if name == "speed" and name not in self:
             name = "velocity"
-        if name not in self and name[-2:-1] == "_" and name[-1] in AXES and name[:-2] in self:
+        if name not in self and isinstance(name, str) and name[-2:-1] == "_" and name[-1] in AXES \
+                and name[:-2] in self and self[name[:-2]].ndim == 2:
             return self[name[:-2]][:, AXES.index(name[-1])].astype(float)
         values = self[name].astype(float)
         return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
 
     def as_pyvista(self):
         """The data set of VTK for pyvista, which has to be installed."""
-        import pyvista
+        try:
+            import pyvista
+        except ImportError:
+            raise ResultsError(f"pyvista is missing in {sys.executable}: install it with this Python's own package manager.") from None
         if self.dataset is not None:
             return pyvista.wrap(self.dataset)
         points = pyvista.PolyData(self.x)
@@ -180,8 +214,11 @@ class Fields(dict):
     def save_csv(self, path):
         """Write positions and fields as a table, a row for each point, which 'Body NAME/Points file' takes."""
         from . import points_to_csv
-        with open(path, "w", encoding="utf-8") as stream:
-            points_to_csv.write_table(stream, self.x, self)
+        try:
+            with open(path_of(path), "w", encoding="utf-8") as stream:
+                points_to_csv.write_table(stream, self.x, self)
+        except OSError as error:
+            raise ResultsError(f"{path} cannot be written: {error.strerror}.") from None
 
 
 def pieces_of(path):
@@ -190,11 +227,24 @@ def pieces_of(path):
         root = ElementTree.fromstring(read_text(path))
     except ElementTree.ParseError as error:
         raise ResultsError(f"{path} is no file of VTK: {error}.") from None
-    files = [Path(path).parent / piece.get("Source") for piece in root.iter("Piece")]
+    files = [Path(path).parent / piece.get("Source", "") for piece in root.iter("Piece")]
+    if not files:
+        raise ResultsError(f"{path} is no file of VTK with points: it names no pieces.")
     for file in files:
-        if not file.exists():
+        if not file.is_file():
             raise ResultsError(f"{file} is missing, which {path} names.")
     return files, [array.get("Name") for data in root.iter("PPointData") for array in data]
+
+
+def n_points_of(file):
+    """The number of points of a piece by its head; refuses one that is not whole, which VTK reads as one without points."""
+    with open(file, "rb") as stream:
+        head = re.search(rb'<VTKFile\b.*?<Piece\b[^>]*\bNumberOfPoints="(\d+)"', stream.read(65536), re.DOTALL)
+        stream.seek(max(0, file.stat().st_size - 100))
+        is_whole = stream.read().rstrip().endswith(b"</VTKFile>")
+    if not head or not is_whole:
+        raise ResultsError(f"{file} is no file of VTK, or a part of one.")
+    return int(head.group(1))
 
 
 def read_with_vtk(path, names):
@@ -215,8 +265,11 @@ def read_with_vtk(path, names):
     grid = reader.GetOutput()
     if not grid.GetNumberOfPoints():
         return np.zeros((0, 3)), {name: np.zeros(0) for name in names}, grid
-    return (vtk_to_numpy(grid.GetPoints().GetData()),
-            {name: vtk_to_numpy(grid.GetPointData().GetArray(name)) for name in names}, grid)
+    arrays = {name: grid.GetPointData().GetArray(name) for name in names}
+    for name, array in arrays.items():
+        if array is None or array.GetNumberOfTuples() != grid.GetNumberOfPoints():
+            raise ResultsError(f"The field {name} of {path} cannot be read: a file that it names is damaged.")
+    return (vtk_to_numpy(grid.GetPoints().GetData()), {name: vtk_to_numpy(array) for name, array in arrays.items()}, grid)
 
 
 def read_with_meshio(path, names):
@@ -225,8 +278,11 @@ def read_with_meshio(path, names):
     meshes = []
     for file in files:
         # meshio reads no file without points, as processes without any write them.
-        if not re.search(r'<Piece\s+NumberOfPoints="0"', read_text(file)):
-            meshes.append(meshio.read(file))
+        if n_points_of(file):
+            try:
+                meshes.append(meshio.read(file))
+            except Exception as error:   # Of many kinds.
+                raise ResultsError(f"{file} cannot be read: {error}.") from None
     if not meshes:
         return np.zeros((0, 3)), {name: np.zeros(0) for name in names}, None
     return (np.concatenate([mesh.points for mesh in meshes]),
@@ -238,7 +294,9 @@ def read_fields(path, names=None, time=None):
     """The Fields of a .pvtu file: all, or those of these names."""
     if np is None:
         raise ResultsError("Fields cannot be read: " + how_to_install("numpy"))
-    _, available = pieces_of(path)
+    files, available = pieces_of(path)
+    n_points = sum(map(n_points_of, files))
+    names = None if names is None else names_of_fields(names)
     for name in names or ():
         if name not in available:
             raise ResultsError(f"{path} has no field {name}. There are: {', '.join(available)}.")
@@ -250,6 +308,8 @@ def read_fields(path, names=None, time=None):
             x, fields, dataset = read_with_meshio(path, names)
         except ImportError:
             raise ResultsError("Fields cannot be read: " + how_to_install("vtkmodules", "meshio")) from None
+    if len(x) != n_points:
+        raise ResultsError(f"{path} has {n_points} points, of which {len(x)} can be read: a file that it names is damaged.")
     return Fields(x.astype(float), fields, time, Path(path), dataset)
 
 
@@ -264,8 +324,11 @@ class Series:
             raise ResultsError(f"{path} is no file of ParaView: {error}.") from None
         if not sets:
             raise ResultsError(f"{path} has no times.")
-        self.files = [self.path.parent / entry.get("file") for entry in sets]
-        times = [float(entry.get("timestep")) for entry in sets]
+        self.files = [self.path.parent / entry.get("file", "") for entry in sets]
+        try:
+            times = [float(entry.get("timestep", "")) for entry in sets]
+        except ValueError as error:
+            raise ResultsError(f"{path} is no file of ParaView: a time of it is no number: {error}.") from None
         self.times = times if np is None else np.array(times)
 
     def __len__(self):
@@ -278,13 +341,17 @@ class Series:
 
     def place_of(self, k):
         """The number of the time that is nearest to a float, or k."""
-        if not isinstance(k, Real):
+        if not isinstance(k, Real) or isinstance(k, bool) or k != k:
             raise ResultsError(f"A time of {self.path} is a whole number, or a float in s, not {k!r}.")
         if not isinstance(k, Integral):
             return min(range(len(self)), key=lambda i: abs(self.times[i] - k))
         if not -len(self) <= k < len(self):
             raise ResultsError(f"{self.path} has {len(self)} times, and no number {k}.")
         return k
+
+    def at(self, time):
+        """The Fields nearest to a time in s."""
+        return self(float(time) if isinstance(time, Real) and not isinstance(time, bool) else time)
 
     def __call__(self, k, names=None):
         k = self.place_of(k)
@@ -316,7 +383,7 @@ class Run:
     """
 
     def __init__(self, folder):
-        self.folder = Path(folder)
+        self.folder = path_of(folder)
         if not self.folder.is_dir():
             raise ResultsError(f"{folder} is not a folder." if self.folder.exists() else f"There is no folder {folder}.")
         if not (self.folder / "statistics.csv").exists() and not has_points(self.folder):
@@ -335,7 +402,15 @@ class Run:
         if may_be_missing and not path.exists():
             return None
         units = {column: unit for (file, column), unit in self.units.items() if file == name}
-        return self._once(name, lambda: read_table(path, units, may_be_empty))
+
+        def read():
+            table = read_table(path, units, may_be_empty)
+            for column, values in table.items():
+                word = word_in(values) if isinstance(values, list) else None
+                if word:
+                    raise ResultsError(f"{path} is damaged: its column {column} has <{word}>, which is no number.")
+            return table
+        return self._once(name, read)
 
     @property
     def title(self):
@@ -347,7 +422,12 @@ class Run:
             # Those of the run, or of the sweep that it belongs to.
             paths = (self.folder / "parameters.prm", self.folder.resolve().parent / "parameters.prm")
             path = next((path for path in paths if path.exists()), None)
-            return read_parameter_text(read_text(path)) if path else {}
+            if path is None:
+                return {}
+            lines = read_parameter_text(read_text(path))
+            if not lines:
+                raise ResultsError(f"{path} has no parameters.")
+            return lines
         return self._once("parameters", read)
 
     @property
@@ -378,22 +458,30 @@ class Run:
     @property
     def dim(self):
         if "Simulation/Dimension" in self.parameters:
-            return int(self.parameters["Simulation/Dimension"])
+            return self._numbers("Simulation/Dimension", int)[0]
         return 3 if "center_z" in self.statistics else 2
 
     @property
     def bodies(self):
         return names_in(self.parameters.get("Simulation/Bodies"))
 
+    def _numbers(self, name, kind=float):
+        """The numbers of a parameter; none where it is missing."""
+        try:
+            return [kind(word) for word in names_in(self.parameters.get(name))]
+        except ValueError:
+            raise ResultsError(f"The parameters of {self.folder} are damaged: '{name}' is <{self.parameters[name]}>, "
+                               "which is no number.") from None
+
     @property
     def grid_box(self):
         """Two corners of the grid, or None where parameters are missing."""
-        corners = [self.parameters.get(f"Grid/{name} corner") for name in ("Lower", "Upper")]
-        return [numbers_in(corner) for corner in corners] if all(corners) else None
+        corners = [self._numbers(f"Grid/{name} corner") for name in ("Lower", "Upper")]
+        return corners if all(corners) else None
 
     @property
     def grid_cells(self):
-        return [int(n) for n in numbers_in(self.parameters.get("Grid/Cells"))]
+        return self._numbers("Grid/Cells", int)
 
     @property
     def walls(self):
@@ -419,9 +507,12 @@ class Run:
 
         def read():
             try:
-                return json.loads(read_text(path)) if path.exists() else {}
+                summary = json.loads(read_text(path)) if path.exists() else {}
             except json.JSONDecodeError as error:
                 raise ResultsError(f"{path} is no JSON: {error}.") from None
+            if not isinstance(summary, dict):
+                raise ResultsError(f"{path} is no summary of a run.")
+            return summary
         return self._once("summary", read)
 
     @property
@@ -436,8 +527,8 @@ class Run:
             if name == "points" and (self.folder / "points.vtkhdf").exists():
                 from .vtkhdf import PointSeries
                 return PointSeries(self.folder / "points.vtkhdf")
-            return Series(self.folder / (name + ".pvd"))
-        return self._once(name + ".pvd", read)
+            return Series(self.folder / f"{name}.pvd")
+        return self._once(f"{name}.pvd", read)
 
     @property
     def has_points(self):
@@ -476,7 +567,7 @@ class Run:
                 if (self.folder / f"rigid_{name}.pvd").exists()]
 
     def rigid(self, name, time):
-        fields = self.series("rigid_" + name)(float(time))
+        fields = self.series(f"rigid_{name}").at(time)
         return fields.x.reshape(-1, self.dim, 3), fields
 
     def sizes(self, k=None, points=None):

@@ -1,5 +1,6 @@
 """The points of a simulation at a time as axes of matplotlib, and the frame of an animation."""
 import sys
+from numbers import Real
 
 from .drawing import (BODY_COLOURS, LABELS_3D, EllipseCollection, draw_spheres, fit_box, keep_apart, matplotlib, np, outline_of, plt)
 from .display import (array_of, check_field, main_field, parts_in_range, range_of_colours, room_for_rigid_bodies, up_axis)
@@ -18,6 +19,8 @@ class Simulation:
     """A run with the colours and limits of its pictures."""
 
     def __init__(self, folder, field=None, magnify=1., rigid_bodies=True, up=None):
+        if not isinstance(magnify, Real) or not np.isfinite(magnify):
+            raise ResultsError(f"magnify has to be a finite number, not {magnify!r}.")
         self.run, self.magnify, self.has_rigid_bodies = Run(folder), magnify, rigid_bodies
         self.folder, self.title_of_run = folder, self.run.title
         self.times, self.dim, self.parameters = np.asarray(self.run.times), self.run.dim, self.run.parameters

@@ -101,6 +101,14 @@ def check_errors(case):
              lambda: greville.sweep(case, "Time/Step", [0.1], 2, 0)),
             ("no value", "The parameter <Time/End> has no value.", lambda: case.copy().set("Time/End", None)),
             ("a time", "is a whole number, or a float in s, not 'last'.", lambda: greville.Run("output/case").points("last")),
+            ("a time of nothing", "is a whole number, or a float in s, not nan.",
+             lambda: greville.Run("output/case").points(float("nan"))),
+            ("a file that is none", "None is no name of a file or folder.", lambda: greville.Case(None)),
+            ("values of a sweep", "The values of a sweep are a list, not '12'.",
+             lambda: greville.sweep(case, "Time/Step", "12")),
+            ("a character", "which has characters that no file can have.", lambda: case.copy().set("Time/End", "1\0")),
+            ("a page", "nowhere/page.html cannot be written: No such file or directory.",
+             lambda: greville.Run("output/case").report(output="nowhere/page.html", no_points=True)),
             ("a template", "there is no template <slop>", lambda: greville.Case.new("slop"))]:
         message = message_of(action)
         check(f"message about {what}: {message}", text in message and "\n" not in message)

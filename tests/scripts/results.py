@@ -138,6 +138,38 @@ def check_points(run):
     check("grid", "mass" in run.grid(-1, ["mass"]))
 
 
+def check_damage(run, has_points):
+    """Files that are not whole, or not those of a run, are answered by a message."""
+    folder = run.folder.parent / "damaged"
+    half = lambda text: text[:len(text) // 2]
+    cases = [("statistics.csv", lambda text: text.replace(b"0.01,", b"0 .01,", 1), lambda run: run.statistics,
+              "which is no number"),
+             ("parameters.prm", lambda text: b"hello", lambda run: run.parameters, "parameters.prm has no parameters."),
+             ("parameters.prm", lambda text: text.replace(b"Dimension", b"Dimension = x #", 1), lambda run: run.dim,
+              "'Simulation/Dimension' is <x>, which is no number."),
+             ("summary.json", lambda text: b"[1]", lambda run: run.summary, "is no summary of a run."),
+             ("points.pvd", lambda text: text.replace(b'timestep="0.0', b'timestep="o.0'), lambda run: run.times,
+              "a time of it is no number")]
+    if has_points:
+        piece = "points_0002.0.vtu"
+        cases += [(piece, half, lambda run: run.points(-1), f"{piece} is no file of VTK, or a part of one."),
+                  (piece, lambda text: b"", lambda run: run.points(-1), f"{piece} is no file of VTK, or a part of one."),
+                  (piece, lambda text: text.replace(b'="128"', b'="129"'), lambda run: run.points(-1), "damaged"),
+                  ("points_0002.pvtu", lambda text: b"<html></html>", lambda run: run.points(-1), "it names no pieces.")]
+    for name, damage, action, text in cases:
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(run.folder, folder)
+        (folder / name).write_bytes(damage((folder / name).read_bytes()))
+        message = message_of(lambda: action(Run(folder)))
+        check(f"{name} that is damaged: {message}", text in message)
+    if has("h5py"):
+        (folder / "points.vtkhdf").write_bytes(b"hello")
+        check("no HDF5", "points.vtkhdf cannot be read" in message_of(lambda: Run(folder).times))
+        import h5py
+        h5py.File(folder / "points.vtkhdf", "w").close()
+        check("HDF5 of something else", "is damaged, or no file of Greville" in message_of(lambda: Run(folder).times))
+
+
 def check_report(run, has_points):
     command = [sys.executable, "-B", PROJECT / "scripts" / "report", run.folder]
     result = subprocess.run(command, capture_output=True, text=True)
@@ -347,6 +379,7 @@ def main():
         check_tables(run)
         if has_points:
             check_points(run)
+        check_damage(run, has_points)
         check_report(run, has_points)
         result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "paraview", run.folder], capture_output=True, text=True)
         check(f"paraview: {result.stderr}", result.returncode == 0)
