@@ -7,6 +7,7 @@
 #include <greville/base/shared_library.h>
 
 #include <boost/algorithm/string/join.hpp>
+#include <cstring>
 #include <dlfcn.h>
 #include <filesystem>
 #include <fstream>
@@ -25,6 +26,41 @@ namespace greville
     {
       std::ifstream stream(file, std::ios::binary);
       return {std::istreambuf_iterator<char>(stream), {}};
+    }
+
+
+
+    /**
+     * Throw if a segment of the library with this @p content ends behind the
+     * end of its file, as in one that was copied in part: loading it would end
+     * the program by a signal.
+     */
+    void
+    check_is_whole(const std::string &content, const std::string &begin)
+    {
+      ElfW(Ehdr) header;
+      // Other files are refused where they are loaded.
+      if (content.size() < sizeof(header) ||
+          content.compare(0, SELFMAG, ELFMAG) != 0)
+        return;
+      std::memcpy(&header, content.data(), sizeof(header));
+      if (header.e_phentsize != sizeof(ElfW(Phdr)))
+        return;
+      for (std::size_t k = 0; k < header.e_phnum; ++k)
+        {
+          ElfW(Phdr) segment          = {};
+          const std::size_t at        = header.e_phoff + k * sizeof(segment);
+          const bool        has_entry = header.e_phoff <= content.size() &&
+                                 at + sizeof(segment) <= content.size();
+          if (has_entry)
+            std::memcpy(&segment, content.data() + at, sizeof(segment));
+          AssertThrow(has_entry && segment.p_offset <= content.size() &&
+                        segment.p_filesz <= content.size() - segment.p_offset,
+                      ExcMessage(begin +
+                                 "which is a part of a library only: it ends "
+                                 "before its segments do. Make or copy it "
+                                 "again."));
+        }
     }
 
 
@@ -125,7 +161,9 @@ namespace greville
     AssertThrow(std::filesystem::is_regular_file(file),
                 ExcMessage(begin + "and there is no such file."));
     // It is read before it is loaded, since a library stays loaded.
-    check_dealii(content_of(file), begin);
+    const std::string content = content_of(file);
+    check_is_whole(content, begin);
+    check_dealii(content, begin);
     // Without a slash it would be looked for elsewhere.
     const std::string path    = std::filesystem::absolute(file).string();
     void *const       library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);

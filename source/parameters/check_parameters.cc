@@ -10,6 +10,8 @@
 #include <boost/algorithm/string/join.hpp>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <set>
 
 namespace greville
 {
@@ -206,6 +208,25 @@ namespace greville
                                   : "'Rigid body " + name + "'") +
                                " is in no contact: nothing meets it. Name it "
                                "as the second one of 'Contact NAME/Bodies'."));
+      }
+    // Its pressure and friction would count twice.
+    std::map<std::set<std::string>, std::string> contact_of;
+    for (const auto &[name, contact] : contacts)
+      {
+        const auto sides = contact.sides();
+        for (const std::string &first : sides[0])
+          for (const std::string &second : sides[1])
+            {
+              const auto added =
+                contact_of.emplace(std::set<std::string>{first, second}, name);
+              AssertThrow(
+                added.second,
+                ExcMessage("The parameter 'Contact " + name + "/Bodies' is <" +
+                           contact.bodies + ">, but <" + first + "> and <" +
+                           second + "> are in 'Contact " + added.first->second +
+                           "' already: two bodies have one "
+                           "contact."));
+            }
       }
     const auto groups = body_groups();
     for (const auto &[name, contact] : contacts)

@@ -172,6 +172,14 @@ namespace greville
                                text_of(material->porosity) +
                                ": with 'Simulation/Pore water' it has to be "
                                "above 0 and below 1."));
+        AssertThrow(material->density >= material->porosity * water.density,
+                    ExcMessage("The parameter '" + section + "Density' is " +
+                               text_of(material->density) +
+                               " kg / m^3, that of soil and water together, "
+                               "but the water in the pores alone has " +
+                               text_of(material->porosity * water.density) +
+                               " kg / m^3 ('Porosity' times 'Water/"
+                               "Density')."));
         AssertThrow(material->conductivity > 0. &&
                       std::isfinite(material->conductivity),
                     ExcMessage("The parameter '" + section +

@@ -89,6 +89,10 @@ namespace greville
                 ExcMessage("'" + section + "' needs a 'Mass' and " +
                            std::to_string(n) + " numbers of 'Inertia' in " +
                            std::to_string(dim) + "D, all above zero."));
+    AssertThrow(!has_mass || !reference_point.empty(),
+                ExcMessage("'" + section +
+                           "' has a 'Mass': it needs a 'Reference point', its "
+                           "center of mass."));
     AssertThrow(has_mass || reference_point.empty(),
                 ExcMessage("'" + section +
                            "' has a 'Density': its reference point is its "
@@ -129,7 +133,7 @@ namespace greville
     add_parameter(prm, "Adhesion", adhesion, Double(0.))(
       "Shear stress that surfaces under pressure bear without friction. Unit: "
       "Pa.");
-    add_parameter(prm, "Penalty", penalty, Double(0.))(
+    add_parameter(prm, "Penalty", penalty, Double(0., 1e6))(
       "kappa: the pressure is kappa E' / h times the depth of the averaged "
       "gap, "
       "with the modulus E' = E / (1 - nu^2) (the harmonic mean of both sides) "
@@ -142,7 +146,7 @@ namespace greville
       "five times in a step, until it changes by less than a thousandth (the "
       "method of Uzawa): surfaces hardly overlap then. In implicit steps only. "
       "Unit: none.");
-    add_parameter(prm, "Damping", damping, Double(0.))(
+    add_parameter(prm, "Damping", damping, Double(0., 1e3))(
       "zeta: surfaces in contact that approach one another at the speed v have "
       "the pressure zeta rho c v besides, with the impedance rho c of the "
       "softer side; likewise the shear stress of surfaces that do not slide. "
@@ -181,6 +185,10 @@ namespace greville
                            std::to_string(n_sides) + "."));
     std::vector<std::string> named;
     const auto               both = sides();
+    for (const auto &side : both)
+      AssertThrow(!side.empty(),
+                  ExcMessage("The parameter '" + section + "/Bodies' is <" +
+                             bodies + ">, of which one side is empty."));
     for (const auto &side : both)
       for (const std::string &name : side)
         {
