@@ -237,14 +237,12 @@ def pieces_of(path):
 
 
 def n_points_of(file):
-    """The number of points of a piece by its head; refuses one that is not whole, which VTK reads as one without points."""
-    with open(file, "rb") as stream:
-        head = re.search(rb'<VTKFile\b.*?<Piece\b[^>]*\bNumberOfPoints="(\d+)"', stream.read(65536), re.DOTALL)
-        stream.seek(max(0, file.stat().st_size - 100))
-        is_whole = stream.read().rstrip().endswith(b"</VTKFile>")
-    if not head or not is_whole:
+    """The number of points of a file of VTK; refuses one that is not whole, which VTK reads as one without points."""
+    content = file.read_bytes()
+    pieces = re.findall(rb'<Piece\b[^>]*\bNumberOfPoints="(\d+)"', content)
+    if b"<VTKFile" not in content[:4096] or not pieces or not content.rstrip().endswith(b"</VTKFile>"):
         raise ResultsError(f"{file} is no file of VTK, or a part of one.")
-    return int(head.group(1))
+    return sum(map(int, pieces))
 
 
 def read_with_vtk(path, names):
