@@ -17,6 +17,13 @@ namespace greville
     // is below this.
     constexpr double largest_cosine_of_rigid = -0.7;
 
+    // Two sides of a body are opposite where the cosine of the angle between
+    // their normals is below this: blades have angles of less than 25 degrees.
+    constexpr double largest_cosine_of_sides = -0.9;
+
+    // A way meets the surface where it is closer than this part of the reach.
+    constexpr double smallest_distance = 1e-6;
+
     // Half the time (s) over which the spin is a difference quotient.
     constexpr double half_of_quotient = 1e-6;
 
@@ -251,11 +258,13 @@ namespace greville
     for (ContactPoint<dim> &point : points)
       {
         point.is_facing = false;
+        point.distance  = std::numeric_limits<double>::infinity();
         // Shape and distances turn with the body.
         const auto closest =
           surface->closest(initial_position(now, point.x), reach);
         if (!closest)
           continue;
+        point.distance              = closest->distance;
         const Tensor<1, dim> normal = now.rotation * closest->normal;
         if (point.normal.norm_square() > 0. &&
             normal * point.normal > largest_cosine_of_rigid)
@@ -266,6 +275,36 @@ namespace greville
         point.target_motion = current_position(now, closest->point) -
                               current_position(before, closest->point);
       }
+  }
+
+
+
+  template <int dim>
+  bool
+  RigidBody<dim>::lets_through(const ContactPoint<dim>  &point,
+                               const double              reach,
+                               const RigidPosition<dim> &now,
+                               const RigidPosition<dim> &before) const
+  {
+    const Point<dim> start = initial_position(before, point.x - point.motion);
+    const Point<dim> end   = initial_position(now, point.x);
+    const Tensor<1, dim> motion = end - start;
+    const double         length = motion.norm();
+    if (point.distance > length)
+      return false;
+    const auto last = surface->closest(end, reach);
+    if (!last || motion * last->normal <= 0.)
+      return false;
+    // Where it has come into the body: no step is longer than the distance.
+    auto   first = surface->closest(start, reach);
+    double way   = 0.;
+    while (first && first->distance > smallest_distance * reach && way < length)
+      {
+        way += first->distance;
+        first = surface->closest(start + way / length * motion, reach);
+      }
+    return first && way < length &&
+           first->normal * last->normal < largest_cosine_of_sides;
   }
 
 

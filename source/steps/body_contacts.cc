@@ -344,6 +344,7 @@ namespace greville
           depth = std::max(depth, -point.gap);
       }
     fail_on_all(problem, comm);
+    check_sides(contact, points);
     depth = Utilities::MPI::max(depth, comm);
     AssertThrow(depth <= deepest,
                 ErrorOnAll("The bodies of 'Contact " + contact.name + "', <" +
@@ -390,6 +391,14 @@ namespace greville
         find_gaps(contact, points, reach_in_cells * contact.cell_size);
         check(contact, points);
         now.contacts.push_back(contact.average->act(points, state.step, about));
+        if (contact.stored_energy < 0.)
+          {
+            double stored = 0.;
+            for (const ContactPoint<dim> &point : points)
+              if (point.is_facing)
+                stored += point.force.norm() * std::max(-point.gap, 0.);
+            contact.stored_energy = Utilities::MPI::sum(stored, comm);
+          }
         // Implicit steps have left loads and slip that belong to their end.
         if (!are_implicit || state.n_steps == 0)
           give(contact, points);
@@ -566,6 +575,12 @@ namespace greville
       {
         contact.way = std::numeric_limits<double>::max();
         check_overlaps(contact);
+        if (contact.rigid >= 0)
+          {
+            auto points = collect(contact);
+            find_gaps(contact, points, reach_in_cells * contact.cell_size);
+            check_sides(contact, points);
+          }
       }
     for (unsigned int k = 0; k < parts.size(); ++k)
       stamps[k] = parts[k]->current.points_stamp;

@@ -29,10 +29,6 @@ namespace greville
     // spacing.
     constexpr double largest_excess = 0.3;
 
-    // The energy from nothing that is accepted, as a fraction of the largest
-    // energy or work.
-    constexpr double accepted_gain = 0.1;
-
     // Halvings of the interval in which the depth of a point is looked for.
     constexpr unsigned int n_bisections = 20;
 
@@ -442,101 +438,40 @@ namespace greville
 
 
   template <int dim>
-  std::vector<std::pair<std::string, double>>
-  BodyContacts<dim>::gains() const
-  {
-    // Of each part, the work of each source.
-    std::vector<double>      works;
-    std::vector<std::size_t> firsts;
-    for (const Simulation<dim> *part : parts)
-      {
-        const State<dim> &state = part->current;
-        firsts.push_back(works.size());
-        for (unsigned int k = 0;
-             k < EnergyBalance::surfaces + state.surfaces.size();
-             ++k)
-          works.push_back(state.energy.work(k, MPI_COMM_SELF));
-      }
-    Utilities::MPI::sum(works, comm, works);
-    firsts.push_back(works.size());
-    double largest = 0.;
-    for (unsigned int k = 0; k < parts.size(); ++k)
-      {
-        double of_part = parts[k]->current.energy.largest_with(EnergyTotals());
-        for (std::size_t i = firsts[k]; i < firsts[k + 1]; ++i)
-          of_part = std::max(of_part, std::abs(works[i]));
-        largest += of_part;
-      }
-
-    std::vector<std::pair<std::string, double>> result;
-    for (const Contact &contact : contacts)
-      {
-        if (contact.rigid >= 0)
-          {
-            const RigidPosition<dim> &now =
-              parts.front()->current.rigid_bodies[contact.rigid].now;
-            if (now.displacement.norm() + now.velocity.norm() +
-                  now.spin.norm() >
-                0.)
-              continue;
-          }
-        double given = 0.;
-        for (const auto &side : contact.sides)
-          for (const Place &place : side)
-            {
-              const auto part =
-                std::find(parts.begin(), parts.end(), place.part);
-              given += works[firsts[part - parts.begin()] +
-                             EnergyBalance::surfaces + place.surface];
-            }
-        result.emplace_back(contact.name, largest > 0. ? given / largest : 0.);
-      }
-    return result;
-  }
-
-
-
-  template <int dim>
   void
-  BodyContacts<dim>::check_gains()
+  BodyContacts<dim>::check_sides(
+    const Contact &contact, const std::vector<ContactPoint<dim>> &points) const
   {
-    const SchemeParameters &scheme = parts.front()->stage_parameters().scheme;
-    if (are_implicit || !scheme.looks_at_energy())
+    if (contact.rigid < 0)
       return;
-    auto contact = contacts.begin();
-    for (const auto &[name, gain] : gains())
-      {
-        while (contact->name != name)
-          ++contact;
-        if (!(gain > std::max(accepted_gain, 2. * contact->warned_gain)))
-          continue;
-        contact->warned_gain = gain;
-        const std::string message =
-          "energy has come from nothing: the surfaces of 'Contact " + name +
-          "' have given " + text_of(100. * gain) +
-          " % of the largest energy or work of one source so far to the "
-          "bodies, "
-          "beyond what they have taken. Take a smaller 'Time/Safety' (or a "
-          "shorter 'Time/Step'), a smaller 'Contact " +
-          name + "/Penalty', or more 'Points per direction'";
-        if (scheme.stops_at_energy_gain())
-          fail_on_all(message + " ('Scheme/Energy gain' = warn goes on)", comm);
-        parts.front()->log.warnings.push_back(
-          "Step " + std::to_string(parts.front()->current.n_steps) + ": " +
-          message + ".");
-      }
+    const RigidBody<dim>      &rigid = rigid_bodies[contact.rigid];
+    const RigidBodyState<dim> &body =
+      parts.front()->current.rigid_bodies[contact.rigid];
+    std::string problem;
+    for (const ContactPoint<dim> &point : points)
+      if (problem.empty() &&
+          rigid.lets_through(point,
+                             farthest_gap_in_cells * contact.cell_size,
+                             body.now,
+                             body.before))
+        problem = "a point of the surface at (" + text_of(point.x) +
+                  ") m has passed through 'Rigid body " + rigid.name() +
+                  "' in 'Contact " + contact.name +
+                  "': the body is too thin for the depth of the contact. Make "
+                  "it thicker, at least half of a cell, or take a larger "
+                  "'Contact " +
+                  contact.name + "/Penalty'";
+    fail_on_all(problem, comm);
   }
 
 
 
-  template std::vector<std::pair<std::string, double>>
-  BodyContacts<2>::gains() const;
-  template std::vector<std::pair<std::string, double>>
-  BodyContacts<3>::gains() const;
   template void
-  BodyContacts<2>::check_gains();
+  BodyContacts<2>::check_sides(const Contact &,
+                               const std::vector<ContactPoint<2>> &) const;
   template void
-  BodyContacts<3>::check_gains();
+  BodyContacts<3>::check_sides(const Contact &,
+                               const std::vector<ContactPoint<3>> &) const;
   template void
   BodyContacts<2>::check_overlaps(Contact &);
   template void

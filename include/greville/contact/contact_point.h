@@ -5,6 +5,8 @@
 
 #include <deal.II/base/point.h>
 
+#include <limits>
+
 namespace greville
 {
   /**
@@ -58,6 +60,8 @@ namespace greville
     bool is_facing = false;
     /// The distance from the other side less the radius, negative inside, m.
     double gap = 0.;
+    /// The distance from a rigid body, also if it is not in front of it, m.
+    double distance = std::numeric_limits<double>::infinity();
     /// The normal of the other side at the closest point, outwards from it.
     dealii::Tensor<1, dim> target_normal;
     /// The displacement in the step of the other side's material that is

@@ -76,6 +76,18 @@ namespace greville
               const RigidPosition<dim>       &before) const;
 
     /**
+     * Return whether a point for which find_gaps() was called has passed from
+     * one side of the body towards the opposite one in the step: it has come in
+     * on one side, or was closer to that, and leaves by the other one. Contact
+     * then presses it out of the wrong side, or ends.
+     */
+    bool
+    lets_through(const ContactPoint<dim>  &point,
+                 const double              reach,
+                 const RigidPosition<dim> &now,
+                 const RigidPosition<dim> &before) const;
+
+    /**
      * Return whether a point @p x (m) is inside of the body in a position.
      */
     bool

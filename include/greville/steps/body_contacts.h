@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -156,8 +157,12 @@ namespace greville
       double speed = 0., last_way = 0., way = 0.;
       bool   is_checked   = false;
       double first_excess = 0.;
-      // What has been warned of, see check_gains().
-      double warned_gain = 0.;
+      // See check_gains(): what has been warned of; what the pressure at the
+      // start has stored, and what was given before the run was resumed, J; and
+      // whether the latter has been counted.
+      double warned_gain   = 0.;
+      double stored_energy = -1.;
+      bool   is_judged     = false;
     };
 
     /// Results of all contacts, and the rigid bodies then.
@@ -277,6 +282,12 @@ namespace greville
     std::string
     find_inside_of_body(Contact &contact) const;
 
+    /// Collective. Return what each contact has given to the bodies, J, and
+    /// the @p largest energy or work of one source so far. Contacts with rigid
+    /// bodies that have moved, which do work, have no value.
+    std::vector<std::optional<double>>
+    given_energies(double &largest) const;
+
     /// Collective. Find what both sides have moved in the last step.
     void
     find_way(Contact                              &contact,
@@ -292,6 +303,12 @@ namespace greville
     void
     check(const Contact                        &contact,
           const std::vector<ContactPoint<dim>> &points) const;
+
+    /// Collective. Throw StepFailed if a point, after find_gaps(), has passed
+    /// through a rigid body in the last step.
+    void
+    check_sides(const Contact                        &contact,
+                const std::vector<ContactPoint<dim>> &points) const;
 
     /// Give forces and slip to the surfaces.
     void
