@@ -176,7 +176,7 @@ namespace greville
                          tangent.stress[2][lane]}};
           double    alpha = points[lane].state[plastic_strain],
                  opened   = points[lane].state[opening];
-          ReturnTangent returned;
+          ReturnTangent returned = {};
           if (law().return_map(
                 tau, alpha, opened, points[lane].strength_reduction, &returned))
             for (unsigned int a = 0; a < 3; ++a)
