@@ -174,8 +174,8 @@ namespace greville
           Principal tau{{tangent.stress[0][lane],
                          tangent.stress[1][lane],
                          tangent.stress[2][lane]}};
-          double    alpha = points[lane].state[plastic_strain],
-                 opened   = points[lane].state[opening];
+          double    alpha        = points[lane].state[plastic_strain],
+                 opened          = points[lane].state[opening];
           ReturnTangent returned = {};
           if (law().return_map(
                 tau, alpha, opened, points[lane].strength_reduction, &returned))
