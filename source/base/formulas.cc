@@ -76,7 +76,7 @@ namespace greville
 
 
     /**
-     * What muParser accepts and hardly anybody means: assignments, and commas
+     * Find errors that muParser accepts: assignments, and commas
      * outside of the arguments of a function, of which the last value counts.
      * Returns the reason, or nothing.
      */
@@ -109,7 +109,7 @@ namespace greville
 
 
 
-    // What muParser does not have, or has under other names.
+    // Functions that muParser does not have, or has under other names.
     void
     define_functions(mu::Parser &parser)
     {
@@ -156,7 +156,7 @@ namespace greville
 
 
     /**
-     * What stands behind a formula: the names and their formulas.
+     * Return the names and formulas that follow a formula.
      */
     std::vector<std::pair<std::string, std::string>>
     definitions_behind(const std::string &text)

@@ -295,7 +295,7 @@ namespace greville
     const auto last = surface->closest(end, reach);
     if (!last || motion * last->normal <= 0.)
       return false;
-    // Where it has come into the body: no step is longer than the distance.
+    // Find the place of entry: no step is longer than the distance.
     auto   first = surface->closest(start, reach);
     double way   = 0.;
     while (first && first->distance > smallest_distance * reach && way < length)

@@ -322,8 +322,8 @@ namespace greville
     }
 
     /**
-     * Whether a formula consists of coordinates, names of other formulas,
-     * numbers and operators of numbers.
+     * Return whether a formula consists of coordinates, names of other
+     * formulas, numbers and operators of numbers.
      */
     bool
     has_no_calls(const std::string &text) const

@@ -247,8 +247,8 @@ namespace greville
               p[affine->first + k] = 0.;
         });
       }
-    if (reset)
-      loads.precompute(current.bodies);
+    // For the loads of this stage, and initial positions that are new.
+    loads.precompute(current.bodies);
     current.points_have_changed();
 
     const Signals last      = current.signals;

@@ -97,7 +97,7 @@ namespace greville
                const dealii::ArrayView<double>       &precomputed) const;
 
     /**
-     * Whether a formula, or a name that it uses, contains this variable.
+     * Return whether a formula, or a name that it uses, contains this variable.
      */
     bool
     depends_on(const std::string &variable) const;
@@ -149,7 +149,7 @@ namespace greville
 
     // Of the variables and names; muParser has their addresses.
     mutable std::deque<double> numbers;
-    // Whether names are not those of the last variables.
+    // True if the names have values of earlier variables.
     mutable bool is_out_of_date = false;
   };
 

@@ -17,7 +17,7 @@ namespace greville
   class FormulaPattern : public dealii::Patterns::PatternBase
   {
   public:
-    /// What ParameterHandler keeps of it.
+    /// Its description in ParameterHandler.
     static constexpr const char *name = "[Formula]";
 
     bool

@@ -132,7 +132,7 @@ namespace greville
     add_fields(PointLayout<dim> &layout) const
     {
       if (formulas.n_precomputed() > 0)
-        layout.add(field, formulas.n_precomputed());
+        layout.add(field(), formulas.n_precomputed());
     }
 
     /**
@@ -143,7 +143,7 @@ namespace greville
     {
       if (formulas.n_precomputed() == 0)
         return;
-      const unsigned int  first = points.layout().first(field);
+      const unsigned int  first = points.layout().first(field());
       std::vector<double> precomputed(formulas.n_precomputed());
       points.for_each([&](const unsigned int, PointRef<dim> p) {
         formulas.precompute(arguments(p, p.position(), 0.), precomputed);
@@ -177,7 +177,7 @@ namespace greville
     {
       std::vector<double> precomputed(formulas.n_precomputed());
       const unsigned int  first_value =
-        precomputed.empty() ? 0 : points.layout().first(field);
+        precomputed.empty() ? 0 : points.layout().first(field());
       points.for_each([&](const unsigned int, PointRef<dim> p) {
         for (unsigned int k = 0; k < precomputed.size(); ++k)
           precomputed[k] = p[first_value + k];
@@ -198,7 +198,14 @@ namespace greville
     }
 
   private:
-    static constexpr const char *field = "load_terms";
+    /**
+     * The loads of another stage may have another number of values.
+     */
+    std::string
+    field() const
+    {
+      return "load_terms_" + std::to_string(formulas.n_precomputed());
+    }
 
     static std::vector<std::string>
     variables()
