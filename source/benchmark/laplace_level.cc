@@ -151,7 +151,7 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<Preconditioner>
-  LaplaceLevel<dim>::lattice_preconditioner(const std::string &options) const
+  LaplaceLevel<dim>::lattice_preconditioner() const
   {
     const unsigned int n_functions = this->space().owned_functions().size();
     std::vector<unsigned int>  functions(n_functions);
@@ -161,9 +161,8 @@ namespace greville
       held[f] = 1;
     const LatticeLevels<dim> lattice(
       matrix(), this->space(), functions, 1, held);
-    return std::make_unique<PetscPreconditioner>(matrix(), options, [&](PC pc) {
-      lattice.apply_to(pc);
-    });
+    return std::make_unique<PetscPreconditioner>(
+      matrix(), lattice.options(), [&](PC pc) { lattice.apply_to(pc); });
   }
 
 

@@ -289,7 +289,7 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<Preconditioner>
-  ExtendedLevel<dim>::lattice_preconditioner(const std::string &options) const
+  ExtendedLevel<dim>::lattice_preconditioner() const
   {
     PetscMatrix              matrix = petsc_matrix();
     const LatticeLevels<dim> lattice(
@@ -298,8 +298,12 @@ namespace greville
       extended_mass.unknowns().unknown_functions(),
       components,
       extended_mass.unknowns().held_unknowns());
-    return std::make_unique<UnknownsPreconditioner<dim>>(
-      *this, std::move(matrix), options, [&](PC pc) { lattice.apply_to(pc); });
+    return std::make_unique<UnknownsPreconditioner<dim>>(*this,
+                                                         std::move(matrix),
+                                                         lattice.options(),
+                                                         [&](PC pc) {
+                                                           lattice.apply_to(pc);
+                                                         });
   }
 
 

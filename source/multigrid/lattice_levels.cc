@@ -66,19 +66,25 @@ namespace greville
     MatType type;
     check_petsc(MatGetType(matrix, &type));
     check_petsc(MatGetSize(matrix, &n_rows, nullptr));
-    while (
-      interpolations.empty() ||
-      (n_rows > small_size && *std::max_element(size.begin(), size.end()) > 2))
+    while (n_rows > small_size &&
+           *std::max_element(size.begin(), size.end()) > 2)
       {
-        interpolations.push_back(coarsen(
-          unknowns, size, periodic, n_components, type, space.communicator()));
-        Mat P = interpolations.back().get(), coarse;
+        PetscMatrix P = coarsen(
+          unknowns, size, periodic, n_components, type, space.communicator());
+        PetscInt n_coarse;
+        check_petsc(MatGetSize(P.get(), nullptr, &n_coarse));
+        // Bodies of a few functions each can have more coarse unknowns than
+        // fine ones.
+        if (n_coarse >= n_rows)
+          break;
+        Mat coarse;
         check_petsc(
-          MatPtAP(fine, P, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &coarse));
+          MatPtAP(fine, P.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, &coarse));
+        interpolations.push_back(std::move(P));
         matrices.emplace_back(coarse);
         add_to_diagonal(coarse);
-        fine = coarse;
-        check_petsc(MatGetSize(coarse, &n_rows, nullptr));
+        fine   = coarse;
+        n_rows = n_coarse;
       }
   }
 
@@ -205,10 +211,26 @@ namespace greville
 
 
   template <int dim>
+  std::string
+  LatticeLevels<dim>::options() const
+  {
+    if (interpolations.empty())
+      return "-pc_type redundant -redundant_pc_type lu "
+             "-redundant_pc_factor_shift_type inblocks";
+    return "-pc_mg_multiplicative_cycles 2 -mg_levels_ksp_type chebyshev "
+           "-mg_levels_ksp_max_it 3 -mg_levels_pc_type jacobi "
+           "-mg_levels_ksp_chebyshev_esteig 0,0.1,0,1.3";
+  }
+
+
+
+  template <int dim>
   void
   LatticeLevels<dim>::apply_to(PC pc) const
   {
     const PetscInt n = interpolations.size() + 1;
+    if (n == 1)
+      return;
     check_petsc(PCSetType(pc, PCMG));
     check_petsc(PCMGSetLevels(pc, n, nullptr));
     for (PetscInt l = 0; l + 1 < n; ++l)
@@ -217,18 +239,8 @@ namespace greville
         check_petsc(PCMGGetSmoother(pc, n - 2 - l, &smoother));
         check_petsc(
           KSPSetOperators(smoother, matrices[l].get(), matrices[l].get()));
-        const Mat P = interpolations[l].get();
-        check_petsc(PCMGSetInterpolation(pc, n - 1 - l, P));
-        // PETSc tells an interpolation from a restriction by the sizes.
-        PetscInt n_fine, n_coarse;
-        check_petsc(MatGetSize(P, &n_fine, &n_coarse));
-        if (n_fine == n_coarse)
-          {
-            Mat handle;
-            check_petsc(MatTranspose(P, MAT_INITIAL_MATRIX, &handle));
-            const PetscMatrix restriction(handle);
-            check_petsc(PCMGSetRestriction(pc, n - 1 - l, handle));
-          }
+        check_petsc(
+          PCMGSetInterpolation(pc, n - 1 - l, interpolations[l].get()));
       }
   }
 

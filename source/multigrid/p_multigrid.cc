@@ -21,10 +21,6 @@ namespace greville
     algebraic_options()
     {
       static const std::map<std::string, std::string> options = {
-        {"lattice",
-         "-pc_mg_multiplicative_cycles 2 -mg_levels_ksp_type chebyshev "
-         "-mg_levels_ksp_max_it 3 -mg_levels_pc_type jacobi "
-         "-mg_levels_ksp_chebyshev_esteig 0,0.1,0,1.3"},
         {"gamg",
          "-pc_type ksp -ksp_ksp_type chebyshev -ksp_ksp_max_it 2 "
          "-ksp_pc_type gamg"},
@@ -94,26 +90,23 @@ namespace greville
                                             *levels[l],
                                             is_symmetric);
       }
-    const auto algebraic =
-      algebraic_options().find(parameters.coarse_preconditioner);
-    if (has_coarse && algebraic != algebraic_options().end())
+    const std::string &coarse     = parameters.coarse_preconditioner;
+    const auto         algebraic  = algebraic_options().find(coarse);
+    const bool         is_lattice = coarse == "lattice";
+    if (has_coarse && (is_lattice || algebraic != algebraic_options().end()))
       {
         coarse_preconditioner =
-          algebraic->first == "lattice"
-            ? levels[0]->lattice_preconditioner(algebraic->second)
-            : levels[0]->petsc_preconditioner(algebraic->second);
+          is_lattice ? levels[0]->lattice_preconditioner()
+                     : levels[0]->petsc_preconditioner(algebraic->second);
         AssertThrow(coarse_preconditioner,
                     ExcMessage("The parameter 'Coarse preconditioner' is <" +
-                               algebraic->first +
+                               coarse +
                                ">, which is for operators of implicit "
                                "steps; a mass matrix takes none or jacobi."));
       }
-    else if (has_coarse && parameters.coarse_preconditioner != "none")
+    else if (has_coarse && coarse != "none")
       coarse_preconditioner =
-        make_smoother<dim>(parameters.coarse_preconditioner,
-                           smoother_parameters,
-                           *levels[0],
-                           true);
+        make_smoother<dim>(coarse, smoother_parameters, *levels[0], true);
   }
 
 

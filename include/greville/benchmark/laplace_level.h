@@ -65,7 +65,7 @@ namespace greville
     petsc_preconditioner(const std::string &options) const override;
 
     std::unique_ptr<Preconditioner>
-    lattice_preconditioner(const std::string &options) const override;
+    lattice_preconditioner() const override;
 
   private:
     const SplineSpace<dim>          &spline_space;

@@ -114,7 +114,7 @@ namespace greville
     petsc_preconditioner(const std::string &options) const override;
 
     std::unique_ptr<Preconditioner>
-    lattice_preconditioner(const std::string &options) const override;
+    lattice_preconditioner() const override;
 
     const DensityWeights<dim> *
     transfer_weights() const override

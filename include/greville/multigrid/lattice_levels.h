@@ -8,6 +8,7 @@
 
 #include <petscpc.h>
 
+#include <string>
 #include <vector>
 
 namespace greville
@@ -19,7 +20,8 @@ namespace greville
    * products. An unknown of a level exists where an unknown of the next finer
    * one asks for it, so that bodies may end anywhere in the lattice. Stencils
    * keep their size on all levels: together these have about
-   * @f$ 1 / (2^\text{dim} - 1) @f$ of the entries of the matrix.
+   * @f$ 1 / (2^\text{dim} - 1) @f$ of the entries of the matrix. A matrix of
+   * few rows has no levels below: it is factorized.
    *
    * Unknowns are numbered and interpolated component by component: what walls
    * hold, or a body does not reach, has no coarse unknown.
@@ -40,8 +42,15 @@ namespace greville
                   const std::vector<unsigned char> &held);
 
     /**
+     * Return options of PETSc for a preconditioner of the matrix: one that
+     * apply_to() has set up, or a factorization if there are no levels.
+     */
+    std::string
+    options() const;
+
+    /**
      * Collective. Let @p pc, whose operator is the matrix, be PCMG on these
-     * levels.
+     * levels, if there are any.
      */
     void
     apply_to(PC pc) const;

@@ -155,7 +155,7 @@ namespace greville
      * Collective. The same, with LatticeLevels below the entries, for order 1.
      */
     virtual std::unique_ptr<Preconditioner>
-    lattice_preconditioner(const std::string & /*options*/) const
+    lattice_preconditioner() const
     {
       return nullptr;
     }
