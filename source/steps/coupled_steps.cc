@@ -185,10 +185,11 @@ namespace greville
         for (unsigned int k = 0; k < parts.size(); ++k)
           {
             ImplicitSteps<dim> &steps = *parts[k].steps;
-            steps.forces_vanish =
-              changing.empty() && steps.force_scale <= much * steps.round_off;
             steps.last_residual = blocks[k];
             const double size   = blocks[k].linfty_norm();
+            steps.forces_vanish =
+              changing.empty() &&
+              std::max(steps.force_scale, size) <= much * steps.round_off;
             if (size > largest)
               {
                 worst   = &parts[k];
