@@ -111,6 +111,10 @@ namespace greville
         part->current.rigid_bodies = positions;
         part->good.take(part->current);
       }
+    passing = std::make_unique<PassingBodies<dim>>(parameters,
+                                                   parts,
+                                                   rigid_bodies,
+                                                   comm);
     act();
   }
 
@@ -368,6 +372,7 @@ namespace greville
       return;
     const State<dim> &state = parts.front()->current;
     const PartTimer   timer(parts.front()->log, "contact");
+    passing->check();
     now.contacts.clear();
     now.rigid_bodies.clear();
     for (const RigidBodyState<dim> &body : state.rigid_bodies)
@@ -582,6 +587,7 @@ namespace greville
             check_sides(contact, points);
           }
       }
+    passing->check();
     for (unsigned int k = 0; k < parts.size(); ++k)
       stamps[k] = parts[k]->current.points_stamp;
   }

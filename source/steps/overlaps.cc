@@ -2,10 +2,10 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
-#include <greville/contact/overlap.h>
 #include <greville/geometry/closest_surface.h>
 #include <greville/geometry/shape.h>
 #include <greville/steps/body_contacts.h>
+#include <greville/steps/overlap_of_bodies.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,46 +21,10 @@ namespace greville
     // Of the larger cell size: how deep a point of a body may be inside of
     // another one, at the start and later; and the way after which the later
     // check is made again.
-    constexpr double deepest_of_added = 0.05, deepest_later = 0.5,
-                     way_between_checks = 0.25;
-
-    // Overlap::excess of bodies that overlap by half of a cell, beyond the
-    // first one: points that fill cells stick out of their shape by part of a
-    // spacing.
-    constexpr double largest_excess = 0.3;
+    constexpr double deepest_of_added = 0.05, way_between_checks = 0.25;
 
     // Halvings of the interval in which the depth of a point is looked for.
     constexpr unsigned int n_bisections = 20;
-
-    template <int dim>
-    using Inside = std::function<bool(const Point<dim> &x)>;
-
-
-
-    /**
-     * Return whether the points at a distance from x, along the axes and the
-     * diagonals, are all inside, and x itself.
-     */
-    template <int dim>
-    bool
-    is_deep(const Inside<dim> &is_inside,
-            const Point<dim>  &x,
-            const double       distance)
-    {
-      if (!is_inside(x))
-        return false;
-      constexpr unsigned int n_directions = dim == 2 ? 9 : 27;
-      for (unsigned int k = 0; k < n_directions; ++k)
-        {
-          Tensor<1, dim> direction;
-          for (unsigned int d = 0, rest = k; d < dim; ++d, rest /= 3)
-            direction[d] = double(rest % 3) - 1.;
-          if (direction.norm_square() > 0. &&
-              !is_inside(x + distance / direction.norm() * direction))
-            return false;
-        }
-      return true;
-    }
 
 
 
@@ -110,23 +74,6 @@ namespace greville
                             section + "/Shape file",
                             parameters.shape_file_unit));
       return [surface](const Point<dim> &x) { return surface->contains(x); };
-    }
-
-
-
-    /**
-     * Return the same for axisymmetric bodies, which go on beyond the axis.
-     */
-    template <int dim>
-    Inside<dim>
-    mirrored(const Inside<dim> &is_inside, const bool is_axisymmetric)
-    {
-      if (!is_axisymmetric)
-        return is_inside;
-      return [is_inside](Point<dim> x) {
-        x[0] = std::abs(x[0]);
-        return is_inside(x);
-      };
     }
   } // namespace
 
@@ -220,7 +167,7 @@ namespace greville
   std::string
   BodyContacts<dim>::find_inside_of_rigid(Contact &contact)
   {
-    const double          depth = deepest_later * contact.cell_size;
+    const double          depth = half_of_cell * contact.cell_size;
     const RigidBody<dim> &rigid = rigid_bodies[contact.rigid];
     const auto &now = parts.front()->current.rigid_bodies[contact.rigid].now;
     std::string problem;
@@ -255,77 +202,17 @@ namespace greville
   std::string
   BodyContacts<dim>::find_inside_of_body(Contact &contact) const
   {
-    // The boxes around both sides, as the largest -x and x.
-    constexpr double    none = std::numeric_limits<double>::lowest();
-    std::vector<double> extremes(4 * dim, none);
+    Sides<dim> sides;
     for (unsigned int side = 0; side < 2; ++side)
-      for (Place &place : contact.sides[side])
-        body_of(place).points.for_each(
-          [&](const unsigned int, const ConstPointRef<dim> p) {
-            double *const of_side = &extremes[2 * side * dim];
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                of_side[d]       = std::max(of_side[d], -p.position(d));
-                of_side[dim + d] = std::max(of_side[dim + d], p.position(d));
-              }
-          });
-    Utilities::MPI::max(extremes, comm, extremes);
-    Point<dim> lower, upper; // of what they have in common
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        lower[d] = -std::min(extremes[d], extremes[2 * dim + d]);
-        upper[d] = std::min(extremes[dim + d], extremes[3 * dim + d]);
-        if (lower[d] >= upper[d])
-          return "";
-      }
-    // Around it by what the fractions of a place depend on.
-    double                        size    = 0.; // of points, and their number
-    Tensor<1, dim>                h       = contact.cell_sizes;
-    double                        sums[2] = {};
-    const Point<dim>              low = lower - 2. * h, high = upper + 2. * h;
-    std::vector<VolumePoint<dim>> points;
-    std::vector<std::string>      names;
-    for (unsigned int side = 0; side < 2; ++side)
-      for (Place &place : contact.sides[side])
-        {
-          const Body<dim> &body = body_of(place);
-          body.points.for_each(
-            [&](const unsigned int, const ConstPointRef<dim> p) {
-              VolumePoint<dim> point;
-              point.x = p.position();
-              for (unsigned int d = 0; d < dim; ++d)
-                if (point.x[d] < low[d] || point.x[d] > high[d])
-                  return;
-              const double extent = p.extent(body.points.layout());
-              point.volume        = std::pow(extent, dim);
-              point.side          = side;
-              point.body          = names.size();
-              points.push_back(point);
-              sums[0] += extent;
-              sums[1] += 1.;
-            });
-          names.push_back(body.name);
-        }
-    Utilities::MPI::sum(ArrayView<const double>(sums, 2),
-                        comm,
-                        ArrayView<double>(sums, 2));
-    if (sums[1] == 0.)
-      return "";
-    size = sums[0] / sums[1];
-    for (unsigned int d = 0; d < dim; ++d)
-      h[d] = std::max(h[d], 2. * size);
-    const Overlap<dim> overlap = largest_overlap(points, h, comm);
+      for (const Place &place : contact.sides[side])
+        sides[side].push_back(&body_of(place));
+    const Overlap<dim> overlap =
+      overlap_of_bodies(sides, contact.cell_sizes, comm);
     if (!contact.is_checked)
-      contact.first_excess = std::min(overlap.excess, largest_excess);
-    if (overlap.excess <= largest_excess + contact.first_excess)
+      contact.first_excess = std::min(overlap.excess, half_of_cell_as_excess);
+    if (overlap.excess <= half_of_cell_as_excess + contact.first_excess)
       return "";
-    std::ostringstream text;
-    text << "a point of 'Body " << names[overlap.body] << "' at (" << overlap.x
-         << ") m is inside of ";
-    for (unsigned int k = 0; k < contact.sides[1 - overlap.side].size(); ++k)
-      text << (k == 0 ? "'Body " : " or 'Body ")
-           << body_of(contact.sides[1 - overlap.side][k]).name << "'";
-    return text.str();
+    return overlap_text(sides, overlap);
   }
 
 

@@ -6,6 +6,7 @@
 #include <greville/contact/averaged_contact.h>
 #include <greville/contact/rigid_body.h>
 #include <greville/contact/surface_search.h>
+#include <greville/steps/passing_bodies.h>
 #include <greville/steps/simulation.h>
 
 #include <array>
@@ -314,14 +315,15 @@ namespace greville
     void
     give(const Contact &contact, const std::vector<ContactPoint<dim>> &points);
 
-    std::vector<Simulation<dim> *> parts;
-    const MPI_Comm                 comm;
-    SurfaceSearch<dim>             search;
-    std::vector<RigidBody<dim>>    rigid_bodies;
-    std::vector<Contact>           contacts;
-    bool                           are_implicit = false; // steps, at set_laws()
-    std::vector<std::uint64_t>     stamps; // of the parts, at the last act()
-    Results                        now, at_start;
+    std::vector<Simulation<dim> *>      parts;
+    const MPI_Comm                      comm;
+    SurfaceSearch<dim>                  search;
+    std::vector<RigidBody<dim>>         rigid_bodies;
+    std::vector<Contact>                contacts;
+    std::unique_ptr<PassingBodies<dim>> passing;
+    bool                       are_implicit = false; // steps, at set_laws()
+    std::vector<std::uint64_t> stamps; // of the parts, at the last act()
+    Results                    now, at_start;
 
     std::vector<ContactInterval<dim>> of_interval;
   };

@@ -17,6 +17,8 @@ namespace greville
   template <int dim>
   class CommonStep;
   template <int dim>
+  class PassingBodies;
+  template <int dim>
   class TrialContacts;
 
   /**
@@ -234,6 +236,7 @@ namespace greville
 
   private:
     friend class BodyContacts<dim>;
+    friend class PassingBodies<dim>;
     friend class CommonStep<dim>;
     friend class TrialContacts<dim>;
     friend class EndOfStep<dim>;

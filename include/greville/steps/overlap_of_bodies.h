@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_overlap_of_bodies_h
+#define greville_steps_overlap_of_bodies_h
+
+#include <greville/contact/overlap.h>
+#include <greville/points/body.h>
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /// The bodies of two sides.
+  template <int dim>
+  using Sides = std::array<std::vector<const Body<dim> *>, 2>;
+
+  template <int dim>
+  using Inside = std::function<bool(const dealii::Point<dim> &x)>;
+
+  /**
+   * Half of a cell is the depth of an error: as a part of the cell size, and as
+   * an Overlap::excess beyond the initial one. Points that fill cells stick out
+   * of their shape by part of a spacing.
+   */
+  constexpr double half_of_cell = 0.5, half_of_cell_as_excess = 0.3;
+
+  /**
+   * Collective. Find where two sides overlap most in cells of the size @p h
+   * (m), see largest_overlap().
+   */
+  template <int dim>
+  Overlap<dim>
+  overlap_of_bodies(const Sides<dim>      &sides,
+                    dealii::Tensor<1, dim> h,
+                    const MPI_Comm         comm);
+
+  /**
+   * Return the point and the names of the bodies of an overlap, for messages.
+   */
+  template <int dim>
+  std::string
+  overlap_text(const Sides<dim> &sides, const Overlap<dim> &overlap);
+
+  /**
+   * Return whether the points at a @p distance (m) from @p x, along the axes
+   * and the diagonals, are all inside, and x itself.
+   */
+  template <int dim>
+  bool
+  is_deep(const Inside<dim>        &is_inside,
+          const dealii::Point<dim> &x,
+          const double              distance);
+
+  /**
+   * Return the same for axisymmetric bodies, which go on beyond the axis.
+   */
+  template <int dim>
+  Inside<dim>
+  mirrored(const Inside<dim> &is_inside, const bool is_axisymmetric);
+} // namespace greville
+
+#endif

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_passing_bodies_h
+#define greville_steps_passing_bodies_h
+
+#include <greville/contact/rigid_body.h>
+#include <greville/steps/simulation.h>
+
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * Pairs of bodies, and of a body and a rigid body, that pass through one
+   * another: they have no common grid, and no contact names the two. The first
+   * overlap of a pair by more than half of a cell is a warning.
+   */
+  template <int dim>
+  class PassingBodies
+  {
+  public:
+    /**
+     * The @p parts and the @p rigid_bodies are kept.
+     */
+    PassingBodies(const SimulationParameters           &parameters,
+                  const std::vector<Simulation<dim> *> &parts,
+                  const std::vector<RigidBody<dim>>    &rigid_bodies,
+                  const MPI_Comm                        comm);
+
+    /**
+     * Collective. Add warnings to those of the first part. Overlaps are looked
+     * for at the start, in every tenth explicit step and in each implicit one,
+     * if both may have moved by a quarter of a cell since the last time.
+     */
+    void
+    check();
+
+  private:
+    struct Pair
+    {
+      std::array<std::string, 2> names;
+      int    rigid        = -1; // number of the second one if it is rigid
+      bool   is_warned_of = false;
+      double time = 0., way = 0.; // s, of the last look; m, since the last test
+      RigidPosition<dim> last;
+    };
+
+    /// Extent and speed of the bodies on all processes: the largest -x, x, and
+    /// the largest speed (m / s).
+    struct Motion
+    {
+      const Body<dim>    *body = nullptr;
+      Simulation<dim>    *part = nullptr;
+      std::vector<double> largest;
+    };
+
+    std::vector<Motion>
+    motions() const;
+
+    /// Collective. Return the first point that is deep in the other one, with
+    /// both names; empty if none is.
+    std::string
+    find_overlap(const Pair &pair, const Motion &first, const Motion *second);
+
+    std::vector<Simulation<dim> *>     parts;
+    const std::vector<RigidBody<dim>> &rigid_bodies;
+    const MPI_Comm                     comm;
+    std::vector<Pair>                  pairs;
+  };
+} // namespace greville
+
+#endif
