@@ -373,11 +373,11 @@ test_main()
           std::to_string(n) + " cells, p = " + std::to_string(p);
         check_range(name + ", column",
                     Systems<2>(column_2d(n, p)).iterations(0.),
-                    3,
+                    1,
                     p == 1 ? 16 : 11);
         check_range(name + ", dome",
                     Systems<2>(dome_2d(n, p)).iterations(0.),
-                    3,
+                    1,
                     p == 1 ? 16 : 12);
       }
   check_range("with mass", Systems<2>(column_2d(32, 2)).iterations(1e4), 2, 10);
