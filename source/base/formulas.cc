@@ -67,6 +67,21 @@ namespace greville
 
 
 
+    std::string
+    text_of_value(const double value)
+    {
+      std::ostringstream text;
+      if (std::isnan(value))
+        text << "NaN";
+      else if (std::isfinite(value))
+        text << value;
+      else
+        text << (value > 0. ? "infinite" : "-infinite");
+      return text.str();
+    }
+
+
+
     bool
     is_letter(const char c)
     {
@@ -339,16 +354,19 @@ namespace greville
     if (!(std::abs(result) <= largest_value))
       {
         std::ostringstream text;
-        text << "is "
-             << (std::isnan(result)      ? "NaN"
-                 : std::isfinite(result) ? ""
-                 : result > 0.           ? "infinite"
-                                         : "-infinite");
-        if (std::isfinite(result))
-          text << result;
-        text << " at ";
+        text << "is " << text_of_value(result) << " at ";
         for (unsigned int i = 0; i < variables.size(); ++i)
           text << (i > 0 ? ", " : "") << variables[i] << " = " << numbers[i];
+        // Values of constant names may be old if others were precomputed.
+        const auto cause =
+          std::find_if(names.begin(), names.end(), [&](const Formula &name) {
+            return !(std::abs(*name.value) <= largest_value) &&
+                   (name.is_precomputed || !name.is_constant ||
+                    !is_out_of_date);
+          });
+        if (cause != names.end())
+          text << " ('" << cause->parameter << "' is "
+               << text_of_value(*cause->value) << " there)";
         text << (std::isfinite(result) ? ": values are at most 1e100 in size."
                                        : ": it has to be a finite number.");
         formulas[k].fail(text.str());

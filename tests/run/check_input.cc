@@ -28,7 +28,7 @@
 namespace
 {
   // Seconds after which a case has failed.
-  constexpr unsigned int time_limit = 20;
+  constexpr unsigned int time_limit = 120;
 
   struct Case
   {
