@@ -4,6 +4,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/foreign_call.h>
 #include <greville/base/parameter_tree.h>
 #include <greville/base/plugin.h>
 #include <greville/base/program.h>
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <new>
@@ -64,6 +66,9 @@ namespace greville
     void
     report(const Program &program, const std::string &message)
     {
+      // A library may have changed it.
+      std::cerr.exceptions(std::ios::goodbit);
+      std::cerr.clear();
       std::cerr << program.name << ": " << message << std::endl;
     }
 
@@ -90,6 +95,7 @@ namespace greville
           std::this_thread::sleep_for(
             std::chrono::milliseconds(500 * std::min(process, 4u)));
           report(program, message);
+          ExitGuard::release();
           MPI_Abort(MPI_COMM_WORLD, 1);
         }
       std::set<std::string> messages;
@@ -97,6 +103,20 @@ namespace greville
         if (!other.empty() && messages.insert(other).second && process == 0)
           report(program, other);
       return !messages.empty();
+    }
+
+
+
+    /**
+     * Name the library of a user that an exception may come from.
+     */
+    std::string
+    of_library()
+    {
+      const std::string file = ForeignCall::library();
+      return file.empty() ? ""
+                          : " (The program has loaded the library <" + file +
+                              ">, which may have thrown this.)";
     }
 
 
@@ -121,9 +141,18 @@ namespace greville
         {
           return "The memory is not enough: fewer cells or points need less.";
         }
-      catch (const std::exception &error)
+      catch (const ExceptionBase &error)
         {
           return message_of(error);
+        }
+      catch (const std::exception &error)
+        {
+          return message_of(error) + of_library();
+        }
+      catch (...)
+        {
+          return "An exception has been thrown that says nothing." +
+                 of_library();
         }
       return "";
     }
@@ -467,10 +496,13 @@ namespace greville
   {
     const std::vector<std::string> arguments(argv + std::min(argc, 1),
                                              argv + argc);
+    // A file that is too large is an error with a message.
+    std::signal(SIGXFSZ, SIG_IGN);
     // PETSc would take options of this program for its own, and print warnings
     // of them on standard output. PETSC_OPTIONS in the environment has its own.
     int                              n_for_petsc = std::min(argc, 1);
     Utilities::MPI::MPI_InitFinalize mpi(n_for_petsc, argv, 1);
+    const ExitGuard                  guard;
     return run_command_line(program, arguments);
   }
 } // namespace greville

@@ -3,17 +3,24 @@
 #include <deal.II/base/exceptions.h>
 
 #include <greville/base/errors.h>
+#include <greville/base/foreign_call.h>
 #include <greville/base/plugin.h>
 #include <greville/base/shared_library.h>
 
 #include <boost/algorithm/string/join.hpp>
+#include <clocale>
+#include <cstdio>
 #include <cstring>
 #include <dlfcn.h>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <limits.h>
 #include <link.h>
+#include <locale>
 #include <set>
+#include <vector>
 
 namespace greville
 {
@@ -21,6 +28,107 @@ namespace greville
 
   namespace
   {
+    // Of the initializers of a library and of the function of a plugin, s.
+    constexpr double longest_load = 30.;
+    const char      *late         = "does not return within 30 s";
+
+
+
+    /**
+     * Exists while a library runs its initializers or a plugin its function:
+     * the library of a @p parameter @p does it.
+     */
+    class LibraryCall : public ForeignCall
+    {
+    public:
+      LibraryCall(const std::string &file,
+                  const std::string &parameter,
+                  const char        *does)
+        : ForeignCall(longest_load)
+        , file(file)
+        , parameter(parameter)
+        , does(does)
+      {
+        remember_library(file);
+      }
+
+      ~LibraryCall() override
+      {
+        // Numbers in results have points.
+        if (std::locale() != locale)
+          std::locale::global(locale);
+        std::setlocale(LC_ALL, c_locale.c_str());
+      }
+
+      void
+      write_message(char             *buffer,
+                    const std::size_t size,
+                    const char       *what) const override
+      {
+        std::snprintf(buffer,
+                      size,
+                      "the library of '%s' %s while it %s (<%s>)",
+                      parameter.c_str(),
+                      what,
+                      does,
+                      file.c_str());
+      }
+
+      const char *
+      text_of_limit() const override
+      {
+        return late;
+      }
+
+    private:
+      const std::string file, parameter;
+      const char       *does;
+      const std::locale locale;
+      const std::string c_locale = std::setlocale(LC_ALL, nullptr);
+    };
+
+
+
+    /**
+     * Let a library act, and throw ExcMessage for what it throws.
+     */
+    void
+    act(const LibraryCall &call, const std::function<void()> &action)
+    {
+      const auto fail = [&](const std::string &what) {
+        std::vector<char> text(what.size() + 2 * PATH_MAX);
+        call.write_message(text.data(), text.size(), what.c_str());
+        AssertThrow(false, ExcMessage(std::string(text.data()) + "."));
+      };
+      try
+        {
+          action();
+        }
+      catch (const ExceptionBase &)
+        {
+          throw;
+        }
+      catch (const std::exception &error)
+        {
+          fail("has thrown <" + std::string(error.what()) + ">");
+        }
+      catch (...)
+        {
+          fail("has thrown an exception");
+        }
+    }
+
+
+
+    bool
+    is_file(const std::string &file)
+    {
+      std::error_code none;
+      return std::filesystem::is_regular_file(file, none);
+    }
+
+
+
     std::string
     content_of(const std::string &file)
     {
@@ -158,25 +266,32 @@ namespace greville
                       const std::string              &parameter)
   {
     const std::string begin = begin_of_message(file, parameter);
-    AssertThrow(std::filesystem::is_regular_file(file),
+    AssertThrow(is_file(file),
                 ExcMessage(begin + "and there is no such file."));
     // It is read before it is loaded, since a library stays loaded.
     const std::string content = content_of(file);
     check_is_whole(content, begin);
     check_dealii(content, begin);
     // Without a slash it would be looked for elsewhere.
-    const std::string path    = std::filesystem::absolute(file).string();
-    void *const       library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    AssertThrow(library != nullptr,
-                ExcMessage(begin + "which cannot be loaded: " + dlerror() +
-                           "."));
-    for (const std::string &name : names)
-      if (void *const function = dlsym(library, name.c_str()))
-        return function;
-    AssertThrow(false,
+    const std::string path   = std::filesystem::absolute(file).string();
+    void             *result = nullptr;
+    ForeignCall::catch_faults(longest_load);
+    {
+      const LibraryCall under_way(file, parameter, "is loaded");
+      act(under_way, [&]() {
+        void *const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+        AssertThrow(library != nullptr,
+                    ExcMessage(begin + "which cannot be loaded: " + dlerror() +
+                               "."));
+        for (const std::string &name : names)
+          if (result == nullptr)
+            result = dlsym(library, name.c_str());
+      });
+    }
+    AssertThrow(result != nullptr,
                 ExcMessage(begin + "which has no function " +
                            boost::algorithm::join(names, " or ") + "."));
-    return nullptr;
+    return result;
   }
 
 
@@ -185,11 +300,13 @@ namespace greville
   load_plugin(const std::string &file, const std::string &parameter)
   {
     static std::set<std::string> loaded;
-    if (std::filesystem::is_regular_file(file))
+    if (is_file(file))
       check_build(content_of(file), begin_of_message(file, parameter));
     void *const function =
       function_of_library(file, {"register_in_greville"}, parameter);
-    if (loaded.insert(std::filesystem::canonical(file).string()).second)
-      reinterpret_cast<void (*)()>(function)();
+    if (!loaded.insert(std::filesystem::canonical(file).string()).second)
+      return;
+    const LibraryCall under_way(file, parameter, "registers its parts");
+    act(under_way, reinterpret_cast<void (*)()>(function));
   }
 } // namespace greville

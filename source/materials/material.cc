@@ -14,6 +14,9 @@
 #include <greville/materials/umat.h>
 #include <greville/materials/von_mises.h>
 
+#include <algorithm>
+#include <cctype>
+
 namespace greville
 {
   using namespace dealii;
@@ -76,6 +79,14 @@ namespace greville
   void
   add_material(const std::string &name, const MakeMaterial make)
   {
+    const bool is_word =
+      !name.empty() &&
+      std::all_of(name.begin(), name.end(), [](const unsigned char c) {
+        return std::isalnum(c) || c == '-' || c == '_';
+      });
+    AssertThrow(is_word,
+                ExcMessage("A material law has the name '" + name +
+                           "', which has to be letters, digits, - and _."));
     for (const Entry &material : materials())
       AssertThrow(material.name != name,
                   ExcMessage("There is a material law '" + name +

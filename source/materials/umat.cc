@@ -9,6 +9,7 @@
 #include <greville/materials/material_lanes.h>
 #include <greville/materials/parameter_checks.h>
 #include <greville/materials/spectral_decomposition.h>
+#include <greville/materials/state_names.h>
 #include <greville/materials/umat.h>
 #include <greville/materials/umat_arguments.h>
 
@@ -22,7 +23,7 @@ namespace greville
 
   namespace
   {
-    constexpr unsigned int cmname_length = 80;
+    constexpr unsigned int cmname_length = 80, most_state_variables = 10000;
 
     // The history before STATEV, which is History::more as it lies in memory.
     constexpr unsigned int strain = 0, sse = 6, spd = 7, scd = 8, work = 9,
@@ -41,35 +42,6 @@ namespace greville
                                                   "energy_work",
                                                   "energy_dissipated",
                                                   "modulus"};
-
-    // Other numbers and fields of points.
-    const std::vector<std::string> taken = {"position",
-                                            "velocity",
-                                            "mass",
-                                            "volume0",
-                                            "J",
-                                            "stress",
-                                            "volume",
-                                            "wave_modulus",
-                                            "F",
-                                            "reference",
-                                            "id",
-                                            "affine",
-                                            "load",
-                                            "initial_F",
-                                            "projected_J",
-                                            "domain",
-                                            "size",
-                                            "displacement",
-                                            "density",
-                                            "pressure",
-                                            "von_mises",
-                                            "dissipation",
-                                            "body",
-                                            "process",
-                                            "x",
-                                            "y",
-                                            "z"};
 
     constexpr unsigned int rows[]    = {0, 1, 2, 0, 0, 1};
     constexpr unsigned int columns[] = {0, 1, 2, 1, 2, 2};
@@ -122,38 +94,6 @@ namespace greville
       return !text.empty() &&
              std::all_of(text.begin(), text.end(), [](const unsigned char c) {
                return std::isdigit(c);
-             });
-    }
-
-
-
-    /**
-     * Whether other numbers or fields of points have this name, or the one of a
-     * component: "stress_xy".
-     */
-    bool
-    is_taken(const std::string &text)
-    {
-      const std::size_t last = text.rfind('_');
-      const bool        is_component =
-        last != std::string::npos && (last > 1 || text[0] == 'F') &&
-        text.find_first_not_of("xyz0123456789", last + 1) == std::string::npos;
-      const auto is_in = [&](const std::vector<std::string> &list,
-                             const std::string              &name) {
-        return std::count(list.begin(), list.end(), name) > 0;
-      };
-      return is_in(fixed_names, text) || is_in(taken, text) ||
-             (is_component && is_in(taken, text.substr(0, last)));
-    }
-
-
-
-    bool
-    is_name(const std::string &text)
-    {
-      return !text.empty() && !std::isdigit((unsigned char)(text[0])) &&
-             std::all_of(text.begin(), text.end(), [](const unsigned char c) {
-               return std::isalnum(c) || c == '_';
              });
     }
   } // namespace
@@ -232,25 +172,39 @@ namespace greville
     names.clear();
     units.clear();
     const auto given = Utilities::split_string_list(state_variables, ',');
+    const auto check_number = [&](const double n) {
+      AssertThrow(
+        n <= most_state_variables,
+        ExcMessage("The parameter '" + section + "/State variables' asks for " +
+                   text_of(n) + " of them at each point; there may be " +
+                   std::to_string(most_state_variables) + " at the most."));
+    };
+    check_number(double(given.size()));
     if (given.size() == 1 && is_number(given[0]))
-      for (int k = 1; k <= Utilities::string_to_int(given[0]); ++k)
-        {
-          names.push_back("statev_" + std::to_string(k));
-          units.push_back("");
-        }
+      {
+        check_number(std::stod(given[0].substr(0, 300)));
+        for (int k = 1; k <= Utilities::string_to_int(given[0]); ++k)
+          {
+            names.push_back("statev_" + std::to_string(k));
+            units.push_back("");
+          }
+      }
     else
       for (const std::string &text : given)
         {
           const std::size_t open  = text.find('[');
           const bool        has   = open != std::string::npos;
           const std::string state = Utilities::trim(text.substr(0, open));
-          AssertThrow(is_name(state) && (!has || text.back() == ']'),
+          AssertThrow(is_state_name(state) && (!has || text.back() == ']'),
                       ExcMessage("The parameter '" + section +
                                  "/State variables' has <" + text +
                                  ">; it has to be a name of letters, digits "
                                  "and _, and a unit in brackets if it has "
                                  "one, or the number of all of them."));
-          AssertThrow(!is_taken(state),
+          AssertThrow(!is_taken_by_points(state) &&
+                        std::count(fixed_names.begin(),
+                                   fixed_names.end(),
+                                   state) == 0,
                       ExcMessage("The parameter '" + section +
                                  "/State variables' has the name <" + state +
                                  ">, which all points have already."));
@@ -261,7 +215,7 @@ namespace greville
         }
     check_different(names, section + "/State variables", "name");
     memory.reinit(properties, padded_name, element_length, names.size());
-    UmatCall::catch_faults(law);
+    ForeignCall::catch_faults(law.time_limit);
 
     initial_formulas.clear();
     const std::string parameter = section + "/Initial state";

@@ -6,12 +6,14 @@
 #include <greville/base/shared_library.h>
 #include <greville/geometry/shape.h>
 #include <greville/materials/element_test.h>
+#include <greville/materials/state_names.h>
 #include <greville/materials/umat.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <filesystem>
+#include <functional>
 #include <iomanip>
 #include <sstream>
 
@@ -168,6 +170,33 @@ namespace greville
                         ExcMessage(line.place + ": " + message_of(error)));
           }
       return lines;
+    }
+
+
+
+    /**
+     * Let a law act, and name the section if what it throws does not.
+     */
+    void
+    let_law_act(const std::string &section, const std::function<void()> &action)
+    {
+      const std::string begin = "'" + section + "': ";
+      try
+        {
+          action();
+        }
+      catch (const std::exception &error)
+        {
+          const std::string message = message_of(error);
+          const bool        has_name =
+            message.find("'" + section) != std::string::npos;
+          AssertThrow(false, ExcMessage((has_name ? "" : begin) + message));
+        }
+      catch (...)
+        {
+          AssertThrow(false,
+                      ExcMessage(begin + "its law throws an exception."));
+        }
     }
 
 
@@ -355,7 +384,8 @@ namespace greville
         const std::string section = "Material " + name;
         const std::string model   = value_of(lines, section, "Model");
         laws[name]                = make_material(model, section + "/Model");
-        declare_section(prm, section, *laws[name]);
+        let_law_act(section,
+                    [&]() { declare_section(prm, section, *laws[name]); });
         declare_model(prm, section, model);
       }
     materials.insert(laws.begin(), laws.end());
@@ -426,8 +456,11 @@ namespace greville
     for (const StageParameters &stage : stages)
       check_friction(stage.walls, lines, "Stage " + stage.name);
 
-    for (const auto &law : laws)
-      law.second->reinit("Material " + law.first);
+    for (const auto &[name, law] : laws)
+      let_law_act("Material " + name, [&, &law = law, &name = name]() {
+        law->reinit("Material " + name);
+        check_state_names(law->state_names(), "Material " + name);
+      });
   }
 
 
@@ -510,13 +543,13 @@ namespace greville
           shape << (e == d ? sign : 0.) << ", ";
         shape << sign * sides[d] << ")";
       }
-    if (n_planes == 0)
-      return;
     AssertThrow(rigid_bodies.count(ContactParameters::walls) == 0,
                 ExcMessage(std::string("The name <") +
                            ContactParameters::walls +
                            "> of a rigid body is that of the 'Walls' that are "
                            "contact: it needs another one."));
+    if (n_planes == 0)
+      return;
     general.rigid_bodies.push_back(ContactParameters::walls);
     rigid_bodies[ContactParameters::walls].shape =
       n_planes == 1 ? shape.str() : "union(" + shape.str() + ")";

@@ -569,6 +569,11 @@ namespace greville
   SimulationRun<dim>::write_row(const Row             &row,
                                 const Statistics<dim> &statistics)
   {
+    AssertThrow(std::isfinite(statistics.strain + statistics.dissipation),
+                ErrorOnAll("At t = " + text_of(row.time) +
+                           " s the strain energy or the dissipation of the "
+                           "bodies is infinite or NaN, but not their stress: a "
+                           "material law gives such a value."));
     largest_front.add(statistics.front);
     largest_front_99.add(statistics.front_99);
     measured.add(statistics);

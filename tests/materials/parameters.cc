@@ -5,6 +5,7 @@
 // of every material changes what the material does; umat.cc has those of umat.
 
 #include <greville/materials/material_lanes.h>
+#include <greville/materials/state_names.h>
 
 #include "materials.h"
 #include <sstream>
@@ -299,6 +300,12 @@ test_main()
     return std::make_unique<Remembering>();
   });
   print_message([]() { add_material("remembering", nullptr); });
+  print_message([]() { add_material("", nullptr); });
+  print_message([]() { add_material("clay|sand", nullptr); });
+  for (const std::vector<std::string> &names :
+       std::vector<std::vector<std::string>>{
+         {""}, {"e,p"}, {"1st"}, {"stress_xx"}, {"e", "p", "e"}, {"e", "F_xy"}})
+    print_message([&]() { check_state_names(names, "Material clay"); });
   test_long_history();
   bad("linear-elastic", {"Poisson ratio = 0.5"});
   bad("neo-hookean", {"Poisson ratio = -1"});

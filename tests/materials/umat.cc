@@ -334,6 +334,8 @@ namespace
     bad({elastic, "Properties = 1e7, 0.3", "State variables = e, stran_xx"});
     bad({elastic, "Properties = 1e7, 0.3", "State variables = e, stress_xy"});
     bad({elastic, "Properties = 1e7, 0.3", "State variables = e, e"});
+    bad({elastic, "Properties = 1e7, 0.3", "State variables = 10001"});
+    bad({elastic, "Properties = 1e7, 0.3", "State variables = 99999999999"});
     bad({elastic,
          "Properties = 1e7, 0.3",
          "State variables = 3",

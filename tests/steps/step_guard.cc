@@ -62,7 +62,7 @@ namespace
     double
     strain_energy(const MaterialPoint &) const override
     {
-      return 0.;
+      return fault == "energy" ? std::nan("") : 0.;
     }
 
     Moduli
@@ -278,6 +278,13 @@ test_main()
   fault = "";
   check("goes on: " + run(text, "guard", true),
         run(text, "guard", true).empty());
+
+  fault                    = "energy";
+  const std::string energy = run(text, "guard");
+  check("energy: " + energy,
+        energy.find("the dissipation of the bodies is infinite or NaN") !=
+          std::string::npos);
+  fault = "";
 
   check_stopped("gravity",
                 text.with("Loads", {"Gravity = 0; t > 0.121 ? 1/0 : -1"})

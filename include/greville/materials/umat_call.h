@@ -5,6 +5,7 @@
 
 #include <deal.II/base/exceptions.h>
 
+#include <greville/base/foreign_call.h>
 #include <greville/materials/material_point.h>
 #include <greville/materials/umat_memory.h>
 
@@ -24,14 +25,11 @@ namespace greville
 
 
   /**
-   * Exists while a UMAT is called, and lets messages say which one and where.
-   * Meanwhile a call of exit() (STOP in Fortran), a signal such as SIGSEGV, and
-   * a call that takes longer than its time limit end the process with one
-   * message and the exit status 1; MPI then ends the others. Nothing but the
-   * call is under way on any process then, so that no file is half written.
-   * Processes have one thread each.
+   * Exists while a UMAT is called, and lets messages say which one and where. A
+   * fault that ends the process does so between steps of all processes, so that
+   * no file is half written.
    */
-  class UmatCall
+  class UmatCall : public ForeignCall
   {
   public:
     /// Of a law: its section and library, and the longest time of a call, s,
@@ -43,26 +41,12 @@ namespace greville
     };
 
     /**
-     * Let faults in calls end the process, those of a @p law among others. Once
-     * for each law, before its first call.
-     */
-    static void
-    catch_faults(const Law &law);
-
-    /**
      * A call with this @p point at the end of the step, or a null pointer if it
      * asks for the stiffness without an increment. All have to live as long.
      */
     UmatCall(const Law           &law,
              const MaterialPoint *point,
              const UmatMemory    &memory);
-
-    ~UmatCall();
-
-    UmatCall(const UmatCall &) = delete;
-
-    UmatCall &
-    operator=(const UmatCall &) = delete;
 
     /**
      * "the UMAT of 'Material sand' @p what (<soil.so>, call 7 at (0, 1), t =
@@ -78,16 +62,23 @@ namespace greville
     caller();
 
     /**
-     * The same as message() in a @p buffer of @p size letters, without memory
-     * from the heap: for handlers of signals.
+     * The same as message().
      */
     void
-    write_message(char *buffer, const std::size_t size, const char *what) const;
+    write_message(char             *buffer,
+                  const std::size_t size,
+                  const char       *what) const override;
+
+    bool
+    is_beyond(const void *address) const override;
+
+    const char *
+    text_of_limit() const override;
 
     const Law           &law;
     const MaterialPoint *point;
     const UmatMemory    &memory;
-    /// The number of this call on its process.
+    /// The number of this call of a UMAT on its process.
     std::uint64_t number;
   };
 } // namespace greville

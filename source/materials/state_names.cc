@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <deal.II/base/exceptions.h>
+
+#include <greville/base/errors.h>
+#include <greville/materials/state_names.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Other numbers and fields of points.
+    const std::vector<std::string> taken = {"position",
+                                            "velocity",
+                                            "mass",
+                                            "volume0",
+                                            "J",
+                                            "stress",
+                                            "volume",
+                                            "wave_modulus",
+                                            "F",
+                                            "reference",
+                                            "id",
+                                            "affine",
+                                            "load",
+                                            "initial_F",
+                                            "projected_J",
+                                            "domain",
+                                            "size",
+                                            "displacement",
+                                            "density",
+                                            "pressure",
+                                            "von_mises",
+                                            "dissipation",
+                                            "body",
+                                            "process",
+                                            "x",
+                                            "y",
+                                            "z"};
+  } // namespace
+
+
+
+  bool
+  is_state_name(const std::string &text)
+  {
+    return !text.empty() && !std::isdigit((unsigned char)(text[0])) &&
+           std::all_of(text.begin(), text.end(), [](const unsigned char c) {
+             return std::isalnum(c) || c == '_';
+           });
+  }
+
+
+
+  bool
+  is_taken_by_points(const std::string &text)
+  {
+    const std::size_t last = text.rfind('_');
+    const bool        is_component =
+      last != std::string::npos && (last > 1 || text[0] == 'F') &&
+      text.find_first_not_of("xyz0123456789", last + 1) == std::string::npos;
+    const auto is_taken = [](const std::string &name) {
+      return std::count(taken.begin(), taken.end(), name) > 0;
+    };
+    return is_taken(text) || (is_component && is_taken(text.substr(0, last)));
+  }
+
+
+
+  void
+  check_state_names(const std::vector<std::string> &names,
+                    const std::string              &section)
+  {
+    for (const std::string &name : names)
+      {
+        AssertThrow(is_state_name(name),
+                    ExcMessage("The law of '" + section +
+                               "' has a history variable <" + name +
+                               ">; its name has to be letters, digits and _."));
+        // Laws have "dissipation" as history.
+        AssertThrow(!is_taken_by_points(name) || name == "dissipation",
+                    ExcMessage("The law of '" + section +
+                               "' has a history variable <" + name +
+                               ">, which all points have already."));
+        AssertThrow(std::count(names.begin(), names.end(), name) == 1,
+                    ExcMessage("The law of '" + section +
+                               "' has the history variable <" + name +
+                               "> twice."));
+      }
+  }
+} // namespace greville
