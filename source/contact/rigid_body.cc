@@ -24,8 +24,13 @@ namespace greville
     // A way meets the surface where it is closer than this part of the reach.
     constexpr double smallest_distance = 1e-6;
 
-    // Half the time (s) over which the spin is a difference quotient.
+    // Half the time (s) over which the spin is a difference quotient, or all of
+    // it at the start.
     constexpr double half_of_quotient = 1e-6;
+
+    // Places in a direction at which a shape without a known end is looked for.
+    template <int dim>
+    constexpr unsigned int n_places = dim == 2 ? 16 : 8;
 
     // Cells in a direction of the lattice that integrates over a shape.
     constexpr unsigned int n_cells_of_mass = 24;
@@ -149,6 +154,14 @@ namespace greville
     if (parameters.density > 0.)
       {
         const Moments<dim> moments(parameters, section, extent);
+        const double       turning = trace(moments.second);
+        AssertThrow(moments.volume > 0. && turning > 0. &&
+                      std::isfinite(turning),
+                    ExcMessage("'" + section +
+                               "' is free and has a 'Density', but its shape "
+                               "is so small, or so far away, that it has no "
+                               "mass or inertia in double precision: give "
+                               "'Mass' and 'Inertia'."));
         reference = moments.center;
         mass      = parameters.density * moments.volume;
         if constexpr (dim == 2)
@@ -197,11 +210,13 @@ namespace greville
     if (rotation.is_zero())
       return;
     position.rotation = rotation_matrix<dim>(rotation(t + dt));
-    // dR / dt R^T is the cross product with the spin.
+    // dR / dt R^T is the cross product with the spin. The formula need not have
+    // a value before the start.
+    const double         before = std::min(half_of_quotient, dt);
     const Tensor<2, dim> rate =
       (rotation_matrix<dim>(rotation(t + dt + half_of_quotient)) -
-       rotation_matrix<dim>(rotation(t + dt - half_of_quotient))) *
-      transpose(position.rotation) / (2. * half_of_quotient);
+       rotation_matrix<dim>(rotation(t + dt - before))) *
+      transpose(position.rotation) / (half_of_quotient + before);
     if constexpr (dim == 2)
       position.spin[0] = 0.5 * (rate[1][0] - rate[0][1]);
     else
@@ -305,6 +320,53 @@ namespace greville
       }
     return first && way < length &&
            first->normal * last->normal < largest_cosine_of_sides;
+  }
+
+
+
+  template <int dim>
+  bool
+  RigidBody<dim>::may_be_near(const BoundingBox<dim>   &region,
+                              const double              margin,
+                              const RigidPosition<dim> &now) const
+  {
+    if (std::isfinite(extent.lower_bound(0)))
+      {
+        std::vector<Point<dim>> corners;
+        for (unsigned int v = 0; v < GeometryInfo<dim>::vertices_per_cell; ++v)
+          corners.push_back(initial_position(now, region.vertex(v)));
+        const BoundingBox<dim> box(corners);
+        for (unsigned int d = 0; d < dim; ++d)
+          if (extent.lower_bound(d) > box.upper_bound(d) + margin ||
+              extent.upper_bound(d) < box.lower_bound(d) - margin)
+            return false;
+        return true;
+      }
+    Tensor<1, dim>  size;
+    MultiIndex<dim> n;
+    n.fill(n_places<dim>);
+    for (unsigned int d = 0; d < dim; ++d)
+      size[d] = region.side_length(d) / n[d];
+    const double within = 0.5 * size.norm() + margin;
+    try
+      {
+        for (unsigned int k = 0; k < Utilities::pow(n_places<dim>, dim); ++k)
+          {
+            const auto index = multi_index<dim>(k, n);
+            Point<dim> x;
+            for (unsigned int d = 0; d < dim; ++d)
+              x[d] = region.lower_bound(d) + (index[d] + 0.5) * size[d];
+            x = initial_position(now, x);
+            if (surface->contains(x) || surface->closest(x, within))
+              return true;
+          }
+      }
+    catch (const ExceptionBase &)
+      {
+        // The formula has no value here, where it may not be asked for one.
+        return true;
+      }
+    return false;
   }
 
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
+#include <numeric>
 
 namespace greville
 {
@@ -89,6 +90,15 @@ namespace greville
                 ExcMessage("'" + section + "' needs a 'Mass' and " +
                            std::to_string(n) + " numbers of 'Inertia' in " +
                            std::to_string(dim) + "D, all above zero."));
+    // A plate has the sum.
+    const double sum =
+      std::accumulate(inertia.begin(), inertia.end(), 0.) * (1. + 1e-9);
+    AssertThrow(!has_mass || dim == 2 ||
+                  2. * *std::max_element(inertia.begin(), inertia.end()) <= sum,
+                ExcMessage("'" + section +
+                           "' has an 'Inertia' that no body has: none of the "
+                           "three numbers is larger than the sum of the "
+                           "others."));
     AssertThrow(!has_mass || !reference_point.empty(),
                 ExcMessage("'" + section +
                            "' has a 'Mass': it needs a 'Reference point', its "

@@ -132,6 +132,8 @@ namespace greville
         auto notes = input_notes(ensemble.bodies(), parameters, comm);
         if (!imbalance.empty())
           notes.insert(notes.begin(), imbalance);
+        for (const std::string &note : ensemble.notes())
+          notes.push_back(note);
         for (const std::string &note : notes)
           out << "  Note: " << note << '\n';
         print_warnings(ensemble);

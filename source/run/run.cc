@@ -247,6 +247,8 @@ namespace greville
         for (const std::string &note :
              input_notes(ensemble.bodies(), parameters, comm))
           notes.note(note);
+        for (const std::string &note : ensemble.notes())
+          notes.note(note);
       }
     begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
     if (!is_resumed)

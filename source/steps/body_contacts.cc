@@ -105,6 +105,7 @@ namespace greville
       }
     for (const std::string &name : parameters.general.contacts)
       make_contact(parameters, name);
+    look_for_rigid_bodies(parameters);
     set_intervals({});
     for (Simulation<dim> *part : parts)
       {

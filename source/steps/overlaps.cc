@@ -298,9 +298,11 @@ namespace greville
 
   template <int dim>
   double
-  BodyContacts<dim>::bounded_step(double dt) const
+  BodyContacts<dim>::bounded_step(const double longest) const
   {
     constexpr unsigned int n_trials = 20;
+    double                 dt       = longest;
+    std::string            fastest; // contact
     for (unsigned int k = 0; k < n_trials; ++k)
       {
         const auto positions = moved_bodies(dt);
@@ -313,12 +315,27 @@ namespace greville
                 const auto &body = positions[contact.rigid];
                 way = std::max(way, rigid_way(contact, body.before, body.now));
               }
-            share = std::max(share, way / (longest_motion * contact.cell_size));
+            const double own = way / (longest_motion * contact.cell_size);
+            if (own > share)
+              fastest = contact.name;
+            share = std::max(share, own);
           }
         if (share <= 1.)
           break;
         dt *= 0.9 / share;
       }
+    const Simulation<dim> &part  = *parts.front();
+    const double           first = part.current.estimates.first_step,
+                 least           = part.stage_parameters().time.smallest_step;
+    fail_on_all(
+      dt < longest && dt < least * first
+        ? "both sides of 'Contact " + fastest +
+            "' move so fast relative to one another that the step is " +
+            text_of(dt) + " s, below 'Time/Smallest step' (" + text_of(least) +
+            ") of the first one, " + text_of(first) +
+            " s: a step goes over a quarter of a cell at the most"
+        : "",
+      comm);
     return dt;
   }
 
@@ -378,7 +395,7 @@ namespace greville
                              const RigidPosition<3> &,
                              const RigidPosition<3> &) const;
   template double
-  BodyContacts<2>::bounded_step(double) const;
+  BodyContacts<2>::bounded_step(const double) const;
   template double
-  BodyContacts<3>::bounded_step(double) const;
+  BodyContacts<3>::bounded_step(const double) const;
 } // namespace greville

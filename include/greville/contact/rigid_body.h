@@ -97,6 +97,16 @@ namespace greville
     }
 
     /**
+     * Return whether some of the body may be closer than @p margin (m) to a @p
+     * region: false where none is, but for parts of a formula that are much
+     * smaller than the region.
+     */
+    bool
+    may_be_near(const dealii::BoundingBox<dim> &region,
+                const double                    margin,
+                const RigidPosition<dim>       &now) const;
+
+    /**
      * Return the largest distance (m) between the places that a point of the
      * body has in two positions; of its part in the @p region if its end is not
      * known.

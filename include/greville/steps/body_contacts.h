@@ -66,12 +66,13 @@ namespace greville
     end_step();
 
     /**
-     * Collective. Return an explicit step, at most @p dt (s), in which surfaces
-     * and rigid bodies move by a quarter of a cell relative to one another at
-     * most.
+     * Collective. Return an explicit step, at most the @p longest one (s), in
+     * which surfaces and rigid bodies move by a quarter of a cell relative to
+     * one another at most. Throws StepFailed if they are so fast that it is
+     * below 'Time/Smallest step'.
      */
     double
-    bounded_step(double dt) const;
+    bounded_step(const double longest) const;
 
     /**
      * Add what contacts and rigid bodies did to a row of statistics: at the
@@ -110,6 +111,16 @@ namespace greville
      */
     void
     check_gains();
+
+    /**
+     * Return what may not be meant as it stands: rigid bodies that are away
+     * from the grid.
+     */
+    const std::vector<std::string> &
+    notes() const
+    {
+      return all_notes;
+    }
 
     const std::vector<RigidBody<dim>> &
     all_rigid_bodies() const
@@ -181,6 +192,11 @@ namespace greville
     void
     add_to_intervals(const std::vector<ContactResult<dim>> &results,
                      const double                           dt);
+
+    /// Throw if a rigid body is away from the grid and stays there, and note
+    /// where one is that moves, or whose bodies may leave the grid.
+    void
+    look_for_rigid_bodies(const SimulationParameters &parameters);
 
     bool
     steps_are_implicit() const;
@@ -326,6 +342,7 @@ namespace greville
     Results                    now, at_start;
 
     std::vector<ContactInterval<dim>> of_interval;
+    std::vector<std::string>          all_notes;
   };
 } // namespace greville
 

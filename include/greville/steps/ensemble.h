@@ -109,6 +109,15 @@ namespace greville
                       : std::vector<std::pair<std::string, double>>();
     }
 
+    /**
+     * See BodyContacts::notes(); none without contacts.
+     */
+    std::vector<std::string>
+    notes() const
+    {
+      return contacts ? contacts->notes() : std::vector<std::string>();
+    }
+
     void
     set_contact_intervals(const std::vector<ContactInterval<dim>> &intervals)
     {

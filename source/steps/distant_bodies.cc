@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/steps/body_contacts.h>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Times at which a moving body is looked for in the grid.
+    constexpr unsigned int n_times = 200;
+
+
+
+    /**
+     * How a rigid body comes to a region between two times, s.
+     */
+    struct Course
+    {
+      bool comes = false, moves = false;
+    };
+
+
+
+    /**
+     * Follow a rigid body whose motion is given.
+     */
+    template <int dim, typename IsNear>
+    Course
+    follow(const RigidBody<dim>   &body,
+           RigidPosition<dim>      now,
+           const BoundingBox<dim> &region,
+           const double            start,
+           const double            end,
+           const IsNear           &is_near)
+    {
+      Course             course;
+      RigidPosition<dim> before;
+      RigidStep<dim>     step;
+      step.dt = (end - start) / n_times;
+      try
+        {
+          for (unsigned int k = 0; k < n_times && !course.comes; ++k)
+            {
+              step.t = start + k * step.dt;
+              body.move(now, before, step);
+              const double way = body.way(before, now, region);
+              course.moves     = course.moves || way > 0.;
+              course.comes     = way > 0. && is_near(now, way);
+            }
+        }
+      catch (const ExceptionBase &)
+        {
+          // The run ends with the message about this formula.
+          course.comes = true;
+        }
+      return course;
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::look_for_rigid_bodies(
+    const SimulationParameters &parameters)
+  {
+    const bool   may_leave = parameters.scheme.is_total_lagrangian();
+    const double start = parameters.time.start, end = parameters.end_of_run();
+    for (unsigned int k = 0; k < rigid_bodies.size(); ++k)
+      {
+        const RigidBody<dim> &body = rigid_bodies[k];
+        if (body.name() == ContactParameters::walls)
+          continue;
+        // The grids of bodies that meet it.
+        std::vector<Point<dim>> corners;
+        for (const Contact &contact : contacts)
+          if (contact.rigid == int(k))
+            for (const Place &place : contact.sides[0])
+              {
+                const Lattice<dim> &lattice = place.part->space().lattice();
+                Point<dim>          lower, upper;
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    lower[d] = lattice.lower(d);
+                    upper[d] = lattice.upper(d);
+                  }
+                corners.insert(corners.end(), {lower, upper});
+              }
+        const BoundingBox<dim> region(corners);
+        const double size = region.get_boundary_points().first.distance(
+          region.get_boundary_points().second);
+        const auto is_near = [&](const RigidPosition<dim> &now,
+                                 const double              way) {
+          return body.may_be_near(region, way + (may_leave ? size : 0.), now);
+        };
+        const RigidPosition<dim> position = body.position_at_start(start);
+        if (is_near(position, 0.))
+          continue;
+        const std::string name = "'Rigid body " + body.name() + "'",
+                          grid = "the grid, (" +
+                                 text_of(region.get_boundary_points().first) +
+                                 ") to (" +
+                                 text_of(region.get_boundary_points().second) +
+                                 ") m";
+        if (body.is_free())
+          {
+            all_notes.push_back(
+              name + " is outside of " + grid +
+              ", at the start: nothing meets it unless it gets there.");
+            continue;
+          }
+        const Course course =
+          follow(body, position, region, start, end, is_near);
+        if (course.comes)
+          continue;
+        const std::string problem =
+          name + " is " + (may_leave ? "further away from " : "outside of ") +
+          grid + (may_leave ? ", than its diagonal" : "") +
+          (course.moves
+             ? ", until the end of the run, t = " + text_of(end) + " s"
+             : ", and does not move") +
+          ": nothing meets it. Check its 'Shape'" +
+          (course.moves ? " and its motion."
+                        : ", or give it a 'Velocity' or a 'Rotation'.");
+        AssertThrow(course.moves || may_leave, ExcMessage(problem));
+        all_notes.push_back(problem);
+      }
+  }
+
+
+
+  template void
+  BodyContacts<2>::look_for_rigid_bodies(const SimulationParameters &);
+  template void
+  BodyContacts<3>::look_for_rigid_bodies(const SimulationParameters &);
+} // namespace greville
