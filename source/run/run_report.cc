@@ -182,7 +182,9 @@ namespace greville
     if (ensemble.exceeds_displacement())
       out << "  ended early: a point has moved further than 'Time/Largest "
              "displacement'\n";
-    if (ensemble.first().grid().fields()[0].consistent && state.n_steps > 0)
+    // A resumed run may be at its end, without a mass matrix.
+    if (ensemble.first().grid().fields()[0].consistent &&
+        state.n_steps > first_step)
       {
         typename Extension<dim>::Counts functions;
         std::uint64_t                   n_factorizations = 0, n_fragments = 0;
