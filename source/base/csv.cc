@@ -10,6 +10,7 @@
 
 #include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/stat.h>
@@ -115,13 +116,22 @@ namespace greville
         std::string header, found;
         for (const std::string &column : names)
           header += (header.empty() ? "" : ",") + column;
-        std::getline(std::ifstream(file), found);
-        std::error_code error;
-        AssertThrow(
-          std::filesystem::file_size(file, error) >= n_bytes && !error,
-          ExcMessage("<" + file +
-                     "> is shorter than it was at the checkpoint. Move it "
-                     "away, and the run begins a new one."));
+        errno = 0;
+        std::ifstream in(file);
+        AssertThrow(in,
+                    ExcMessage("Cannot read <" + file +
+                               ">: " + std::strerror(errno) + "."));
+        std::getline(in, found);
+        std::error_code     error;
+        const std::uint64_t n_there = std::filesystem::file_size(file, error);
+        AssertThrow(!error,
+                    ExcMessage("Cannot read <" + file +
+                               ">: " + error.message() + "."));
+        AssertThrow(n_there >= n_bytes,
+                    ExcMessage(
+                      "<" + file +
+                      "> is shorter than it was at the checkpoint. Move it "
+                      "away, and the run begins a new one."));
         AssertThrow(found == header,
                     ExcMessage("<" + file + "> has the columns <" + found +
                                ">, and the run that goes on writes <" + header +

@@ -358,6 +358,9 @@ namespace greville
         AssertThrow(in,
                     ExcMessage("Cannot read <" + file +
                                ">: " + std::strerror(errno) + "."));
+        AssertThrow(std::filesystem::is_regular_file(file),
+                    ExcMessage("Cannot read <" + file +
+                               ">, which is no regular file."));
         n_bytes = std::filesystem::file_size(file);
         if (n_bytes >= seal_size)
           {

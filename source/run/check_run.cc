@@ -111,7 +111,7 @@ namespace greville
         else if (!options.from.empty())
           {
             const Checkpoint other = read_checkpoint(options.from, comm);
-            ensemble.begin_with(other.content);
+            begin_with(ensemble, other, parameters);
             out << "It would begin with <" << other.file << ">.\n\n";
           }
         const auto        all = ensemble.bodies_of_all_stages();

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <regex>
 #include <sstream>
 
 namespace greville
@@ -26,17 +27,18 @@ namespace greville
 
 
     /**
-     * Checkpoints of a folder, the newest first.
+     * Checkpoints of a folder, the newest first. Copies that users have given
+     * other names stay as they are.
      */
     std::vector<std::string>
     checkpoints_in(const std::string &folder)
     {
+      static const std::regex  names(std::string(prefix) + R"([0-9]{10}\.h5)");
       std::vector<std::string> files;
       std::error_code          error;
       for (const auto &entry :
            std::filesystem::directory_iterator(folder, error))
-        if (entry.path().extension() == ".h5" &&
-            entry.path().filename().string().rfind(prefix, 0) == 0)
+        if (std::regex_match(entry.path().filename().string(), names))
           files.push_back(entry.path().string());
       std::sort(files.rbegin(), files.rend());
       return files;
@@ -108,6 +110,33 @@ namespace greville
 
 
 
+  void
+  check_points_fit(const std::string &before, const std::string &now)
+  {
+    const auto there = values_of(before), here = values_of(now);
+    for (const std::string parameter :
+         {"Simulation/Dimension", "Grid/Geometry"})
+      {
+        const auto value = there.find(parameter);
+        AssertThrow(value == there.end() || value->second == here.at(parameter),
+                    ExcMessage(
+                      "the parameter '" + parameter + "' is <" + value->second +
+                      "> there and <" + here.at(parameter) +
+                      "> here, so that its points have other numbers"));
+      }
+    const auto is_wet = there.find("Simulation/Pore water");
+    AssertThrow(is_wet == there.end() || is_wet->second == "true" ||
+                  here.at("Water/Table").empty(),
+                ExcMessage("the parameter 'Water/Table' is <" +
+                           here.at("Water/Table") +
+                           ">, but 'Simulation/Pore water' is false there: its "
+                           "stresses are not those below a water table. Leave "
+                           "the table out, and the pore pressure begins with "
+                           "0"));
+  }
+
+
+
   std::string
   write_checkpoint(const std::string &folder,
                    const unsigned int n_steps,
@@ -142,9 +171,30 @@ namespace greville
 
 
 
+  void
+  check_folder_of_checkpoints(const std::string &folder, const MPI_Comm comm)
+  {
+    run_on_first(
+      [&]() {
+        std::error_code error;
+        AssertThrow(std::filesystem::exists(folder, error),
+                    ExcMessage("There is no folder <" + folder +
+                               ">, and no checkpoint that a run can go on "
+                               "from."));
+        AssertThrow(std::filesystem::is_directory(folder, error),
+                    ExcMessage("<" + folder +
+                               "> is a file, not the folder of a run with its "
+                               "checkpoints."));
+      },
+      comm);
+  }
+
+
+
   Checkpoint
   read_checkpoint(const std::string &folder, const MPI_Comm comm)
   {
+    check_folder_of_checkpoints(folder, comm);
     // What the first process sees.
     std::string list;
     if (Utilities::MPI::this_mpi_process(comm) == 0)

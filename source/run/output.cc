@@ -526,7 +526,7 @@ namespace greville
                                          file);
     run_on_first(
       [&]() {
-        const std::regex numbered(R"((.*)_([0-9]{4,})(\.[0-9]+)?\.p?vtu)");
+        const std::regex numbered(R"((.*)_([0-9]{4,10})(\.[0-9]+)?\.p?vtu)");
         for (const auto &entry : std::filesystem::directory_iterator(directory))
           {
             const std::string file = entry.path().filename().string();

@@ -109,6 +109,29 @@ namespace greville
 
   template <int dim>
   void
+  begin_with(Ensemble<dim>              &ensemble,
+             const Checkpoint           &checkpoint,
+             const SimulationParameters &parameters)
+  {
+    try
+      {
+        check_points_fit(checkpoint.content.text("parameters"),
+                         parameters.used());
+        ensemble.begin_with(checkpoint.content);
+      }
+    catch (const std::exception &error)
+      {
+        AssertThrow(false,
+                    ExcMessage("This run cannot begin with <" +
+                               checkpoint.file +
+                               ">: " + without_stop(message_of(error)) + "."));
+      }
+  }
+
+
+
+  template <int dim>
+  void
   SimulationRun<dim>::begin_run(const RunOptions &options)
   {
     if (options.resumes)
@@ -125,16 +148,7 @@ namespace greville
             const Checkpoint other = read_checkpoint(options.from, comm);
             for (const auto &refused : other.refused)
               warnings.push_back(refused.second);
-            try
-              {
-                ensemble.begin_with(other.content);
-              }
-            catch (const std::exception &error)
-              {
-                AssertThrow(false,
-                            ExcMessage("This run cannot begin with <" +
-                                       other.file + ">: " + message_of(error)));
-              }
+            begin_with(ensemble, other, parameters);
           }
         // Those of the other run, perhaps.
         probes = Probes<dim>(parameters.output.probes,
@@ -461,6 +475,8 @@ namespace greville
 
 
 
+  template decltype(begin_with<2>) begin_with<2>;
+  template decltype(begin_with<3>) begin_with<3>;
   template class SimulationRun<2>;
   template class SimulationRun<3>;
 } // namespace greville

@@ -27,11 +27,23 @@ namespace greville
   {
     // What a run has left in its folder names another one if that has moved.
     const std::filesystem::path path(file);
-    return options.resumes && path.filename() == "parameters.prm"
-             ? std::filesystem::absolute(path).parent_path().string()
-           : parameters.output.directory.empty()
-             ? "output/" + parameters.general.name
-             : parameters.output.directory;
+    const std::string           given = parameters.output.directory.empty()
+                                          ? "output/" + parameters.general.name
+                                          : parameters.output.directory;
+    if (!options.resumes || path.filename() != "parameters.prm")
+      return given;
+    const auto own = std::filesystem::absolute(path).parent_path();
+    for (const std::string &setting : options.settings)
+      {
+        std::error_code error;
+        AssertThrow(setting.rfind("Output/Directory", 0) != 0 ||
+                      std::filesystem::equivalent(given, own, error),
+                    ExcMessage("The option --set <" + setting +
+                               ">: a run goes on in its folder, <" +
+                               own.string() +
+                               ">. Move that, and go on from there."));
+      }
+    return own.string();
   }
 
 
@@ -498,6 +510,8 @@ namespace greville
 
     const std::string directory = folder_of_run(parameters, file, options);
     check_other_folder(options, directory, comm);
+    if (options.resumes)
+      check_folder_of_checkpoints(directory, comm);
     const SignalCatcher signals;
     RunFolder           folder(directory,
                      parameters.output.directory.empty() ? "Simulation/Name"

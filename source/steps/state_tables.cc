@@ -499,9 +499,21 @@ namespace greville
     {
       const auto            &lattice = discretization.space().lattice();
       const PointLayout<dim> layout  = owner.points.layout();
-      std::vector<double>    rows =
-        rows_with(layout, content.table(name_of(owner)), name_of(owner));
-      std::ostringstream message;
+      std::string            others;
+      const std::string      name     = name_of(owner);
+      const std::string      kind     = name.substr(0, name.find(' ') + 1);
+      bool                   is_there = false;
+      for (const DistributedTable &table : content.tables)
+        {
+          is_there = is_there || table.name == name;
+          if (table.name.compare(0, kind.size(), kind) == 0)
+            others += (others.empty() ? "" : ", ") + table.name;
+        }
+      AssertThrow(is_there,
+                  ExcMessage("it has no " + name +
+                             (others.empty() ? "" : ", but " + others)));
+      std::vector<double> rows = rows_with(layout, content.table(name), name);
+      std::ostringstream  message;
       for (std::size_t k = 0; k < rows.size(); k += layout.size + 1)
         {
           const Point<dim> x =

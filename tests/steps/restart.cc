@@ -178,8 +178,33 @@ test_main()
                       "parts"),
                 "'Output/Probes'");
   check_message("no checkpoint", go_on(more, "nowhere"), "no checkpoint");
-  // A run that has come to its end does so again.
+  // A run that has come to its end does so again, beside what others have put
+  // into its folder.
+  if (is_first())
+    {
+      std::ofstream("parts/checkpoint_copy.h5") << "mine";
+      std::ofstream("parts/points_99999999999999999999.vtu") << "mine";
+      std::filesystem::create_directory("parts/checkpoint_0000000099.h5");
+    }
+  MPI_Barrier(comm);
   check("at its end", go_on(few, "parts").empty());
+  check("a folder is no checkpoint",
+        std::filesystem::exists("parts/checkpoint_0000000099.h5.refused"));
+  if (is_first())
+    {
+      std::filesystem::rename("parts/probes.csv", "probes.csv");
+      std::filesystem::create_directory("parts/probes.csv");
+    }
+  MPI_Barrier(comm);
+  check_message("a folder in the place of a file",
+                go_on(more, "parts"),
+                "Cannot read <parts/probes.csv>: ");
+  if (is_first())
+    {
+      std::filesystem::remove("parts/probes.csv");
+      std::filesystem::rename("probes.csv", "parts/probes.csv");
+    }
+  MPI_Barrier(comm);
 
   // The newest checkpoint is broken: the one before is taken.
   if (is_first())
@@ -189,6 +214,7 @@ test_main()
   check("one new and one old checkpoint",
         std::filesystem::exists("parts/checkpoint_0000000016.h5") &&
           std::filesystem::exists("parts/checkpoint_0000000010.h5"));
+  check("a copy stays", content_of("parts/checkpoint_copy.h5") == "mine");
 
   // A new run from the end of another, on another grid with other walls.
   RunOptions from;
@@ -206,7 +232,13 @@ test_main()
                       options.from = "nowhere";
                       return options;
                     }()),
-                "There is no checkpoint in the folder <nowhere>");
+                "There is no folder <nowhere>, and no checkpoint");
+  check_message("another geometry",
+                run(next.with("Grid", {"Geometry = axisymmetric"}),
+                    "next",
+                    from),
+                "'Grid/Geometry' is <plane strain> there and <axisymmetric> "
+                "here");
   Text another = next;
   for (const std::string name : {"Body body", "Bodies = body"})
     another.content =
@@ -220,7 +252,7 @@ test_main()
         std::filesystem::exists("whole/checkpoint_0000000040.h5"));
   check_message("another body",
                 run(another, "next", from),
-                "there is no table body another");
+                "it has no body another, but body body, body other.");
   check("the run before",
         run(text.with("Time", {"Maximum steps = 40"}), "whole").empty());
   const std::string message = run(next, "next", from);

@@ -24,7 +24,17 @@ namespace greville
 
 
   /**
-   * Collective. Write @p content to the file checkpoint_NNNNNNNN.h5 of
+   * Throw dealii::ExcMessage if the points of a run with the parameters
+   * @p before have no meaning in a run that begins with them and has those of
+   * @p now: in another dimension or geometry, or dry below a water table.
+   */
+  void
+  check_points_fit(const std::string &before, const std::string &now);
+
+
+
+  /**
+   * Collective. Write @p content to the file checkpoint_NNNNNNNNNN.h5 of
    * @p folder with the number of steps in its name, with the format and the
    * version of the program; then remove all older checkpoints but one. At any
    * moment there is a complete checkpoint if there has been one before. Returns
@@ -38,6 +48,12 @@ namespace greville
                    const MPI_Comm     comm);
 
 
+
+  /**
+   * Collective. Throw dealii::ExcMessage if @p folder is none.
+   */
+  void
+  check_folder_of_checkpoints(const std::string &folder, const MPI_Comm comm);
 
   /**
    * Collective. Whether there are files of checkpoints in @p folder.

@@ -71,6 +71,16 @@ namespace greville
   void
   check_changes(const TablesFile           &checkpoint,
                 const SimulationParameters &parameters);
+
+  /**
+   * Collective. Let an ensemble begin with the points of another run. Throws
+   * dealii::ExcMessage, which names the checkpoint, where they do not fit.
+   */
+  template <int dim>
+  void
+  begin_with(Ensemble<dim>              &ensemble,
+             const Checkpoint           &checkpoint,
+             const SimulationParameters &parameters);
 } // namespace greville
 
 #endif
