@@ -431,13 +431,19 @@ namespace greville
 
     for (StageParameters &stage : stages)
       {
-        AssertThrow(stage.time.start == time.start &&
-                      stage.time.max_steps == time.max_steps,
-                    ExcMessage("'Stage " + stage.name +
-                               "/Time' has a 'Start' or 'Maximum steps'. They "
-                               "belong to the whole run, and to the section "
-                               "'Time' outside of stages: a stage begins where "
-                               "the one before ends."));
+        const auto check_common =
+          [&](const bool is_same, const std::string &name, const double value) {
+            AssertThrow(is_same,
+                        ExcMessage("The parameter 'Stage " + stage.name +
+                                   "/Time/" + name + "' is <" + text_of(value) +
+                                   ">. It belongs to the whole run, and to the "
+                                   "section 'Time' outside of stages: a stage "
+                                   "begins where the one before ends."));
+          };
+        check_common(stage.time.start == time.start, "Start", stage.time.start);
+        check_common(stage.time.max_steps == time.max_steps,
+                     "Maximum steps",
+                     stage.time.max_steps);
         if (stage.scheme.mass == "auto")
           stage.scheme.mass = default_mass(stage.scheme);
       }

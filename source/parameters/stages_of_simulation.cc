@@ -129,6 +129,13 @@ namespace greville
             const std::string law  = Utilities::trim(text.substr(colon + 1));
             check_name(parameter, body, "Bodies", general.bodies);
             check_name(parameter, law, "Materials", general.materials);
+            AssertThrow(stage.has_all_bodies() || stage.bodies.empty() ||
+                          contains(stage.bodies, body),
+                        ExcMessage(
+                          "The parameter '" + parameter + "' names the body <" +
+                          body + ">, which is not there: 'Stage " + stage.name +
+                          "/Bodies' is " +
+                          boost::algorithm::join(stage.bodies, ", ") + "."));
             named.push_back(body);
             stage.material_of[body] = law;
           }

@@ -8,6 +8,7 @@
 #include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/base/step_errors.h>
+#include <greville/parameters/in_stage.h>
 #include <greville/run/simulation_run.h>
 #include <greville/steps/step_size.h>
 
@@ -150,6 +151,59 @@ namespace greville
 
 
 
+  void
+  EndOfRun::make(Stage                          &result,
+                 const TimeParameters           &time,
+                 const std::vector<std::string> &names)
+  {
+    if (!time.end_when.empty())
+      try
+        {
+          result.criterion.emplace(time.end_when, "Time/End when", names);
+        }
+      catch (const std::exception &error)
+        {
+          AssertThrow(false,
+                      ExcMessage(message_of(error) +
+                                 " Columns of probes are those of "
+                                 "'Output/Probes'."));
+        }
+    const std::string end_when    = formula_text(time.end_when);
+    const std::string definitions = time.end_when.substr(end_when.size());
+    for (const std::string &side : compared_in(end_when))
+      {
+        const std::string itself =
+          "(" + side + ") == (" + side + ")" + definitions;
+        result.compared.emplace_back(
+          side, Expression(itself, "Time/End when", names));
+        std::optional<Expression> constant;
+        try
+          {
+            constant.emplace(itself,
+                             "Time/End when",
+                             std::vector<std::string>());
+          }
+        catch (const std::exception &)
+          {
+            continue;
+          }
+        AssertThrow((*constant)({}) != 0.,
+                    ExcMessage("The parameter 'Time/End when' is <" + end_when +
+                               ">, where <" + side +
+                               "> is NaN: comparisons with it are never "
+                               "true."));
+      }
+    if (!time.ramp.empty())
+      {
+        result.factor.emplace(time.ramp,
+                              "Time/Ramp until failure",
+                              std::vector<std::string>{"t"});
+        check_factor(*result.factor, time);
+      }
+  }
+
+
+
   EndOfRun::EndOfRun(const SimulationParameters     &parameters,
                      const std::vector<std::string> &columns)
   {
@@ -166,53 +220,7 @@ namespace greville
         SimulationParameters stage = parameters;
         stage.enter_stage(k);
         stages.emplace_back();
-        if (!stage.time.end_when.empty())
-          try
-            {
-              stages[k].criterion.emplace(stage.time.end_when,
-                                          "Time/End when",
-                                          names);
-            }
-          catch (const std::exception &error)
-            {
-              AssertThrow(false,
-                          ExcMessage(message_of(error) +
-                                     " Columns of probes are those of "
-                                     "'Output/Probes'."));
-            }
-        const std::string end_when = formula_text(stage.time.end_when);
-        const std::string definitions =
-          stage.time.end_when.substr(end_when.size());
-        for (const std::string &side : compared_in(end_when))
-          {
-            const std::string itself =
-              "(" + side + ") == (" + side + ")" + definitions;
-            stages[k].compared.emplace_back(
-              side, Expression(itself, "Time/End when", names));
-            std::optional<Expression> constant;
-            try
-              {
-                constant.emplace(itself,
-                                 "Time/End when",
-                                 std::vector<std::string>());
-              }
-            catch (const std::exception &)
-              {
-                continue;
-              }
-            AssertThrow((*constant)({}) != 0.,
-                        ExcMessage("The parameter 'Time/End when' is <" +
-                                   end_when + ">, where <" + side +
-                                   "> is NaN: comparisons with it are never "
-                                   "true."));
-          }
-        if (!stage.time.ramp.empty())
-          {
-            stages[k].factor.emplace(stage.time.ramp,
-                                     "Time/Ramp until failure",
-                                     std::vector<std::string>{"t"});
-            check_factor(*stages[k].factor, stage.time);
-          }
+        in_stage(parameters, k, [&]() { make(stages[k], stage.time, names); });
         if (!any_factor && stages[k].factor)
           any_factor = stages[k].factor;
       }

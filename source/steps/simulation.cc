@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/step_errors.h>
+#include <greville/parameters/in_stage.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/simulation.h>
 #include <greville/steps/stage_bodies.h>
 #include <greville/steps/state_tables.h>
+#include <greville/steps/step_size.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,6 +40,30 @@ namespace greville
       parameters.enter_stage(0);
       return parameters;
     }
+
+
+
+    /**
+     * Throw if 'Time/Step' is no step, or no step of the whole stage.
+     */
+    template <int dim>
+    void
+    check_given_step(const TimeParameters      &time,
+                     const Discretization<dim> &discretization,
+                     const bool                 is_of_whole_stage)
+    {
+      if (time.step.empty())
+        return;
+      const double step =
+        evaluate_step(Expression(time.step, "Time/Step", {"h", "p"}),
+                      time,
+                      discretization.cell_size(),
+                      discretization.space().degree());
+      if (is_of_whole_stage)
+        check_step(step, time.end - time.start, time, [&]() {
+          return "'Time/Step' is <" + formula_text(time.step) + ">.";
+        });
+    }
   } // namespace
 
 
@@ -46,7 +73,7 @@ namespace greville
                               const MPI_Comm              comm)
     : parameters(first_stage_of(given)) // what others refer to
     , comm(comm)
-    , loads(parameters)
+    , loads(in_stage(parameters, 0, [&]() { return Loads<dim>(parameters); }))
     , discretization(parameters, loads, log, comm)
     , guard(parameters, discretization, log)
     , current(make_initial_state(parameters, loads, discretization))
@@ -113,28 +140,22 @@ namespace greville
     parameters.enter_stage(stage);
     entered_stage = stage;
     integrator.reset();
-    try
-      {
-        loads = Loads<dim>(parameters);
-        discretization.reinit();
-        for (Body<dim> &body : current.bodies)
-          {
-            body.points.set_space(discretization.space());
-            body.material =
-              parameters.materials.at(body.parameters->material).get();
-          }
-        for (Surface<dim> &surface : current.surfaces)
-          surface.points.set_space(discretization.space());
-        integrator = make_time_integrator<dim>(
-          parameters.scheme.stress_update,
-          {parameters, discretization, loads, current, log, guard, asked});
-      }
-    catch (const std::exception &exception)
-      {
-        AssertThrow(false,
-                    ErrorOnAll(parameters.stage_text(stage) +
-                               message_of(exception)));
-      }
+    in_stage(parameters, stage, [&]() {
+      loads = Loads<dim>(parameters);
+      discretization.reinit();
+      for (Body<dim> &body : current.bodies)
+        {
+          body.points.set_space(discretization.space());
+          body.material =
+            parameters.materials.at(body.parameters->material).get();
+        }
+      for (Surface<dim> &surface : current.surfaces)
+        surface.points.set_space(discretization.space());
+      integrator = make_time_integrator<dim>(
+        parameters.scheme.stress_update,
+        {parameters, discretization, loads, current, log, guard, asked});
+      check_given_step(parameters.time, discretization, stage != current.stage);
+    });
     current.stage = stage;
   }
 
@@ -186,17 +207,10 @@ namespace greville
   Simulation<dim>::change_bodies_from(
     const std::vector<const Material *> &materials, const double energy)
   {
-    try
-      {
-        change_bodies(current, materials, parameters, loads, discretization);
-        loads.find_points(current.bodies, comm);
-      }
-    catch (const std::exception &exception)
-      {
-        AssertThrow(false,
-                    ErrorOnAll(parameters.stage_text(current.stage) +
-                               message_of(exception)));
-      }
+    in_stage(parameters, current.stage, [&]() {
+      change_bodies(current, materials, parameters, loads, discretization);
+      loads.find_points(current.bodies, comm);
+    });
     guard.weigh(current);
     current.energy.add_to_start(
       energy_of_bodies<dim>(current.bodies, discretization.transfer(), comm) -

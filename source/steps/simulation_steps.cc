@@ -157,9 +157,10 @@ namespace greville
   Simulation<dim>::go_back(const StepFailed &failure, const double dt)
   {
     std::ostringstream message;
-    message << "Step " << current.n_steps + 1 << log.of
-            << " at t = " << current.time << " s, dt = " << dt
-            << " s: " << without_stop(failure.what()) << ". ";
+    message << parameters.stage_text(current.stage) << "Step "
+            << current.n_steps + 1 << log.of << " at t = " << current.time
+            << " s, dt = " << dt << " s: " << without_stop(failure.what())
+            << ". ";
     if (failure.by_materials)
       message << describe_materials(current.bodies) << " "
               << loads.what_is_large(current.time,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
+#include <greville/parameters/in_stage.h>
 #include <greville/points/soil_layers.h>
 #include <greville/steps/implicit_scheme.h>
 #include <greville/steps/stage_bodies.h>
@@ -43,7 +45,9 @@ namespace greville
                 .keeps_acceleration &&
               !parameters.scheme.is_total_lagrangian())
             layout.add("acceleration", dim);
-          Loads<dim>(parameters).add_fields(layout);
+          in_stage(parameters, k, [&]() {
+            Loads<dim>(parameters).add_fields(layout);
+          });
           if (parameters.scheme.has_projection())
             layout.add_projected_J();
           if (parameters.scheme.averages_over_domains())
@@ -86,6 +90,38 @@ namespace greville
                             body.shape,
                             parameters.materials.at(body.material)->density});
       return layers;
+    }
+
+
+
+    /**
+     * Throw if a body begins with what is at rest under gravity, which acts
+     * between periodic walls.
+     */
+    template <int dim>
+    void
+    check_rest(const Body<dim>            &body,
+               const SimulationParameters &parameters,
+               const Tensor<1, dim>       &gravity)
+    {
+      const bool has_K0 = body.parameters->K0 >= 0.;
+      if (!has_K0 && parameters.water.table.empty())
+        return;
+      for (unsigned int d = 0; d < dim; ++d)
+        AssertThrow(gravity[d] == 0. || !parameters.walls.is_periodic(2 * d),
+                    ExcMessage(
+                      "The parameter '" +
+                      (has_K0 ? "Body " + body.name + "/K0' is " +
+                                  text_of(body.parameters->K0)
+                              : "Water/Table' is <" +
+                                  formula_text(parameters.water.table) + ">") +
+                      ", but 'Loads/Gravity', (" + text_of(gravity) +
+                      ") m / s^2 at the start, acts between the "
+                      "walls '" +
+                      WallParameters::names[2 * d] + "' and '" +
+                      WallParameters::names[2 * d + 1] +
+                      "', which are periodic: nothing is at rest "
+                      "there."));
     }
 
 
@@ -323,7 +359,8 @@ namespace greville
              Discretization<dim>        &discretization)
   {
     const Tensor<1, dim> gravity = loads.gravity(parameters.time.start);
-    const auto           left    = make_points(body,
+    check_rest(body, parameters, gravity);
+    const auto left  = make_points(body,
                                   discretization.space(),
                                   gravity,
                                   layout_of<dim>(body.name, parameters),

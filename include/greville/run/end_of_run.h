@@ -82,6 +82,11 @@ namespace greville
       std::vector<std::pair<std::string, Expression>> compared;
     };
 
+    static void
+    make(Stage                          &result,
+         const TimeParameters           &time,
+         const std::vector<std::string> &names);
+
     std::vector<double>
     values_of(const std::vector<double> &row) const;
 

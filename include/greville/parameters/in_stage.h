@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_parameters_in_stage_h
+#define greville_parameters_in_stage_h
+
+#include <greville/base/errors.h>
+#include <greville/parameters/simulation_parameters.h>
+
+namespace greville
+{
+  /**
+   * Return what @p action returns. What it throws is thrown with the name of
+   * the @p stage in front of its message.
+   */
+  template <typename Action>
+  auto
+  in_stage(const SimulationParameters &parameters,
+           const unsigned int          stage,
+           const Action               &action)
+  {
+    try
+      {
+        return action();
+      }
+    catch (const std::exception &exception)
+      {
+        AssertThrow(false,
+                    ErrorOnAll(parameters.stage_text(stage) +
+                               message_of(exception)));
+        // Not reached.
+        throw;
+      }
+  }
+} // namespace greville
+
+#endif
