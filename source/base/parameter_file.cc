@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <boost/property_tree/json_parser.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <sstream>
 
@@ -241,8 +242,9 @@ namespace greville
       if (description.find("[Double") != std::string::npos)
         for (const std::string &word :
              Utilities::split_string_list(line.value, ','))
+          // Utilities::string_to_double() throws at numbers below 2e-308.
           AssertThrow(word.empty() ||
-                        is_in_range(Utilities::string_to_double(word)),
+                        is_in_range(std::strtod(word.c_str(), nullptr)),
                       ExcMessage(what + "numbers are zero, or between 1e-100 "
                                         "and 1e100 in size."));
     }

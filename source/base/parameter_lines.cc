@@ -136,8 +136,12 @@ namespace greville
                             place + ": <" + whole +
                             "> is none of 'subsection NAME', 'set NAME = "
                             "VALUE' and 'end'."));
+              const std::string name = Utilities::trim(words.substr(0, equal));
+              AssertThrow(!name.empty(),
+                          ExcMessage(place + ": the parameter of <" + whole +
+                                     "> is without a name."));
               result.push_back({boost::algorithm::join(sections, "/"),
-                                Utilities::trim(words.substr(0, equal)),
+                                name,
                                 Utilities::trim(words.substr(equal + 1)),
                                 place,
                                 sections,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/boundary/surface_loads.h>
 
 #include <algorithm>
@@ -275,7 +276,7 @@ namespace greville
           if (!value.empty())
             result += (result.empty() ? "" : ", ") +
                       ("'Surface load " + names[k]) + "/" + name + "' <" +
-                      value + ">";
+                      formula_text(value) + ">";
         };
         add("Traction", load.traction);
         add("Pressure", load.pressure);

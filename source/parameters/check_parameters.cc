@@ -202,9 +202,14 @@ namespace greville
         const auto is_met = [&name = name](const auto &contact) {
           return contact.second.sides()[1] == std::vector<std::string>{name};
         };
+        std::string wall;
+        for (unsigned int w = 6; w-- > 0;)
+          if (walls.is_contact(w))
+            wall = WallParameters::names[w];
         AssertThrow(std::any_of(contacts.begin(), contacts.end(), is_met),
                     ExcMessage((name == ContactParameters::walls
-                                  ? "A wall is contact, which"
+                                  ? "The parameter 'Walls/" + wall +
+                                      "' is contact, but <" + name + ">"
                                   : "'Rigid body " + name + "'") +
                                " is in no contact: nothing meets it. Name it "
                                "as the second one of 'Contact NAME/Bodies'."));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/pores.h>
@@ -129,6 +130,32 @@ namespace greville
                        [](const auto &load) {
                          return !load.second.pore_pressure.empty();
                        });
+  }
+
+
+
+  std::string
+  describe_water_at_boundaries(const SimulationParameters &parameters)
+  {
+    std::string result;
+    const auto  add = [&](const std::string &name, const std::string &value) {
+      if (!value.empty())
+        result += (result.empty() ? "The water has '" : ", '") + name + "' <" +
+                  formula_text(value) + ">";
+    };
+    for (unsigned int w = 0; w < 6; ++w)
+      {
+        const std::string wall = "Walls/" + WallParameters::names[w];
+        add(wall + " pore pressure", parameters.walls.pore_pressure[w]);
+        add(wall + " flux", parameters.walls.flux[w]);
+      }
+    for (const auto &[name, load] : parameters.surface_loads)
+      {
+        add("Surface load " + name + "/Pore pressure", load.pore_pressure);
+        add("Surface load " + name + "/Flux", load.flux);
+      }
+    add("Water/Free surface pressure", parameters.water.free_surface_pressure);
+    return result.empty() ? "" : result + ". ";
   }
 
 

@@ -83,7 +83,7 @@ namespace greville
     add_parameter(prm, "Values", values)(
       "The values of that parameter to run, separated by '|', each as it would "
       "stand in its section.");
-    add_parameter(prm, "Processes per run", processes)(
+    add_parameter(prm, "Processes per run", processes, Patterns::Integer(0))(
       "The processes are divided into groups of so many, and the runs among "
       "the groups, which run side by side; what a run prints is in its folder, "
       "output.txt. 0: all processes take one run after the other. Unit: none.");
@@ -164,7 +164,7 @@ namespace greville
   void
   CheckpointParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Every steps", every_steps)(
+    add_parameter(prm, "Every steps", every_steps, Patterns::Integer(0))(
       "Number of steps between two checkpoints; 0: none for this reason.");
     add_parameter(prm, "Every minutes", every_minutes, Patterns::Double(0.))(
       "Wall time between two checkpoints; 0: none for this reason. Unit: min. "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/boundary/loads.h>
 #include <greville/materials/umat.h>
@@ -342,6 +343,20 @@ namespace greville
                    rounded(std::asin(friction) * 180. / numbers::PI) +
                    " degrees. Is the angle in radians? It is given in "
                    "degrees.");
+          }
+        if (!body.parameters->velocity.empty() &&
+            parameters.scheme.stress_update == "quasi-static")
+          {
+            bool moves = false;
+            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+              for (unsigned int d = 0; d < dim; ++d)
+                moves = moves || p.velocity(d) != 0.;
+            });
+            if (Utilities::MPI::max<unsigned int>(moves, comm) > 0)
+              notes.push_back("'Body " + body.name + "/Velocity' is <" +
+                              formula_text(body.parameters->velocity) +
+                              ">, which quasi-static steps do not know: the "
+                              "body is at rest after the first one.");
           }
         if (body.parameters->K0 >= 0.)
           for (const Body<dim> &other : bodies)

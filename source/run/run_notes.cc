@@ -214,8 +214,15 @@ namespace greville
   {
     run_on_first(
       [&]() {
-        for (const char *file : {"messages.log", "newton.csv"})
-          std::filesystem::remove(directory + "/" + file);
+        for (const char *name : {"messages.log", "newton.csv"})
+          {
+            const std::string file = directory + "/" + name;
+            std::error_code   error;
+            std::filesystem::remove(file, error);
+            AssertThrow(!error,
+                        ExcMessage("Cannot remove <" + file +
+                                   ">: " + error.message() + "."));
+          }
       },
       comm);
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
 #include <greville/linear_algebra/krylov.h>
+#include <greville/parameters/pores.h>
 #include <greville/steps/fractional_step.h>
 
 #include <algorithm>
@@ -181,10 +183,16 @@ namespace greville
             std::max(parameters.solver.tolerance * first, water.round_off()))
           break;
         if (k == most_iterations)
-          throw StepFailed("The pore pressure did not converge in " +
-                             std::to_string(k) +
-                             " iterations of Newton's method.",
-                           false);
+          throw StepFailed(
+            "The pore pressure did not converge in " + std::to_string(k) +
+              " iterations of Newton's method: the residual is " +
+              text_of(norm / first) +
+              " of the first one, and 'Solver/Tolerance' is " +
+              text_of(parameters.solver.tolerance) + ". " +
+              describe_water_at_boundaries(parameters) +
+              "Shorter steps change it less: take a smaller "
+              "'Time/Step' or 'Time/CFL number'.",
+            false);
         water.set_up(1. / kick,
                      [&](const VectorField<dim> &b, VectorField<dim> &u) {
                        accelerate(field, b);

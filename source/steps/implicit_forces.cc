@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
+#include <greville/parameters/pores.h>
 #include <greville/parameters/unit_of_sums.h>
 #include <greville/steps/contact.h>
 #include <greville/steps/implicit_steps.h>
@@ -252,9 +253,12 @@ namespace greville
     const std::string acting = loads.surfaces().description();
     if (!acting.empty())
       text += "Loads on surfaces are " + acting + ". ";
+    text += describe_water_at_boundaries(parameters);
     if (scheme.is_static && too_few.empty())
-      text += "In detail, ";
-    text += "the step has been cut to " + text_of(state.step_fraction) +
+      text += "In detail, the";
+    else
+      text += text.empty() ? "the" : "The";
+    text += " step has been cut to " + text_of(state.step_fraction) +
             " of 'Time/Step', and still " + rejection;
     return text;
   }

@@ -193,7 +193,12 @@ namespace refusals
     for (const auto &[name, target] : c.links)
       std::filesystem::create_symlink(target, name);
     for (const auto &[name, text] : c.files)
-      std::ofstream(name) << text;
+      {
+        const auto folder = std::filesystem::path(name).parent_path();
+        if (!folder.empty())
+          std::filesystem::create_directories(folder);
+        std::ofstream(name) << text;
+      }
     std::ofstream("case.prm")
       << (c.instead.empty() ? c.before + "include " + c.base + ".prm\n" + c.text
                             : c.instead);

@@ -24,6 +24,13 @@ namespace greville
    */
   bool
   is_drained(const SimulationParameters &parameters);
+
+  /**
+   * Return a sentence with the pressures and flows of water that boundaries
+   * give in the present stage, for messages; empty if there are none.
+   */
+  std::string
+  describe_water_at_boundaries(const SimulationParameters &parameters);
 } // namespace greville
 
 #endif
