@@ -233,8 +233,9 @@ namespace greville
                       ExcMessage(
                         "The wall '" + WallParameters::names[w] +
                         "' is friction and needs a coefficient: the parameter "
-                        "'Walls/" +
-                        name + "'."));
+                        "'" +
+                        (stage.empty() ? "" : stage + "/") + "Walls/" + name +
+                        "'."));
         }
     }
 
@@ -458,7 +459,8 @@ namespace greville
     make_axis();
     make_rigid_walls();
     check();
-    check_friction(walls, lines, "");
+    if (stages.empty())
+      check_friction(walls, lines, "");
     for (const StageParameters &stage : stages)
       check_friction(stage.walls, lines, "Stage " + stage.name);
 

@@ -77,9 +77,11 @@ namespace greville
     , discretization(parameters, loads, log, comm)
     , guard(parameters, discretization, log)
     , current(make_initial_state(parameters, loads, discretization))
-    , integrator(make_time_integrator<dim>(
+    , integrator(in_stage(parameters, 0, [&]() {
+      return make_time_integrator<dim>(
         parameters.scheme.stress_update,
-        {parameters, discretization, loads, current, log, guard, asked}))
+        {parameters, discretization, loads, current, log, guard, asked});
+    }))
   {
     make_later_bodies(current.bodies, parameters, discretization);
     // All stages, the first one last: what is wrong with one is found now.
