@@ -145,7 +145,9 @@ namespace greville
                                "'Scheme/Formulation' = total Lagrangian, in "
                                "which basis functions belong to the initial "
                                "positions."));
-        AssertThrow(start < end,
+        // Times of steps are rounded.
+        AssertThrow(start + 1e-12 * std::max(std::abs(start), std::abs(end)) <
+                      end,
                     ExcMessage(stage_text(k) + "'Time/End' is " + text_of(end) +
                                " s, but the stage begins at " + text_of(start) +
                                " s. Time runs on over the stages: each has an "

@@ -97,6 +97,10 @@ namespace greville
               {
                 check_changes(checkpoint.content, parameters);
                 ensemble.set_from_tables(checkpoint.content);
+                check_stages(checkpoint.content,
+                             parameters,
+                             common().stage,
+                             common().time);
               }
             catch (const std::exception &error)
               {

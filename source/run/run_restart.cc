@@ -3,11 +3,13 @@
 // How a SimulationRun begins, and its checkpoints.
 
 #include <greville/base/errors.h>
+#include <greville/base/parameters.h>
 #include <greville/base/signals.h>
 #include <greville/base/step_errors.h>
 #include <greville/points/point_fields.h>
 #include <greville/run/sweep.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 
@@ -103,6 +105,38 @@ namespace greville
                   "'Time/Maximum steps', 'Time/Largest displacement' "
                   "and 'Time/End when' only; with --from a new one begins "
                   "from its end"));
+  }
+
+
+
+  void
+  check_stages(const TablesFile           &checkpoint,
+               const SimulationParameters &parameters,
+               const unsigned int          stage,
+               const double                time)
+  {
+    std::map<std::string, double> ends;
+    for (const ParameterLine &line :
+         parameter_lines_of(checkpoint.text("parameters"), "parameters"))
+      if (line.name == "End")
+        ends[line.section] = Utilities::string_to_double(line.value);
+    for (unsigned int k = 0; k < parameters.stages.size() && k <= stage; ++k)
+      {
+        const std::string section =
+          "Stage " + parameters.stages[k].name + "/Time";
+        const double end  = parameters.stages[k].time.end;
+        const bool   fits = k < stage ? end == ends[section]
+                                      : end >= time - 1e-12 * std::abs(time) ||
+                                        k + 1 == parameters.stages.size();
+        AssertThrow(fits,
+                    ExcMessage("the parameter '" + section + "/End' is " +
+                               text_of(end) +
+                               " s, but the run is at t = " + text_of(time) +
+                               " s in stage " + std::to_string(stage + 1) +
+                               " (" + parameters.stages[stage].name +
+                               "): stages that are over keep their ends, and "
+                               "others end later"));
+      }
   }
 
 
@@ -215,6 +249,7 @@ namespace greville
       {
         check_changes(content, parameters);
         ensemble.set_from_tables(content);
+        check_stages(content, parameters, common().stage, common().time);
         const auto numbers = content.table(run_name).gather(comm);
         AssertThrow(numbers.size() == run_columns.size(),
                     ExcMessage("its table of the run is another one"));

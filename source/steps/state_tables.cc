@@ -550,6 +550,12 @@ namespace greville
         body.n_points =
           Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),
                                              discretization.communicator());
+        AssertThrow(body.n_points > 0,
+                    ExcMessage("the " + name_of(body) +
+                               " has no points there: it belongs to a later "
+                               "stage, or they have left the grid. Leave it "
+                               "out of 'Simulation/Bodies', or let a later "
+                               "stage begin with it"));
       }
     for (Surface<dim> &surface : state.surfaces)
       if (state.bodies[surface.body].n_points > 0)
@@ -557,8 +563,6 @@ namespace greville
     state.n_points = 0;
     for (const Body<dim> &body : state.bodies)
       state.n_points += body.n_points;
-    AssertThrow(state.n_points > 0,
-                ExcMessage("all points have left its grid"));
     state.signals      = initial_signals(state.bodies, discretization.space());
     state.first_signal = state.signals.fastest;
     state.points_have_changed();

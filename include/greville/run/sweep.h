@@ -73,6 +73,17 @@ namespace greville
                 const SimulationParameters &parameters);
 
   /**
+   * Throw dealii::ExcMessage if 'End' of a stage that is over at a checkpoint
+   * has changed, or the @p stage of the checkpoint would end before its
+   * @p time.
+   */
+  void
+  check_stages(const TablesFile           &checkpoint,
+               const SimulationParameters &parameters,
+               const unsigned int          stage,
+               const double                time);
+
+  /**
    * Collective. Let an ensemble begin with the points of another run. Throws
    * dealii::ExcMessage, which names the checkpoint, where they do not fit.
    */
