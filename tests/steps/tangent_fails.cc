@@ -19,7 +19,7 @@ namespace
   class LawWithoutTangent : public MaterialLaw<LawWithoutTangent>
   {
   public:
-    static constexpr const char *name = "without tangent";
+    static constexpr const char *name = "without-tangent";
 
     void
     initialize(MaterialPoint &point,
@@ -79,7 +79,7 @@ namespace
         .add("Simulation", {"Bodies = body", "Materials = solid"})
         .add("Grid", {"Cells = 8, 8"})
         .add("Body body", {"Material = solid", "Shape = box(0, 0, 1, 0.5)"})
-        .add("Material solid", {"Model = without tangent", "Density = 1"})
+        .add("Material solid", {"Model = without-tangent", "Density = 1"})
         .add("Scheme", {"Stress update = quasi-static"})
         .add("Walls", {"Bottom = fixed", "Left = sliding", "Right = sliding"})
         .add("Loads", {"Gravity = 0; -20 * t"})
