@@ -11,7 +11,8 @@ checking_packages="clang clang-tidy libclang-rt-dev valgrind gcc"
 export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros,include_file_mtime,include_file_ctime}"
 
 # Compilers and tests at a time.
-JOBS=${JOBS:-$(nproc)}
+# nproc counts no more than OMP_NUM_THREADS.
+JOBS=${JOBS:-$(env -u OMP_NUM_THREADS nproc)}
 
 say() {
   echo "== $*"
