@@ -97,17 +97,15 @@ shipped_files(const std::string &source,
             else
               {
                 const auto found = cells.find(file.name);
-                file.small       = section_text("Time", {"Maximum steps = 3"}) +
-                             section_text("Sweep",
-                                          {"Cells =",
-                                           "Orders =",
-                                           "Formulations =",
-                                           "Masses =",
-                                           "Quadratures ="}) +
-                             section_text("Output",
-                                          {"Print times = false",
-                                           "Statistics every = 0",
-                                           "Directory = " + results});
+                file.small =
+                  section_text("Time", {"Maximum steps = 3"}) +
+                  section_text(
+                    "Sweep",
+                    {"Cells =", "Orders =", "Formulations =", "Masses ="}) +
+                  section_text("Output",
+                               {"Print times = false",
+                                "Statistics every = 0",
+                                "Directory = " + results});
                 if (found != cells.end())
                   file.small +=
                     section_text("Grid", {"Cells = " + found->second});

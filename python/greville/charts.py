@@ -26,9 +26,9 @@ def draw_all_energies(folders, place):
 def draw_convergence(folder):
     table = read_table(folder / "convergence.csv")
     p, cells, error = (table[name] for name in ("p", "cells", "error_l2"))
-    kinds = list(zip(table["formulation"], table["mass"], table["quadrature"]))
+    kinds = list(zip(table["formulation"], table["mass"]))
     # What is the same for all rows needs no label.
-    told = [k for k in range(3) if len({kind[k] for kind in kinds}) > 1] or [1]
+    told = [k for k in range(2) if len({kind[k] for kind in kinds}) > 1] or [1]
     names, orders = list(dict.fromkeys(kinds)), sorted(set(p.astype(int)))
     figure, axes = plt.subplots(figsize=(5.4, 3.8), dpi=200)
     for m, order in enumerate(orders):

@@ -342,11 +342,11 @@ def run_data(run, budget, fields, has_points, up):
 def sweep_data(folder):
     """Errors of the runs of a sweep, one line for each kind."""
     table = read_table(folder / "convergence.csv")
-    kinds = list(zip(table["formulation"], table["mass"], table["quadrature"], table["p"].astype(int)))
+    kinds = list(zip(table["formulation"], table["mass"], table["p"].astype(int)))
     lines = []
     for kind in dict.fromkeys(kinds):
         mine = sorted((k for k in range(len(kinds)) if kinds[k] == kind), key=lambda k: table["cells"][k])
-        lines.append({"name": f"{kind[0]}, {kind[1]}, {kind[2]}, p = {kind[3]}", "cells": numbers(table["cells"][mine]),
+        lines.append({"name": f"{kind[0]}, {kind[1]}, p = {kind[2]}", "cells": numbers(table["cells"][mine]),
                       "errors": numbers(table["error_l2"][mine], 4), "orders": numbers(table["order"][mine], 3)})
     return lines
 

@@ -83,7 +83,6 @@ namespace greville
     check_different(sweep.degrees, "Sweep/Orders");
     check_different(sweep.formulations, "Sweep/Formulations");
     check_different(sweep.masses, "Sweep/Masses");
-    check_different(sweep.quadratures, "Sweep/Quadratures");
     check_different(sweep.list_of_values(), "Sweep/Values");
     AssertThrow(sweep.parameter.empty() == sweep.values.empty(),
                 ExcMessage("'Sweep' needs both of 'Parameter' and 'Values', or "
@@ -376,9 +375,6 @@ namespace greville
     refuse(scheme.transfer == "APIC",
            "'Scheme/Transfer' = APIC",
            "take FLIP or PIC.");
-    refuse(scheme.quadrature != "points",
-           "'Scheme/Quadrature' = " + scheme.quadrature,
-           "take points, which stay where they are in their cells.");
     for (unsigned int w = 0; w < 2 * general.dimension; ++w)
       refuse(walls.type[w] == "friction",
              "'Walls/" + WallParameters::names[w] + "' = friction",
@@ -401,9 +397,6 @@ namespace greville
     refuse(scheme.is_total_lagrangian(),
            "'Scheme/Formulation' = total Lagrangian",
            "points stay where they are in their cells; take points.");
-    refuse(!scheme.sums_over_points(),
-           "'Scheme/Quadrature' = " + scheme.quadrature,
-           "take points.");
     refuse(scheme.has_projection(),
            "'Scheme/Volumetric projection' = " + scheme.volumetric_projection,
            "it projects what gradients at points give; take none.");

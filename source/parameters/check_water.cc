@@ -402,10 +402,6 @@ namespace greville
                           "'Scheme/Mass' = " + scheme.mass + " and " +
                             given_scheme,
                           "take lumped.");
-        refuse_with_water(!scheme.sums_over_points(),
-                          "'Scheme/Quadrature' = " + scheme.quadrature +
-                            " and " + given_scheme,
-                          "take points.");
       }
     refuse_with_water(scheme.stress_update == "implicit-midpoint",
                       given_scheme,

@@ -72,11 +72,6 @@ namespace greville
     add_parameter(prm, "Masses", masses)("Masses to run, each one of " +
                                          mass_names() +
                                          "; empty: that of the scheme.");
-    add_parameter(prm,
-                  "Quadratures",
-                  quadratures,
-                  List(Selection("points|least-squares|taylor-least-squares")))(
-      "Quadratures to run; empty: that of the scheme.");
     add_parameter(prm, "Parameter", parameter)(
       "A parameter to vary, as SECTION/PARAMETER: Material clay/Cohesion, for "
       "instance. Empty: none.");
@@ -103,7 +98,7 @@ namespace greville
   SweepParameters::is_empty() const
   {
     return cells.empty() && degrees.empty() && formulations.empty() &&
-           masses.empty() && quadratures.empty() && parameter.empty();
+           masses.empty() && parameter.empty();
   }
 
 

@@ -130,17 +130,6 @@ namespace greville
       "in implicit steps that are not quasi-static, values are those at the "
       "points.");
     add_parameter(prm,
-                  "Quadrature",
-                  quadrature,
-                  Selection("points|least-squares|taylor-least-squares"))(
-      "Integrals over the body by its points, or by Gauss points of full cells "
-      "with density, momentum and stress reconstructed by least squares, or by "
-      "Taylor least squares, which conserve mass and momentum cell by cell.");
-    add_parameter(prm, "Full cell", full_cell, Double(0., 2.))(
-      "For reconstructions: cells are full where their points have this part "
-      "of their volume and no surface of the body cuts them. Others are "
-      "integrated by points. Unit: none.");
-    add_parameter(prm,
                   "Volumetric projection",
                   volumetric_projection,
                   Selection("none|order p-1|coarse mesh"))(

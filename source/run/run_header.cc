@@ -155,8 +155,7 @@ namespace greville
     const std::string &solver = ensemble.first().mass().solver();
     if (solver != scheme.mass)
       out << " (" << solver << ")";
-    out << ", " << scheme.stress_update << ", " << scheme.transfer
-        << ", quadrature by " << scheme.quadrature << "\n\n";
+    out << ", " << scheme.stress_update << ", " << scheme.transfer << "\n\n";
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
         if (parameters.has_body_grids() || ensemble.n_parts() > 1)

@@ -304,7 +304,6 @@ namespace greville
       .add("cells", n_cells)
       .add("p", parameters.grid.degree)
       .add("mass", parameters.scheme.mass)
-      .add("quadrature", parameters.scheme.quadrature)
       .add("processes", Utilities::MPI::n_mpi_processes(comm))
       .add("steps", state.n_steps)
       .add("redone_steps", ensemble.sum([](const Simulation<dim> &part) {

@@ -157,7 +157,6 @@ namespace greville
                          {"implicit-solvers", "Implicit solver/Method", {}},
                          {"smoothers", "", smoother_names},
                          {"transfers", "Scheme/Transfer", {}},
-                         {"quadratures", "Scheme/Quadrature", {}},
                          {"walls", "Walls/Left", {}},
                          {"surface-loads", "Surface load NAME/Kind", {}},
                          {"fields", "Output/Fields", {}},

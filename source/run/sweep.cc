@@ -105,8 +105,7 @@ namespace greville
     {
       return a.grid.degree == b.grid.degree &&
              a.scheme.formulation == b.scheme.formulation &&
-             a.scheme.mass == b.scheme.mass &&
-             a.scheme.quadrature == b.scheme.quadrature;
+             a.scheme.mass == b.scheme.mass;
     }
 
 
@@ -127,7 +126,7 @@ namespace greville
               columns.end())
             columns.push_back(result.first);
       std::ostringstream csv;
-      csv << "run,value,formulation,mass,quadrature,p,cells,failed";
+      csv << "run,value,formulation,mass,p,cells,failed";
       for (const std::string &column : columns)
         csv << "," << column;
       csv << '\n' << std::setprecision(10);
@@ -137,9 +136,8 @@ namespace greville
           std::string             value  = row.value;
           std::replace(value.begin(), value.end(), ',', ' ');
           csv << row.folder(sweep) << "," << value << "," << scheme.formulation
-              << "," << scheme.mass << "," << scheme.quadrature << ","
-              << row.parameters.grid.degree << "," << row.cells << ","
-              << !row.failure.empty();
+              << "," << scheme.mass << "," << row.parameters.grid.degree << ","
+              << row.cells << "," << !row.failure.empty();
           for (const std::string &column : columns)
             {
               csv << ",";
@@ -188,11 +186,10 @@ namespace greville
                 const MPI_Comm               comm)
     {
       std::ostringstream csv;
-      csv << "formulation,mass,quadrature,p,cells,error_l2,error_max,order\n";
+      csv << "formulation,mass,p,cells,error_l2,error_max,order\n";
       csv.precision(10);
       out << "  relative error of displacement\n"
-          << "  formulation         mass             quadrature      p  cells  "
-             "       L2"
+          << "  formulation         mass               p  cells         L2"
           << "    largest  order\n";
       for (const SweepRow &row : rows)
         {
@@ -200,13 +197,12 @@ namespace greville
             continue;
           const SchemeParameters &scheme = row.parameters.scheme;
           const unsigned int      degree = row.parameters.grid.degree;
-          csv << scheme.formulation << "," << scheme.mass << ","
-              << scheme.quadrature << "," << degree << "," << row.cells << ","
-              << row.errors.l2 << "," << row.errors.max << ",";
+          csv << scheme.formulation << "," << scheme.mass << "," << degree
+              << "," << row.cells << "," << row.errors.l2 << ","
+              << row.errors.max << ",";
           out << "  " << std::left << std::setw(19) << scheme.formulation << " "
-              << std::setw(16) << scheme.mass << " " << std::setw(14)
-              << scheme.quadrature << std::right << std::setw(3) << degree
-              << std::setw(7) << row.cells << std::scientific
+              << std::setw(16) << scheme.mass << std::right << std::setw(4)
+              << degree << std::setw(7) << row.cells << std::scientific
               << std::setprecision(3) << std::setw(11) << row.errors.l2
               << std::setw(11) << row.errors.max << std::defaultfloat;
           if (std::isfinite(row.order))
@@ -469,8 +465,7 @@ namespace greville
       for (const SweepRow &row : rows)
         if (!row.failure.empty())
           failures += "\n  " + row.parameters.scheme.formulation + ", " +
-                      row.parameters.scheme.mass + ", " +
-                      row.parameters.scheme.quadrature + ", order " +
+                      row.parameters.scheme.mass + ", order " +
                       std::to_string(row.parameters.grid.degree) + ", " +
                       std::to_string(row.cells) + " cells" +
                       (row.value.empty() ? "" : ", " + row.value) + ": " +

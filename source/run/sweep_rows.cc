@@ -21,14 +21,13 @@ namespace greville
   {
     const bool has_value = !name_of_value.empty();
     if (has_value && sweep.cells.empty() && sweep.degrees.empty() &&
-        sweep.formulations.empty() && sweep.masses.empty() &&
-        sweep.quadratures.empty())
+        sweep.formulations.empty() && sweep.masses.empty())
       return name_of_value;
     const std::string &formulation = parameters.scheme.formulation;
     return (sweep.formulations.empty()
               ? ""
               : formulation.substr(0, formulation.find(' ')) + "_") +
-           parameters.scheme.mass + "_" + parameters.scheme.quadrature + "_p" +
+           parameters.scheme.mass + "_p" +
            std::to_string(parameters.grid.degree) + "_" +
            std::to_string(cells) + (has_value ? "_" + name_of_value : "");
   }
@@ -102,7 +101,6 @@ namespace greville
     const auto &scheme        = parameters.scheme;
     const auto  degrees       = or_one(sweep.degrees, parameters.grid.degree);
     const auto  masses        = or_one(sweep.masses, scheme.mass);
-    const auto  quadratures   = or_one(sweep.quadratures, scheme.quadrature);
     const auto  formulations  = or_one(sweep.formulations, scheme.formulation);
     const auto &base          = parameters.grid.cells;
     const unsigned int most   = *std::max_element(base.begin(), base.end());
@@ -113,7 +111,6 @@ namespace greville
     std::vector<SweepRow> rows;
     const auto            add = [&](const std::string &formulation,
                          const std::string &mass,
-                         const std::string &quadrature,
                          const unsigned int degree,
                          const unsigned int n,
                          const std::string &value) {
@@ -137,8 +134,6 @@ namespace greville
           set(section, "Formulation", formulation);
         if (all || !sweep.masses.empty())
           set(section, "Mass", mass);
-        if (all || !sweep.quadratures.empty())
-          set(section, "Quadrature", quadrature);
       };
       set_scheme("Scheme", true);
       for (const StageParameters &stage : parameters.stages)
@@ -165,13 +160,8 @@ namespace greville
       for (const auto &[name, grid] : parameters.body_grids)
         scale(grid.cells, "Body " + name + "/Grid");
       set("Grid", "Order", std::to_string(degree));
-      for (const std::string list : {"Cells",
-                                     "Orders",
-                                     "Formulations",
-                                     "Masses",
-                                     "Quadratures",
-                                     "Parameter",
-                                     "Values"})
+      for (const std::string list :
+           {"Cells", "Orders", "Formulations", "Masses", "Parameter", "Values"})
         set("Sweep", list, "");
       if (!sweep.parameter.empty())
         {
@@ -203,11 +193,10 @@ namespace greville
     };
     for (const std::string &formulation : formulations)
       for (const std::string &mass : masses)
-        for (const std::string &quadrature : quadratures)
-          for (const unsigned int degree : degrees)
-            for (const std::string &value : values)
-              for (const unsigned int n : cells)
-                add(formulation, mass, quadrature, degree, n, value);
+        for (const unsigned int degree : degrees)
+          for (const std::string &value : values)
+            for (const unsigned int n : cells)
+              add(formulation, mass, degree, n, value);
     return rows;
   }
 } // namespace greville

@@ -55,11 +55,6 @@ namespace greville
     void
     check_parameters(const SimulationParameters &parameters)
     {
-      AssertThrow(!(parameters.scheme.is_apic() &&
-                    !parameters.scheme.sums_over_points()),
-                  ExcMessage("'Scheme/Transfer' = APIC goes with "
-                             "'Scheme/Quadrature' = points, not <" +
-                             parameters.scheme.quadrature + ">."));
       AssertThrow(
         !parameters.scheme.is_apic() || parameters.scheme.has_lumped_mass(),
         ExcMessage("'Scheme/Transfer' = APIC goes with 'Scheme/Mass' "
@@ -179,10 +174,6 @@ namespace greville
   Discretization<dim>::reinit()
   {
     check_parameters(parameters);
-    sums_over_points = parameters.scheme.sums_over_points();
-    reconstruction.emplace(parameters.grid.degree + 1,
-                           parameters.scheme.reconstructs_by_taylor(),
-                           parameters.scheme.full_cell);
     stamp_of_sums = 0;
     mass_is_known = false;
     grid_walls    = Walls<dim>(parameters.walls);
@@ -298,19 +289,11 @@ namespace greville
   template <int dim>
   void
   Discretization<dim>::set_points(const State<dim> &state,
-                                  GridField<dim>   &field,
-                                  const bool        anew)
+                                  GridField<dim>   &field) const
   {
     field.points.clear();
-    reconstructed.resize(state.bodies.size());
     for (const unsigned int b : field.bodies)
-      {
-        const Body<dim> &body = state.bodies[b];
-        if (!sums_over_points && anew)
-          reconstruction->reconstruct(body.points, reconstructed[b]);
-        field.points.push_back(sums_over_points ? &body.points
-                                                : &reconstructed[b]);
-      }
+      field.points.push_back(&state.bodies[b].points);
     field.surfaces.clear();
     for (unsigned int k = 0; k < state.surfaces.size(); ++k)
       if (std::find(field.bodies.begin(),
@@ -329,19 +312,15 @@ namespace greville
     stamp_of_sums         = is_current && !with_force ? stamp_of_sums : 0;
     for (GridField<dim> &field : grid_fields)
       {
+        set_points(state, field);
         if (is_current && !with_force)
-          {
-            set_points(state, field, false);
-            continue;
-          }
+          continue;
         // The force sees the cells that reach their neighbours by the extension
         // of the mass.
         const bool force_waits =
           field.consistent && field.consistent->has_windows();
         {
           const PartTimer timer(log, "points to grid");
-          // Reconstructions have stress and loads, which may have changed.
-          set_points(state, field, true);
           point_transfer.points_to_grid(
             field.points,
             is_current ? nullptr : &field.lumped_mass,
@@ -418,7 +397,7 @@ namespace greville
     VectorField<dim> momentum;
     space().initialize_vector(mass);
     initialize(momentum);
-    set_points(state, field, true);
+    set_points(state, field);
     point_transfer.points_to_grid(field.points, &mass, &momentum, &force);
     std::vector<VectorField<dim>> of_surfaces;
     add_surface_forces(state, field, of_surfaces, force);
@@ -438,7 +417,7 @@ namespace greville
     for (unsigned int w = 0; w < 2 * dim; ++w)
       contact_walls[w] = grid_walls.is_friction(w);
     std::vector<double> filled_part;
-    set_points(state, grid_fields[field], true);
+    set_points(state, grid_fields[field]);
     point_transfer.filling(grid_fields[field].points, filled_part);
     CellFilling<dim> filling;
     filling.reinit(space(), contact_walls);
@@ -460,7 +439,7 @@ namespace greville
     stamp_of_sums = 0;
     for (GridField<dim> &field : grid_fields)
       {
-        set_points(state, field, true);
+        set_points(state, field);
         point_transfer.points_to_grid(field.points,
                                       &field.lumped_mass,
                                       &field.momentum,

@@ -292,10 +292,8 @@ namespace greville
   CentralDifferences<dim>::tell_guard()
   {
     guard.set(trial.motion);
-    // Constraints and damping take some that nobody adds up, and
-    // reconstructions are not the points.
-    if (have_constraints || damping.factor() != 0. ||
-        !parameters.scheme.sums_over_points())
+    // Constraints and damping take some that nobody adds up.
+    if (have_constraints || damping.factor() != 0.)
       return;
     for (const GridField<dim> &field : discretization.fields())
       for (const Tensor<1, dim> &given : field.momentum_of_walls)

@@ -206,9 +206,6 @@ namespace greville
     refuse(parameters.scheme.is_apic(),
            "'Scheme/Transfer' = APIC",
            "take FLIP or PIC.");
-    refuse(!parameters.scheme.sums_over_points(),
-           "'Scheme/Quadrature' = " + parameters.scheme.quadrature,
-           "take points.");
     refuse(!parameters.scheme.has_consistent_mass() &&
              !parameters.scheme.has_lumped_mass(),
            "'Scheme/Mass' = " + parameters.scheme.mass,

@@ -117,8 +117,6 @@ test_main()
     {"fmpm-4", {"Mass = fmpm-4"}},
     {"lumped, projected volume",
      {"Mass = lumped", "Volumetric projection = order p-1"}},
-    {"lumped, least squares",
-     {"Mass = lumped", "Quadrature = taylor-least-squares"}},
     {"consistent", {"Mass = consistent"}},
     {"consistent, MUSL", {"Mass = consistent", "Stress update = MUSL"}},
     {"consistent, no filter", {"Mass = consistent", "Filter = 0"}}};

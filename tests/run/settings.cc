@@ -32,26 +32,6 @@ test_main()
   // Estimates that hardly change are made less often: steps 0, 5, and 15.
   check("Estimate every = 5", critical_steps("5") == 3);
 
-  // With a part that no cell reaches, a reconstruction keeps all points.
-  const auto kinetic = [](const std::vector<std::string> &scheme) {
-    Simulated<2> run(
-      block_2d("box(0.1, 0.1, 0.83, 0.87)", 6)
-        .with("Body body",
-              {"Velocity = x^2; sin(5 * x)", "Points per direction = 4"})
-        .with("Time", {"End = 0.02", "Step = 1e-3"})
-        .with("Scheme", scheme));
-    run.run();
-    return run->statistics().kinetic;
-  };
-  const double points = kinetic({"Quadrature = points"});
-  check("Full cell = 2",
-        std::abs(kinetic({"Quadrature = least-squares", "Full cell = 2"}) /
-                   points -
-                 1.),
-        1e-12);
-  check("Full cell = 0.5",
-        std::abs(kinetic({"Quadrature = least-squares"}) / points - 1.) > 1e-6);
-
   // Clipping
   {
     Simulated<2> run(block_2d("box(0.5, 0.5, 3, 3)", 4)

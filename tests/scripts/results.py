@@ -346,7 +346,7 @@ def check_facts(place, case):
     facts = [dict(run["facts"]) for run in sweep]
     check(f"a sweep: {facts}", [(fact["grid"], fact["order of splines"], fact["mass"]) for fact in facts] == [
         (f"{n} × {n // 2} cells", str(p), mass) for mass in ("consistent", "lumped") for p in (1, 2) for n in (8, 16)])
-    again = subprocess.run([PROGRAM, "consistent_points_p1_8/parameters.prm", "--resume"], cwd=place / "sweep", capture_output=True, text=True)
+    again = subprocess.run([PROGRAM, "consistent_p1_8/parameters.prm", "--resume"], cwd=place / "sweep", capture_output=True, text=True)
     check(f"a run of a sweep goes on alone: {again.stderr}", again.returncode == 0)
     stages = report_of(place / "stages", case, [
         "Simulation/Stages=implicit, explicit", "Stage implicit/Time/End=0.02", "Stage explicit/Time/End=0.04",

@@ -88,30 +88,6 @@ test_main()
       .with("Walls", {"Bottom = free", "Top = free"});
   for (const unsigned int p : {1, 2, 3})
     check_order("free surfaces", free, p, "consistent", 8, p + 1., true);
-  // Least squares where surfaces cut cells: free lateral surfaces and the free
-  // end.
-  check_order("least squares, free surfaces",
-              free.with("Scheme", {"Quadrature = least-squares"}),
-              2,
-              "consistent",
-              8,
-              2.,
-              true);
-  const Text half =
-    open.with("Scheme", {"Quadrature = least-squares"})
-      .with("Body body",
-            {"Points per direction = 8, 4", "Placement = equidistant"})
-      .with("Time", {"Step = 0.05 * h / 10"});
-  const auto half_error = [&](const unsigned int n) {
-    const double length = 25. / (n - 0.5) * n;
-    return error_of(
-      half.with("Grid", {"Upper corner = " + std::to_string(length) + ", 1"}),
-      2,
-      "consistent",
-      n);
-  };
-  check("least squares, free end in a cell: order",
-        std::log2(half_error(8) / half_error(16)) >= 1.7);
   check_order("both ends fixed", fixed, 2, "lumped", 12, 2.);
   check_order("both ends fixed", fixed, 2, "fmpm-3", 6, 2.);
   check("consistent mass is worth a factor of 100",
@@ -185,11 +161,4 @@ test_main()
           norm * error_of(mms, 2, "consistent", size.first) / size.second,
           0.5);
   check_order("manufactured", mms, 2, "consistent", 16, 2.);
-  check_order("manufactured",
-              mms.with("Scheme", {"Quadrature = least-squares"})
-                .with("Body body", {"Points per direction = 4"}),
-              3,
-              "consistent",
-              16,
-              2.);
 }

@@ -69,10 +69,6 @@ test_main()
           box.with("Time", {"Velocities at = full steps"}),
           false);
   test<2>("box, fmpm-3", box.with("Scheme", {"Mass = fmpm-3"}));
-  for (const std::string quadrature : {"least-squares", "taylor-least-squares"})
-    test<2>("box, " + quadrature,
-            box.with("Scheme", {"Quadrature = " + quadrature})
-              .with("Body body", {"Points per direction = 3"}));
   test<3>("one point, 3D",
           falling(block_3d("ball(0.3, 0.8, 0.31, 0.07)"), "; 0"));
   test<3>("box, 3D",

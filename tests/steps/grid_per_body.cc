@@ -510,7 +510,7 @@ namespace
     run_quietly(text.with("Sweep", {"Cells = 8, 16", "Orders = 1"}));
     for (const std::string cells : {"8", "16"})
       check("sweep: " + cells,
-            std::filesystem::exists("own_grids/consistent_points_p1_" + cells +
+            std::filesystem::exists("own_grids/consistent_p1_" + cells +
                                     "/grid_ball.pvd"));
   }
 

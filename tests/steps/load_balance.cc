@@ -248,9 +248,7 @@ test_main()
   test<2>("lumped", flying);
   test<2>("MUSL, APIC",
           flying.with("Scheme", {"Stress update = MUSL", "Transfer = APIC"}));
-  test<2>("fmpm, least squares",
-          flying.with("Scheme",
-                      {"Mass = fmpm-2", "Quadrature = least-squares"}));
+  test<2>("fmpm", flying.with("Scheme", {"Mass = fmpm-2"}));
   test<2>("consistent",
           flying.with("Scheme", {"Mass = consistent"})
             .with("Solver", {"Tolerance = 1e-13"}),

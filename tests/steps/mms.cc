@@ -12,13 +12,13 @@ error_of(const std::string &file,
          const unsigned int n,
          const unsigned int p,
          const std::string &mass,
-         const std::string &quadrature)
+         const std::string &functions)
 {
   SimulationParameters parameters(file);
   parameters.grid.cells.assign(dim, n);
-  parameters.grid.degree       = p;
-  parameters.scheme.mass       = mass;
-  parameters.scheme.quadrature = quadrature;
+  parameters.grid.degree      = p;
+  parameters.scheme.mass      = mass;
+  parameters.scheme.functions = functions;
   Simulation<dim> simulation(parameters);
   while (!simulation.is_finished())
     simulation.step();
@@ -38,13 +38,12 @@ test_main()
   for (const unsigned int p : {2, 3})
     {
       const double coarse =
-        error_of<2>(folder + "2d.prm", 4, p, "consistent", "least-squares");
+        error_of<2>(folder + "2d.prm", 4, p, "consistent", "domains");
       const double fine =
-        error_of<2>(folder + "2d.prm", 8, p, "consistent", "least-squares");
-      check("2D, least squares, p = " + std::to_string(p) +
-              ": order at least 1.5",
+        error_of<2>(folder + "2d.prm", 8, p, "consistent", "domains");
+      check("2D, domains, p = " + std::to_string(p) + ": order at least 1.5",
             std::log2(coarse / fine) > 1.5);
-      check("2D, least squares, p = " + std::to_string(p), fine, 5e-3);
+      check("2D, domains, p = " + std::to_string(p), fine, 5e-3);
     }
   const double points =
     error_of<2>(folder + "2d.prm", 8, 2, "consistent", "points");
@@ -54,11 +53,7 @@ test_main()
   const double lumped_8 =
     error_of<2>(folder + "2d.prm", 16, 2, "lumped", "points");
   check("2D, lumped: order at least 1.5", std::log2(lumped_4 / lumped_8) > 1.5);
-  check(
-    "2D, Taylor least squares",
-    error_of<2>(folder + "2d.prm", 8, 2, "consistent", "taylor-least-squares"),
-    0.1);
-  check("3D, least squares",
-        error_of<3>(folder + "3d.prm", 4, 2, "consistent", "least-squares"),
+  check("3D, domains",
+        error_of<3>(folder + "3d.prm", 4, 2, "consistent", "domains"),
         3e-2);
 }

@@ -65,9 +65,6 @@ test_main()
           disks.with("Scheme", {"Transfer = APIC"}).with("Grid", {"Order = 3"}),
           1e-10);
   test<2>("fmpm-2", disks.with("Scheme", {"Mass = fmpm-2"}), 1e-10);
-  test<2>("least squares",
-          disks.with("Scheme", {"Quadrature = least-squares"}),
-          1e-10);
 
   // A body that fills its grid, with consistent mass.
   test<2>("consistent",
@@ -98,7 +95,7 @@ test_main()
   // processes to another: no reason for other steps.
   const Text flight =
     block_2d("ball(0.2, 0.5, 0.15)", 16)
-      .with("Scheme", {"Mass = consistent", "Quadrature = least-squares"})
+      .with("Scheme", {"Mass = consistent"})
       .with("Body body", {"Points per direction = 2", "Velocity = 1; 0"})
       .with("Material solid",
             {"Model = neo-hookean", "Density = 1000", "Young modulus = 1e4"})

@@ -327,7 +327,7 @@ namespace
 
     run_quietly(text.with("Sweep", {"Cells = 9, 18"}), "stages_sweep");
     const auto coarse =
-      first_and_last("stages_sweep/consistent_points_p2_9/statistics.csv");
+      first_and_last("stages_sweep/consistent_p2_9/statistics.csv");
     check("a sweep runs through the stages",
           !coarse.empty() && coarse.back().second == 2.);
   }

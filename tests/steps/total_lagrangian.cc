@@ -298,9 +298,6 @@ namespace
     for (const auto &[section, line, wanted] :
          std::vector<std::array<std::string, 3>>{
            {{"Scheme", "Transfer = APIC", "'Scheme/Transfer' = APIC"}},
-           {{"Scheme",
-             "Quadrature = least-squares",
-             "'Scheme/Quadrature' = least-squares"}},
            {{"Walls", "Bottom = friction", "'Walls/Bottom' = friction"}}})
       check_refused(line, good.with(section, {line}), wanted);
 

@@ -60,7 +60,6 @@ namespace greville
     std::vector<unsigned int> degrees;
     std::vector<std::string>  formulations;
     std::vector<std::string>  masses;
-    std::vector<std::string>  quadratures;
     std::string               parameter;
     std::string               values;
     unsigned int              processes = 0;

@@ -72,9 +72,7 @@ namespace greville
     std::string transfer              = "FLIP";
     double      flip                  = 1.;
     std::string functions             = "points";
-    std::string quadrature            = "points";
     std::string volumetric_projection = "none";
-    double      full_cell             = 0.5;
     std::string outside               = "error";
 
     bool
@@ -114,21 +112,9 @@ namespace greville
     }
 
     bool
-    sums_over_points() const
-    {
-      return quadrature == "points";
-    }
-
-    bool
     averages_over_domains() const
     {
       return functions == "domains";
-    }
-
-    bool
-    reconstructs_by_taylor() const
-    {
-      return quadrature == "taylor-least-squares";
     }
 
     bool

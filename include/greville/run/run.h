@@ -13,8 +13,8 @@ namespace greville
 {
   /**
    * Collective. Run what a parameter file describes: one simulation, or a sweep
-   * over meshes, orders, mass solvers and quadratures, which ends with a table
-   * and convergence.csv. Results of an earlier run in its folder become what
+   * over meshes, orders and masses, which ends with a table and
+   * convergence.csv. Results of an earlier run in its folder become what
    * 'Output/Earlier results' says. Throws dealii::ExcMessage where file or run
    * go wrong.
    */

@@ -5,13 +5,10 @@
 
 #include <greville/boundary/loads.h>
 #include <greville/points/point_transport.h>
-#include <greville/points/reconstruction.h>
 #include <greville/points/volume_projection.h>
 #include <greville/steps/grid_field.h>
 #include <greville/steps/state.h>
 #include <greville/steps/step_log.h>
-
-#include <optional>
 
 namespace greville
 {
@@ -53,9 +50,9 @@ namespace greville
     }
 
     /**
-     * Collective. Make walls, mass and quadrature anew from the parameters,
-     * which may have become those of another stage. Fields that have been
-     * initialized before, and the space of points, are those of the old space.
+     * Collective. Make walls and mass anew from the parameters, which may have
+     * become those of another stage. Fields that have been initialized before,
+     * and the space of points, are those of the old space.
      */
     void
     reinit();
@@ -241,10 +238,10 @@ namespace greville
                        VectorField<dim>              &force);
 
     /**
-     * Set what is summed over; reconstructed if @p anew.
+     * Set the points and surfaces of the bodies of @p field.
      */
     void
-    set_points(const State<dim> &state, GridField<dim> &field, const bool anew);
+    set_points(const State<dim> &state, GridField<dim> &field) const;
 
     const SimulationParameters            &parameters;
     StepLog                               &log;
@@ -258,11 +255,6 @@ namespace greville
     std::unique_ptr<VolumeProjection<dim>> projection;
     std::unique_ptr<CellWindows<dim>>      windows;
     PointTransport<dim>                    point_transport;
-
-    // Points that integrals are summed over.
-    bool                               sums_over_points = true;
-    std::optional<Reconstruction<dim>> reconstruction;
-    std::vector<MaterialPoints<dim>>   reconstructed; // by body
 
     std::uint64_t stamp_of_sums = 0;     // of no state
     bool          mass_is_known = false; // for all states

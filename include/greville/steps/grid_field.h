@@ -24,8 +24,7 @@ namespace greville
     /// Numbers of the bodies in State::bodies, and of their surfaces in
     /// State::surfaces.
     std::vector<unsigned int> bodies, surfaces;
-    /// What has been summed over: points of the bodies, or their
-    /// reconstruction.
+    /// Points of the bodies at the last sums.
     std::vector<const MaterialPoints<dim> *> points;
 
     std::unique_ptr<GridMass<dim>> mass;

@@ -54,8 +54,8 @@ namespace greville
    * - the momentum of the points is what it was and what forces and walls have
    *   given. Explicit steps take forces and walls as they are on the grid;
    *   implicit ones, whose forces are those of Newton's method, what the grid
-   *   gives to the points. It is not known with contacts that constrain,
-   *   Cundall's damping and quadratures of reconstructions.
+   *   gives to the points. It is not known with contacts that constrain and
+   *   with Cundall's damping.
    * The sums come from the passes over points and grid that a step has anyway.
    *
    * Every hundred steps it looks at the EnergyBalance of the state, in explicit
