@@ -15,39 +15,37 @@ KINDS = [("updated", mass) for mass in ("lumped", "fmpm-2", "fmpm-4", "consisten
     + [("total", mass) for mass in ("lumped", "consistent")]
 COLOURS = dict(zip(KINDS, ["#0072B2", "#56B4E9", "#E69F00", "#D55E00", "#009E73", "#000000"]))
 LINES = {1: ":", 2: "--", 3: "-"}
-# A problem, its quadrature, the cells of a mesh, meshes, the end in s, and its body, whose points are Gauss points in
-# total Lagrangian steps.
-STUDIES = [("vibrating_bar", "points", "{n}, 1", [8, 16, 32, 64], 6.25, "bar"),
-           ("axis_aligned_mms_2d", "points", "{n}, {n}", [8, 16, 32], 0.02, "cube"),
-           ("axis_aligned_mms_2d", "least-squares", "{n}, {n}", [8, 16, 32], 0.02, "cube"),
-           ("twisting_disk", "points", "{n}, {n}", [12, 24, 48], 0.5, None)]
+# A problem, the cells of a mesh, meshes, the end in s, and its body, whose points are Gauss points in total Lagrangian
+# steps.
+STUDIES = [("vibrating_bar", "{n}, 1", [8, 16, 32, 64], 6.25, "bar"),
+           ("axis_aligned_mms_2d", "{n}, {n}", [8, 16, 32], 0.02, "cube"),
+           ("twisting_disk", "{n}, {n}", [12, 24, 48], 0.5, None)]
 
 
 def error_and_cost(study, kind, p, n, safety):
     """A row; None where the run has failed."""
-    problem, quadrature, cells, _, end, body = study
+    problem, cells, _, end, body = study
     formulation, mass = kind
-    settings = {"Sweep/Cells": "", "Sweep/Orders": "", "Sweep/Masses": "", "Sweep/Quadratures": "", "Sweep/Formulations": "",
+    settings = {"Sweep/Cells": "", "Sweep/Orders": "", "Sweep/Masses": "", "Sweep/Formulations": "",
                 "Output/Fields every": 0, "Output/Statistics every": end, "Grid/Cells": cells.format(n=n), "Grid/Order": p,
                 "Time/End": end, "Time/Step": "", "Time/CFL number": 100, "Time/Safety": safety,
-                "Scheme/Formulation": f"{formulation} Lagrangian", "Scheme/Mass": mass, "Scheme/Quadrature": quadrature,
-                "Solver/Tolerance": 1e-10}
+                "Scheme/Formulation": f"{formulation} Lagrangian", "Scheme/Mass": mass, "Solver/Tolerance": 1e-10}
     if body and formulation == "total":
         settings |= {f"Body {body}/Placement": "Gauss", f"Body {body}/Points per direction": p + 1}
     start, whole = (run(shipped(problem), folder_of("run"), {**settings, "Time/Maximum steps": steps}) for steps in (1, 0))
     if start.has_failed or whole.has_failed:
         return None
     # The time of the start of a program varies by 0.05 s.
-    return {"problem": problem, "quadrature": quadrature, "formulation": formulation, "mass": mass, "p": p, "cells": n,
-            "safety": safety, "steps": re.search(r"(\d+) steps to", whole.out).group(1),
+    return {"problem": problem, "formulation": formulation, "mass": mass, "p": p, "cells": n, "safety": safety,
+            "steps": re.search(r"(\d+) steps to", whole.out).group(1),
             "seconds": f"{max(whole.cpu - start.cpu, 0.05):.3f}",
             "error_l2": re.search(r"error of displacement: L2 (\S+),", whole.out).group(1)}
 
 
 def front_of(rows, *wanted):
-    """Seconds and errors of runs of a problem, quadrature, formulation, mass and order that no cheaper one undercuts."""
+    """Seconds and errors of runs of a problem, formulation, mass and order that no cheaper one undercuts."""
     runs = sorted((float(row["seconds"]), float(row["error_l2"])) for row in rows
-                  if (row["problem"], row["quadrature"], row["formulation"], row["mass"], int(row["p"])) == wanted)
+                  if (row["problem"], row["formulation"], row["mass"], int(row["p"])) == wanted)
     front, best = [], float("inf")
     for seconds, error in runs:
         if error < best:
@@ -62,10 +60,9 @@ def work_precision(given):
 
     Runs the vibrating bar, the axis-aligned manufactured solution and the twisting disk in updated Lagrangian steps with
     lumped mass, FMPM(2), FMPM(4) and the consistent mass, and in total Lagrangian steps with lumped and consistent mass,
-    orders 1 to 3, on several meshes, each with 0.9 of its own critical step and with a quarter of that; the manufactured
-    solution with integrals by points and by least squares. Times are CPU times on one core, without those of a run of one
-    step, and 0.05 s at least. Draws work_precision.png and a short form of it, order_pays.png, and prints the cheapest run
-    below some errors.
+    orders 1 to 3, on several meshes, each with 0.9 of its own critical step and with a quarter of that. Times are CPU times
+    on one core, without those of a run of one step, and 0.05 s at least. Draws work_precision.png and a short form of it,
+    order_pays.png, and prints the cheapest run below some errors.
     """
     plt = pyplot()
     if given.draw:
@@ -73,22 +70,22 @@ def work_precision(given):
     else:
         rows = []
         for study in STUDIES:
-            for kind in KINDS if study[1] == "points" else KINDS[:4]:
-                for case in [(p, n, safety) for p in LINES for n in study[3] for safety in (0.9, 0.225)]:
+            for kind in KINDS:
+                for case in [(p, n, safety) for p in LINES for n in study[2] for safety in (0.9, 0.225)]:
                     row = error_and_cost(study, kind, *case)
                     if row:
                         rows.append(row)
                     else:
-                        print(f"{study[:2]}, {kind}, p, cells and safety {case} failed", flush=True)
-                print(*study[:2], *kind, "done", flush=True)
+                        print(f"{study[0]}, {kind}, p, cells and safety {case} failed", flush=True)
+                print(study[0], *kind, "done", flush=True)
         write_csv(rows)
-    figure, axes = plt.subplots(1, len(STUDIES), figsize=(18, 4.5))
-    for axis, (problem, quadrature, *_) in zip(axes, STUDIES):
+    figure, axes = plt.subplots(1, len(STUDIES), figsize=(14, 4.5))
+    for axis, (problem, *_) in zip(axes, STUDIES):
         for kind, p in [(kind, p) for kind in KINDS for p in LINES]:
-            front = front_of(rows, problem, quadrature, *kind, p)
+            front = front_of(rows, problem, *kind, p)
             if front:
                 axis.loglog(*zip(*front), LINES[p], color=COLOURS[kind], marker="o", markersize=3, label=f"{' '.join(kind)}, p = {p}")
-        axis.set(title=f"{problem.replace('_', ' ')}, {quadrature}", xlabel="CPU time, s", ylabel="relative error of displacement, L2")
+        axis.set(title=problem.replace("_", " "), xlabel="CPU time, s", ylabel="relative error of displacement, L2")
         axis.grid(alpha=0.3)
     axes[-1].legend(fontsize=7, frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
     save(figure, dpi=110)
@@ -97,10 +94,10 @@ def work_precision(given):
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), dpi=130, sharey=True)
     problems = {"axis_aligned_mms_2d": "Large strains, exact solution", "twisting_disk": "Twisting disk, free curved surface"}
     for axis, (problem, title) in zip(axes, problems.items()):
-        axis.loglog(*zip(*front_of(rows, problem, "points", "updated", "lumped", 2)), "s-", color="#D55E00", linewidth=2,
+        axis.loglog(*zip(*front_of(rows, problem, "updated", "lumped", 2)), "s-", color="#D55E00", linewidth=2,
                     label="points move through the grid,\nlumped mass, p = 2")
         for p, colour in zip(LINES, ("#9ecae1", "#4292c6", "#08306b")):
-            axis.loglog(*zip(*front_of(rows, problem, "points", "total", "consistent", p)), "o-", color=colour, linewidth=2,
+            axis.loglog(*zip(*front_of(rows, problem, "total", "consistent", p)), "o-", color=colour, linewidth=2,
                         label=f"total Lagrangian,\nconsistent mass, p = {p}" if p == 1 else f"the same, p = {p}")
         axis.set_title(title, fontsize=11)
         axis.set_xlabel("CPU time, s")
@@ -117,7 +114,7 @@ def work_precision(given):
                 good = [row for row in rows if (row["problem"], row["formulation"]) == (problem, formulation)
                         and float(row["error_l2"]) < level]
                 best = min(good, key=lambda row: float(row["seconds"]), default=None)
-                found.append(f"{formulation} {best['seconds']} s ({best['mass']}, {best['quadrature']}, p = {best['p']}, "
+                found.append(f"{formulation} {best['seconds']} s ({best['mass']}, p = {best['p']}, "
                              f"{best['cells']} cells)" if best else f"{formulation} none")
             print(f"{problem}, error below {level:g}:", "; ".join(found))
 
