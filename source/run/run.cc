@@ -460,34 +460,24 @@ namespace greville
     };
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
-        Simulation<dim>  &part        = ensemble.part(k);
-        const State<dim> &state       = part.state();
-        const std::string body        = name_of_part(ensemble, k);
-        const auto       &grid_fields = part.grid().fields();
-        for (unsigned int f = 0; f < grid_fields.size(); ++f)
+        Simulation<dim>  &part  = ensemble.part(k);
+        const State<dim> &state = part.state();
+        const std::string body  = name_of_part(ensemble, k);
+        GridFields<dim>   grid;
+        VectorField<dim>  force;
+        grid.velocity = &state.field.velocity;
+        grid.mass     = &part.mass().lumped();
+        if (wants("acceleration"))
+          grid.acceleration = &state.field.acceleration;
+        if (wants("force"))
           {
-            GridFields<dim>  grid;
-            VectorField<dim> force;
-            grid.velocity = &state.fields[f].velocity;
-            grid.mass     = &grid_fields[f].mass->lumped();
-            if (wants("acceleration"))
-              grid.acceleration = &state.fields[f].acceleration;
-            if (wants("force"))
-              {
-                force      = part.grid_force(f);
-                grid.force = &force;
-              }
-            if (wants("cell_class"))
-              grid.cell_classes =
-                part.grid().cell_classes(state, part.is_implicit(), f);
-            // Of several fields each has the name of its first body.
-            fields.write_grid(time,
-                              part.space(),
-                              grid,
-                              grid_fields.size() > 1
-                                ? state.bodies[grid_fields[f].bodies[0]].name
-                                : body);
+            force      = part.grid_force();
+            grid.force = &force;
           }
+        if (wants("cell_class"))
+          grid.cell_classes =
+            part.grid().cell_classes(state, part.is_implicit());
+        fields.write_grid(time, part.space(), grid, body);
       }
   }
 

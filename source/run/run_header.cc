@@ -50,8 +50,8 @@ namespace greville
           return;
         }
       const auto &hierarchy = simulation.mass().hierarchy();
-      const bool  all       = simulation.grid().fields()[0].consistent &&
-                       parameters.solver.has_cycle();
+      const bool  all =
+        simulation.mass().is_exact() && parameters.solver.has_cycle();
       out << "  level  order   coefficients   used\n";
       for (unsigned int l = hierarchy.n_levels(); l-- > 0;)
         if (all || l + 1 == hierarchy.n_levels())
@@ -188,20 +188,17 @@ namespace greville
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
         Simulation<dim> &part = ensemble.part(k);
-        for (unsigned int f = 0; f < part.grid().fields().size(); ++f)
+        VectorField<dim> sums = part.grid_force();
+        for (unsigned int d = 0; d < dim; ++d)
+          for (const unsigned int i :
+               part.grid().walls().held_functions(part.space(), d))
+            sums[d].local_element(i) = 0.;
+        for (unsigned int i = 0; i < sums[0].locally_owned_size(); ++i)
           {
-            VectorField<dim> sums = part.grid_force(f);
+            double square = 0.;
             for (unsigned int d = 0; d < dim; ++d)
-              for (const unsigned int i :
-                   part.grid().walls().held_functions(part.space(), d))
-                sums[d].local_element(i) = 0.;
-            for (unsigned int i = 0; i < sums[0].locally_owned_size(); ++i)
-              {
-                double square = 0.;
-                for (unsigned int d = 0; d < dim; ++d)
-                  square += std::pow(sums[d].local_element(i), 2);
-                force += std::sqrt(square);
-              }
+              square += std::pow(sums[d].local_element(i), 2);
+            force += std::sqrt(square);
           }
         for (const Body<dim> &body : part.state().bodies)
           body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {

@@ -183,22 +183,19 @@ namespace greville
       out << "  ended early: a point has moved further than 'Time/Largest "
              "displacement'\n";
     // A resumed run may be at its end, without a mass matrix.
-    if (ensemble.first().grid().fields()[0].consistent &&
-        state.n_steps > first_step)
+    if (ensemble.first().mass().is_exact() && state.n_steps > first_step)
       {
         typename Extension<dim>::Counts functions;
         std::uint64_t                   n_factorizations = 0, n_fragments = 0;
         for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
           {
-            for (const auto &field : ensemble.part(k).grid().fields())
-              {
-                const auto counts = field.consistent->extension().counts();
-                functions.stable += counts.stable;
-                functions.extended += counts.extended;
-                functions.lumped += counts.lumped;
-                n_factorizations += field.mass->n_factorizations();
-                n_fragments += field.mass->n_fragments();
-              }
+            const GridMass<dim> &mass   = ensemble.part(k).mass();
+            const auto           counts = mass.counts();
+            functions.stable += counts.stable;
+            functions.extended += counts.extended;
+            functions.lumped += counts.lumped;
+            n_factorizations += mass.n_factorizations();
+            n_fragments += mass.n_fragments();
           }
         const bool is_implicit = ensemble.first().is_implicit();
         out << (is_implicit ? "  linear systems of Newton's method: "

@@ -434,7 +434,6 @@ namespace greville
           part.grid = grid;
         free_contact_walls<dim>(part);
         part.grid.per_body = false;
-        part.grid.fields.clear();
         part.body_grids.clear();
 
         auto &loads = part.general.surface_loads;

@@ -26,6 +26,7 @@ namespace greville
   CentralDifferences<dim>::CentralDifferences(const IntegratorParts<dim> &parts)
     : parameters(parts.parameters)
     , discretization(parts.discretization)
+    , field(discretization.field())
     , walls(discretization.walls())
     , loads(parts.loads)
     , log(parts.log)
@@ -39,16 +40,14 @@ namespace greville
   {
     for (const auto &contact : contacts)
       have_constraints = have_constraints || contact->constrains();
-    for (GridField<dim> &field : discretization.fields())
-      {
-        if (field.consistent)
-          filter.reinit(discretization.space());
-        for (auto *values :
-             {&field.velocity, &field.acceleration, &field.new_velocity})
-          discretization.initialize(*values);
-      }
-    for (auto *field : {&work_field, &surface_velocity})
-      discretization.initialize(*field);
+    if (field.mass->is_exact())
+      filter.reinit(discretization.space());
+    for (auto *values : {&field.velocity,
+                         &field.acceleration,
+                         &field.new_velocity,
+                         &work_field,
+                         &surface_velocity})
+      discretization.initialize(*values);
     if (parameters.general.pore_water)
       water = std::make_unique<FractionalStep<dim>>(discretization, parameters);
   }
@@ -96,12 +95,11 @@ namespace greville
   template <int dim>
   void
   CentralDifferences<dim>::solve(
-    GridField<dim>                              &field,
     const std::vector<VectorField<dim> *>       &x,
     const std::vector<const VectorField<dim> *> &sums,
     const std::vector<double>                   &shares)
   {
-    const unsigned int n = discretization.solve(field, x, sums, shares);
+    const unsigned int n = discretization.solve(x, sums, shares);
     trial.n_iterations   = std::max(trial.n_iterations, n);
     trial.n_all_iterations += n;
   }
@@ -125,7 +123,7 @@ namespace greville
   {
     const double     begin = state.velocity_time;
     ContactStep<dim> step{state,
-                          discretization.fields(),
+                          field,
                           discretization.transfer(),
                           begin,
                           begin + trial.velocity_step,
@@ -142,13 +140,11 @@ namespace greville
   {
     if (!have_constraints)
       return;
-    for (GridField<dim> &field : discretization.fields())
-      field.constraints.clear(discretization.space().owned_functions().size());
+    field.constraints.clear(discretization.space().owned_functions().size());
     ContactStep<dim> step = contact_step(state);
     for (const auto &contact : contacts)
       contact->constrain(step);
-    for (GridField<dim> &field : discretization.fields())
-      field.mass->hold(field.constraints);
+    field.mass->hold(field.constraints);
   }
 
 
@@ -158,13 +154,12 @@ namespace greville
   CentralDifferences<dim>::add_gravity(const double t)
   {
     const Tensor<1, dim> g = loads.gravity(t);
-    for (GridField<dim> &field : discretization.fields())
-      for (unsigned int d = 0; d < dim; ++d)
-        if (g[d] != 0.)
-          for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size();
-               ++i)
-            field.force[d].local_element(i) +=
-              g[d] * field.lumped_mass.local_element(i);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (g[d] != 0.)
+        for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size();
+             ++i)
+          field.force[d].local_element(i) +=
+            g[d] * field.lumped_mass.local_element(i);
   }
 
 
@@ -204,18 +199,14 @@ namespace greville
         before.begin = state.time - state.step;
         before.end   = state.time;
       }
-    for (unsigned int k = 0; k < state.fields.size(); ++k)
-      {
-        GridField<dim> &field = discretization.fields()[k];
-        trial.momentum.add(field.momentum, 1.);
-        field.velocity = state.fields[k].velocity;
-        std::swap(field.acceleration, state.fields[k].acceleration);
-        walls.hold_velocity(field.velocity, before);
-        walls.hold_acceleration(field.acceleration,
-                                before,
-                                after,
-                                trial.velocity_step);
-      }
+    trial.momentum.add(field.momentum, 1.);
+    field.velocity = state.field.velocity;
+    std::swap(field.acceleration, state.field.acceleration);
+    walls.hold_velocity(field.velocity, before);
+    walls.hold_acceleration(field.acceleration,
+                            before,
+                            after,
+                            trial.velocity_step);
   }
 
 
@@ -230,17 +221,12 @@ namespace greville
     set_guesses(state);
     constrain(state);
     add_gravity(state.time);
-    for (GridField<dim> &field : discretization.fields())
-      {
-        // Forces of round-off need no solve.
-        solve(field,
-              {&field.velocity, &field.acceleration},
-              {&field.momentum, &field.force},
-              {1., dt > 0. ? negligible_kick / dt : 0.});
-        add_momentum_of_walls(
-          field, field.velocity, field.momentum, 0, 1. - share);
-        add_momentum_of_walls(field, field.acceleration, field.force, 1, dt);
-      }
+    // Forces of round-off need no solve.
+    solve({&field.velocity, &field.acceleration},
+          {&field.momentum, &field.force},
+          {1., dt > 0. ? negligible_kick / dt : 0.});
+    add_momentum_of_walls(field.velocity, field.momentum, 0, 1. - share);
+    add_momentum_of_walls(field.acceleration, field.force, 1, dt);
   }
 
 
@@ -250,25 +236,20 @@ namespace greville
   CentralDifferences<dim>::find_acceleration(State<dim> &state)
   {
     begin_step(state);
-    for (GridField<dim> &field : discretization.fields())
-      field.momentum_of_walls = {};
-    trial.momentum = {};
+    field.momentum_of_walls = {};
+    trial.momentum          = {};
     find_fields(state);
-    for (GridField<dim> &field : discretization.fields())
-      {
-        trial.momentum.add(field.force, trial.velocity_step);
-        damping.damp(field);
-        if (water)
-          add_pressure(state, field);
-      }
+    trial.momentum.add(field.force, trial.velocity_step);
+    damping.damp(field);
+    if (water)
+      add_pressure(state);
   }
 
 
 
   template <int dim>
   void
-  CentralDifferences<dim>::add_pressure(const State<dim> &state,
-                                        GridField<dim>   &field)
+  CentralDifferences<dim>::add_pressure(const State<dim> &state)
   {
     const PartTimer timer(log, "water");
     fail_with(
@@ -290,9 +271,9 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::filter_velocity(GridField<dim> &field)
+  CentralDifferences<dim>::filter_velocity()
   {
-    if (!field.consistent || parameters.scheme.filter == 0. ||
+    if (!field.mass->is_exact() || parameters.scheme.filter == 0. ||
         parameters.scheme.is_total_lagrangian())
       return;
     const PartTimer   timer(log, "filter");
@@ -303,7 +284,7 @@ namespace greville
                  field.new_velocity,
                  parameters.scheme.filter,
                  trial.step);
-    field.consistent->extend(correction);
+    field.mass->extend(correction);
     // Without walls it keeps the momentum.
     walls.add_held(field.momentum_of_walls,
                    [&](const unsigned int c, const unsigned int i) {
@@ -338,13 +319,12 @@ namespace greville
 
   template <int dim>
   WallSums<dim>
-  CentralDifferences<dim>::stop(VectorField<dim>     &velocity,
-                                const GridField<dim> &field) const
+  CentralDifferences<dim>::stop(VectorField<dim> &velocity) const
   {
     WallSums<dim> sums;
     for (const auto &contact : contacts)
       {
-        const WallSums<dim> given = contact->stop(velocity, field);
+        const WallSums<dim> given = contact->stop(velocity);
         for (unsigned int w = 0; w < 2 * dim; ++w)
           sums[w] += given[w];
       }
@@ -355,8 +335,7 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::take_held_residual(const State<dim> &state,
-                                              GridField<dim>   &field)
+  CentralDifferences<dim>::take_held_residual(const State<dim> &state)
   {
     if (!parameters.scheme.is_flip() || !(trial.velocity_step > 0.))
       return;
@@ -377,29 +356,18 @@ namespace greville
   void
   CentralDifferences<dim>::find_new_velocity(State<dim> &state)
   {
-    auto &fields = discretization.fields();
-    for (GridField<dim> &field : fields)
+    for (unsigned int d = 0; d < dim; ++d)
       {
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            field.new_velocity[d] = field.velocity[d];
-            field.new_velocity[d].add(trial.velocity_step,
-                                      field.acceleration[d]);
-          }
-        filter_velocity(field);
+        field.new_velocity[d] = field.velocity[d];
+        field.new_velocity[d].add(trial.velocity_step, field.acceleration[d]);
       }
+    filter_velocity();
     add_contact(state);
-    WallSums<dim> reactions;
-    for (unsigned int k = 0; k < fields.size(); ++k)
-      {
-        if (trial.step == 0.)
-          state.fields[k].acceleration = fields[k].acceleration;
-        take_held_residual(state, fields[k]);
-        for (unsigned int w = 0; w < 2 * dim; ++w)
-          reactions[w] += fields[k].momentum_of_walls[w];
-      }
+    if (trial.step == 0.)
+      state.field.acceleration = field.acceleration;
+    take_held_residual(state);
     for (unsigned int w = 0; w < 2 * dim && trial.velocity_step > 0.; ++w)
-      state.reactions[w] = reactions[w] / trial.velocity_step;
+      state.reactions[w] = field.momentum_of_walls[w] / trial.velocity_step;
     add_work(state);
     add_work_of_damping(state);
   }
@@ -440,10 +408,8 @@ namespace greville
            false);
     add_work_of_point_loads(state, true);
     fail_on_all(trial.motion.problem, discretization.communicator());
-    const auto &fields = discretization.fields();
-    for (unsigned int k = 0; k < fields.size(); ++k)
-      state.fields[k].velocity = fields[k].new_velocity;
-    state.reactions = reactions;
+    state.field.velocity = field.new_velocity;
+    state.reactions      = reactions;
     for (const auto &contact : contacts)
       contact->end_trial();
     state.velocity_time += trial.velocity_step;
@@ -456,17 +422,15 @@ namespace greville
   double
   CentralDifferences<dim>::swing(const State<dim> &state) const
   {
-    const auto &fields = discretization.fields();
     // Steps that map velocities with lumped mass before they deform points damp
     // high modes, and keep another energy.
-    if (!fields[0].mass->is_exact() && deforms_by_mapped_velocity())
+    if (!field.mass->is_exact() && deforms_by_mapped_velocity())
       return 0.;
     double square = 0.; // a^T M a
-    for (const GridField<dim> &field : fields)
-      for (unsigned int d = 0; d < dim; ++d)
-        for (unsigned int i = 0; i < field.force[d].locally_owned_size(); ++i)
-          square += field.acceleration[d].local_element(i) *
-                    field.force[d].local_element(i);
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < field.force[d].locally_owned_size(); ++i)
+        square += field.acceleration[d].local_element(i) *
+                  field.force[d].local_element(i);
     return 0.125 * state.step * state.step * square;
   }
 
@@ -507,8 +471,8 @@ namespace greville
   bool
   CentralDifferences<dim>::may_reject() const
   {
-    return discretization.fields()[0].consistent &&
-           parameters.time.step.empty() && !deforms_first();
+    return field.mass->is_exact() && parameters.time.step.empty() &&
+           !deforms_first();
   }
 
 
@@ -526,22 +490,18 @@ namespace greville
     if (!may_reject())
       return;
     find_acceleration(state);
-    bool is_too_long = false;
-    for (unsigned int k = 0; k < state.fields.size(); ++k)
+    FieldState<dim> &kept = state.field;
+    // One that has been rejected before is taken.
+    const bool is_too_long =
+      state.n_rejections == 0 &&
+      step_size.shows_faster_mode(state, kept, field, dt);
+    if (is_too_long)
       {
-        GridField<dim>  &field = discretization.fields()[k];
-        FieldState<dim> &kept  = state.fields[k];
-        // One that has been rejected before is taken.
-        if (state.n_rejections == 0 &&
-            step_size.shows_faster_mode(state, kept, field, dt))
-          {
-            is_too_long        = true;
-            kept.mode.is_known = true;
-            kept.mode.force    = field.force;
-          }
-        // The guess of another trial.
-        std::swap(kept.acceleration, field.acceleration);
+        kept.mode.is_known = true;
+        kept.mode.force    = field.force;
       }
+    // The guess of another trial.
+    std::swap(kept.acceleration, field.acceleration);
     if (is_too_long)
       throw StepRejected("accelerations show a mode of the grid that is "
                          "too fast");
@@ -553,14 +513,11 @@ namespace greville
   void
   CentralDifferences<dim>::advance(State<dim> &state, const double dt)
   {
-    auto &fields = discretization.fields();
     if (may_reject())
-      for (unsigned int k = 0; k < fields.size(); ++k)
-        {
-          FieldState<dim> &kept = state.fields[k];
-          std::swap(kept.acceleration, fields[k].acceleration);
-          step_size.remember(kept.history, fields[k].acceleration, dt);
-        }
+      {
+        std::swap(state.field.acceleration, field.acceleration);
+        step_size.remember(state.field.history, field.acceleration, dt);
+      }
     else
       find_acceleration(state);
     begin_row(state);
@@ -579,11 +536,8 @@ namespace greville
     tell_guard();
 
     state.signals = signals();
-    for (unsigned int k = 0; k < fields.size(); ++k)
-      {
-        std::swap(state.fields[k].velocity, fields[k].new_velocity);
-        std::swap(state.fields[k].acceleration, fields[k].acceleration);
-      }
+    std::swap(state.field.velocity, field.new_velocity);
+    std::swap(state.field.acceleration, field.acceleration);
     state.time += dt;
     state.velocity_time += trial.velocity_step;
     state.step          = dt;

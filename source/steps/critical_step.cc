@@ -175,25 +175,25 @@ namespace greville
   CriticalStep<dim>::estimate(
     GridMass<dim>                                  &mass,
     PointTransfer<dim>                             &transfer,
-    const std::vector<const Body<dim> *>           &all_bodies,
-    const std::vector<const Surface<dim> *>        &surfaces,
+    const std::vector<Body<dim>>                   &all_bodies,
+    const std::vector<Surface<dim>>                &surfaces,
     const std::vector<const MaterialPoints<dim> *> &mass_points,
     const StepScheme                               &scheme,
     HighestMode<dim>                               &mode)
   {
     std::vector<const Body<dim> *> bodies;
     bool                           is_viscous = false;
-    for (const Body<dim> *body : all_bodies)
+    for (const Body<dim> &body : all_bodies)
       {
-        const Moduli moduli = body->material->moduli();
+        const Moduli moduli = body.material->moduli();
         const bool   flows  = moduli.viscosity + moduli.bulk_viscosity > 0.;
         if (!(moduli.bulk + moduli.shear > 0. || flows))
           continue;
-        bodies.push_back(body);
+        bodies.push_back(&body);
         is_viscous = is_viscous || flows;
       }
-    for (const Surface<dim> *surface : surfaces)
-      is_viscous = is_viscous || surface->damping > 0.;
+    for (const Surface<dim> &surface : surfaces)
+      is_viscous = is_viscous || surface.damping > 0.;
     if (bodies.empty())
       return std::numeric_limits<double>::infinity();
 
@@ -226,16 +226,16 @@ namespace greville
             body->points, stiffness, source, target, body == bodies[0]);
         }
       // Dashpots see an extrapolated velocity, which counts twice.
-      for (const Surface<dim> *surface : surfaces)
+      for (const Surface<dim> &surface : surfaces)
         {
-          const double k = factor * (elastic * surface->stiffness +
-                                     2. * viscous * surface->damping);
+          const double k = factor * (elastic * surface.stiffness +
+                                     2. * viscous * surface.damping);
           if (k == 0.)
             continue;
           for (unsigned int d = 0; d < dim; ++d)
             extended[d] = source[d];
           mass.distribute(extended);
-          transfer.multiply_mass({&surface->points}, extended, product);
+          transfer.multiply_mass({&surface.points}, extended, product);
           mass.condense(product);
           for (unsigned int d = 0; d < dim; ++d)
             target[d].add(k, product[d]);

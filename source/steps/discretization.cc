@@ -181,18 +181,13 @@ namespace greville
     windows.reset();
     if (parameters.scheme.averages_over_domains())
       {
-        AssertThrow(parameters.grid.fields.size() <= 1,
-                    ExcMessage("'Scheme/Functions' = domains goes with one of "
-                               "GridParameters::fields, not with " +
-                               std::to_string(parameters.grid.fields.size()) +
-                               "."));
         windows = std::make_unique<CellWindows<dim>>();
         windows->reinit(space(), averages_values(parameters));
         // Lumped masses are those of all functions that domains reach.
         if (has_lumped_steps(parameters))
           windows->reach_all();
       }
-    make_fields();
+    make_field();
     grid_walls.reinit(space());
     // The grid of total Lagrangian steps is that of initial positions.
     grid_walls.check_paths(space(),
@@ -215,49 +210,15 @@ namespace greville
 
   template <int dim>
   void
-  Discretization<dim>::make_fields()
+  Discretization<dim>::make_field()
   {
-    const unsigned int n_bodies = parameters.general.bodies.size();
-    auto               bodies   = parameters.grid.fields;
-    if (bodies.empty())
-      {
-        bodies.emplace_back(n_bodies);
-        std::iota(bodies[0].begin(), bodies[0].end(), 0);
-      }
-    std::vector<unsigned int> n_fields_of(n_bodies, 0);
-    for (const auto &of_field : bodies)
-      for (const unsigned int b : of_field)
-        {
-          AssertThrow(b < n_bodies,
-                      ExcMessage("GridParameters::fields has the body number " +
-                                 std::to_string(b) + " of " +
-                                 std::to_string(n_bodies) + "."));
-          ++n_fields_of[b];
-        }
-    for (unsigned int b = 0; b < n_bodies; ++b)
-      AssertThrow(n_fields_of[b] == 1,
-                  ExcMessage("The body '" + parameters.general.bodies[b] +
-                             "' is in " + std::to_string(n_fields_of[b]) +
-                             " of GridParameters::fields, and has to be in "
-                             "one."));
-    grid_fields.clear();
-    for (const auto &of_field : bodies)
-      {
-        AssertThrow(!of_field.empty(),
-                    ExcMessage("One of GridParameters::fields has no body."));
-        grid_fields.emplace_back();
-        GridField<dim> &field = grid_fields.back();
-        field.bodies          = of_field;
-        field.mass = make_grid_mass<dim>(orders, parameters, grid_walls);
-        field.consistent =
-          dynamic_cast<ConsistentMass<dim> *>(field.mass.get());
-        if (field.consistent &&
-            is_explicit_scheme(parameters.scheme.stress_update))
-          field.consistent->set_windows(windows.get());
-        space().initialize_vector(field.lumped_mass);
-        initialize(field.momentum);
-        initialize(field.force);
-      }
+    grid_field      = GridField<dim>();
+    grid_field.mass = make_grid_mass<dim>(orders, parameters, grid_walls);
+    if (is_explicit_scheme(parameters.scheme.stress_update))
+      grid_field.mass->set_windows(windows.get());
+    space().initialize_vector(grid_field.lumped_mass);
+    initialize(grid_field.momentum);
+    initialize(grid_field.force);
   }
 
 
@@ -274,32 +235,22 @@ namespace greville
 
   template <int dim>
   void
-  Discretization<dim>::initialize_fields(State<dim> &state) const
+  Discretization<dim>::initialize_field(State<dim> &state) const
   {
-    state.fields.assign(grid_fields.size(), FieldState<dim>());
-    for (FieldState<dim> &field : state.fields)
-      {
-        initialize(field.velocity);
-        initialize(field.acceleration);
-      }
+    state.field = FieldState<dim>();
+    initialize(state.field.velocity);
+    initialize(state.field.acceleration);
   }
 
 
 
   template <int dim>
   void
-  Discretization<dim>::set_points(const State<dim> &state,
-                                  GridField<dim>   &field) const
+  Discretization<dim>::set_points(const State<dim> &state)
   {
-    field.points.clear();
-    for (const unsigned int b : field.bodies)
-      field.points.push_back(&state.bodies[b].points);
-    field.surfaces.clear();
-    for (unsigned int k = 0; k < state.surfaces.size(); ++k)
-      if (std::find(field.bodies.begin(),
-                    field.bodies.end(),
-                    state.surfaces[k].body) != field.bodies.end())
-        field.surfaces.push_back(k);
+    grid_field.points.clear();
+    for (const Body<dim> &body : state.bodies)
+      grid_field.points.push_back(&body.points);
   }
 
 
@@ -308,47 +259,44 @@ namespace greville
   void
   Discretization<dim>::sum(const State<dim> &state, const bool with_force)
   {
+    set_points(state);
     const bool is_current = stamp_of_sums == state.points_stamp;
-    stamp_of_sums         = is_current && !with_force ? stamp_of_sums : 0;
-    for (GridField<dim> &field : grid_fields)
+    if (is_current && !with_force)
+      return;
+    stamp_of_sums         = 0;
+    GridField<dim> &field = grid_field;
+    // The force sees the cells that reach their neighbours by the extension
+    // of the mass.
+    const bool force_waits = field.mass->has_windows();
+    {
+      const PartTimer timer(log, "points to grid");
+      point_transfer.points_to_grid(field.points,
+                                    is_current ? nullptr : &field.lumped_mass,
+                                    is_current ? nullptr : &field.momentum,
+                                    with_force && !force_waits ? &field.force
+                                                               : nullptr);
+    }
+    // The mass of total Lagrangian steps never changes.
+    if (!is_current && !mass_is_known)
       {
-        set_points(state, field);
-        if (is_current && !with_force)
-          continue;
-        // The force sees the cells that reach their neighbours by the extension
-        // of the mass.
-        const bool force_waits =
-          field.consistent && field.consistent->has_windows();
-        {
-          const PartTimer timer(log, "points to grid");
-          point_transfer.points_to_grid(
-            field.points,
-            is_current ? nullptr : &field.lumped_mass,
-            is_current ? nullptr : &field.momentum,
-            with_force && !force_waits ? &field.force : nullptr);
-        }
-        // That of total Lagrangian steps never changes.
-        if (!is_current && !mass_is_known)
-          {
-            const PartTimer                          timer(log, "mass");
-            std::vector<const MaterialPoints<dim> *> of_surfaces;
-            for (const unsigned int k : field.surfaces)
-              of_surfaces.push_back(&state.surfaces[k].points);
-            field.mass->update(field.lumped_mass,
-                               field.points,
-                               of_surfaces,
-                               point_transfer);
-          }
-        if (with_force)
-          {
-            const PartTimer timer(log, "points to grid");
-            if (force_waits)
-              point_transfer.points_to_grid(field.points,
-                                            nullptr,
-                                            nullptr,
-                                            &field.force);
-            add_surface_forces(state, field, field.surface_forces, field.force);
-          }
+        const PartTimer                          timer(log, "mass");
+        std::vector<const MaterialPoints<dim> *> of_surfaces;
+        for (const Surface<dim> &surface : state.surfaces)
+          of_surfaces.push_back(&surface.points);
+        field.mass->update(field.lumped_mass,
+                           field.points,
+                           of_surfaces,
+                           point_transfer);
+      }
+    if (with_force)
+      {
+        const PartTimer timer(log, "points to grid");
+        if (force_waits)
+          point_transfer.points_to_grid(field.points,
+                                        nullptr,
+                                        nullptr,
+                                        &field.force);
+        add_surface_forces(state, field.surface_forces, field.force);
       }
     if (!is_current)
       mass_is_known = parameters.scheme.is_total_lagrangian();
@@ -361,23 +309,21 @@ namespace greville
   void
   Discretization<dim>::add_surface_forces(
     const State<dim>              &state,
-    const GridField<dim>          &field,
     std::vector<VectorField<dim>> &of_surfaces,
     VectorField<dim>              &force)
   {
-    while (of_surfaces.size() < field.surfaces.size())
+    while (of_surfaces.size() < state.surfaces.size())
       {
         of_surfaces.emplace_back();
         initialize(of_surfaces.back());
       }
-    for (unsigned int k = 0; k < field.surfaces.size(); ++k)
+    for (unsigned int k = 0; k < state.surfaces.size(); ++k)
       {
-        point_transfer.points_to_grid(
-          {&state.surfaces[field.surfaces[k]].points},
-          nullptr,
-          nullptr,
-          &of_surfaces[k]);
-        field.mass->condense(of_surfaces[k]);
+        point_transfer.points_to_grid({&state.surfaces[k].points},
+                                      nullptr,
+                                      nullptr,
+                                      &of_surfaces[k]);
+        grid_field.mass->condense(of_surfaces[k]);
         for (unsigned int d = 0; d < dim; ++d)
           force[d] += of_surfaces[k][d];
       }
@@ -389,18 +335,16 @@ namespace greville
   void
   Discretization<dim>::find_force(const State<dim>     &state,
                                   const Tensor<1, dim> &gravity,
-                                  const unsigned int    k,
                                   VectorField<dim>     &force)
   {
-    GridField<dim>  &field = grid_fields[k];
     VectorType       mass;
     VectorField<dim> momentum;
     space().initialize_vector(mass);
     initialize(momentum);
-    set_points(state, field);
-    point_transfer.points_to_grid(field.points, &mass, &momentum, &force);
+    set_points(state);
+    point_transfer.points_to_grid(grid_field.points, &mass, &momentum, &force);
     std::vector<VectorField<dim>> of_surfaces;
-    add_surface_forces(state, field, of_surfaces, force);
+    add_surface_forces(state, of_surfaces, force);
     for (unsigned int d = 0; d < dim; ++d)
       force[d].add(gravity[d], mass);
   }
@@ -409,16 +353,15 @@ namespace greville
 
   template <int dim>
   std::vector<unsigned char>
-  Discretization<dim>::cell_classes(const State<dim>  &state,
-                                    const bool         is_implicit,
-                                    const unsigned int field)
+  Discretization<dim>::cell_classes(const State<dim> &state,
+                                    const bool        is_implicit)
   {
     typename CellFilling<dim>::Walls contact_walls;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       contact_walls[w] = grid_walls.is_friction(w);
     std::vector<double> filled_part;
-    set_points(state, grid_fields[field]);
-    point_transfer.filling(grid_fields[field].points, filled_part);
+    set_points(state);
+    point_transfer.filling(grid_field.points, filled_part);
     CellFilling<dim> filling;
     filling.reinit(space(), contact_walls);
     filling.update(filled_part,
@@ -437,28 +380,24 @@ namespace greville
   {
     const PartTimer timer(log, "points to grid");
     stamp_of_sums = 0;
-    for (GridField<dim> &field : grid_fields)
-      {
-        set_points(state, field);
-        point_transfer.points_to_grid(field.points,
-                                      &field.lumped_mass,
-                                      &field.momentum,
-                                      nullptr);
-      }
+    set_points(state);
+    point_transfer.points_to_grid(grid_field.points,
+                                  &grid_field.lumped_mass,
+                                  &grid_field.momentum,
+                                  nullptr);
   }
 
 
 
   template <int dim>
   unsigned int
-  Discretization<dim>::solve(GridField<dim>                              &field,
-                             const std::vector<VectorField<dim> *>       &x,
+  Discretization<dim>::solve(const std::vector<VectorField<dim> *>       &x,
                              const std::vector<const VectorField<dim> *> &sums,
                              const std::vector<double> &shares)
   {
     const PartTimer timer(log, "solve");
-    fail_with([&]() { field.mass->solve(x, sums, shares); });
-    return field.mass->n_iterations();
+    fail_with([&]() { grid_field.mass->solve(x, sums, shares); });
+    return grid_field.mass->n_iterations();
   }
 
 

@@ -119,13 +119,8 @@ namespace greville
     const PartTimer timer(log, part);
     const auto      seconds = log.seconds;
     before.emplace_back(simulation);
-    auto &fields = simulation.discretization.fields();
-    for (GridField<dim> &field : fields)
-      field.mass->begin_trial();
-    const auto end_trial = [&]() {
-      for (GridField<dim> &field : fields)
-        field.mass->end_trial();
-    };
+    GridMass<dim> &mass = *simulation.discretization.field().mass;
+    mass.begin_trial();
     std::string problem;
     try
       {
@@ -137,10 +132,10 @@ namespace greville
       }
     catch (const ExcMessage &)
       {
-        end_trial();
+        mass.end_trial();
         throw;
       }
-    end_trial();
+    mass.end_trial();
     // Of these tasks, steps have not taken more.
     for (auto &[task, sum] : log.seconds)
       {

@@ -31,21 +31,15 @@ namespace greville
     const bool watches = row && kick && row->watch;
     if (watches)
       row->watch(state.bodies, 1. - row->fraction, false);
-    PointMotion motion;
-    for (const GridField<dim> &field : discretization.fields())
-      {
-        update.acceleration = kick ? &(field.*kick) : nullptr;
-        update.velocity     = velocity ? &(field.*velocity) : nullptr;
-        update.deformation  = deformation ? &(field.*deformation) : nullptr;
-        update_points_of(state.bodies,
-                         field.bodies,
-                         discretization.transfer(),
-                         update,
-                         state.time + (move ? trial.step : 0.),
-                         row,
-                         motion);
-        update_surfaces(state, field, update, motion);
-      }
+    update.acceleration = kick ? &(field.*kick) : nullptr;
+    update.velocity     = velocity ? &(field.*velocity) : nullptr;
+    update.deformation  = deformation ? &(field.*deformation) : nullptr;
+    PointMotion motion  = update_points(state.bodies,
+                                       discretization.transfer(),
+                                       update,
+                                       state.time + (move ? trial.step : 0.),
+                                       row);
+    update_surfaces(state, update, motion);
     if (watches)
       row->watch(state.bodies, row->fraction, true);
     motion.merge(trial.motion);
@@ -61,7 +55,6 @@ namespace greville
   template <int dim>
   void
   CentralDifferences<dim>::update_surfaces(State<dim>             &state,
-                                           const GridField<dim>   &field,
                                            const PointUpdate<dim> &update,
                                            PointMotion            &motion)
   {
@@ -97,13 +90,11 @@ namespace greville
         kick.velocity         = &surface_velocity;
         kick.deformation      = nullptr;
         kick.move             = false;
-        greville::update_surfaces(
-          state.surfaces, field.surfaces, transfer, kick, motion);
+        greville::update_surfaces(state.surfaces, transfer, kick, motion);
         move.acceleration = nullptr;
       }
     if (move.move || move.deformation)
-      greville::update_surfaces(
-        state.surfaces, field.surfaces, transfer, move, motion);
+      greville::update_surfaces(state.surfaces, transfer, move, motion);
   }
 
 
@@ -117,19 +108,17 @@ namespace greville
                                      trial.motion.fastest_wave,
                                      0.};
     const bool points_cross_cells = !parameters.scheme.is_total_lagrangian();
-    for (const GridField<dim> &field : discretization.fields())
-      for (unsigned int i = 0;
-           points_cross_cells && i < space.owned_functions().size();
-           ++i)
-        if (!field.consistent ||
-            field.consistent->extension()[i] == Extension<dim>::stable)
-          {
-            double rate = 0.;
-            for (unsigned int d = 0; d < dim; ++d)
-              rate += std::abs(field.new_velocity[d].local_element(i)) /
-                      space.lattice().cell_size(d);
-            rates[2] = std::max(rates[2], rate);
-          }
+    for (unsigned int i = 0;
+         points_cross_cells && i < space.owned_functions().size();
+         ++i)
+      if (field.mass->is_stable(i))
+        {
+          double rate = 0.;
+          for (unsigned int d = 0; d < dim; ++d)
+            rate += std::abs(field.new_velocity[d].local_element(i)) /
+                    space.lattice().cell_size(d);
+          rates[2] = std::max(rates[2], rate);
+        }
     Utilities::MPI::max(rates, discretization.communicator(), rates);
     return {rates[0], rates[1], rates[2]};
   }
@@ -144,55 +133,46 @@ namespace greville
     const Tensor<1, dim> g     = 0.5 * (loads.gravity(state.time) +
                                     loads.gravity(state.time + trial.step));
     double               power = 0.;
-    for (const GridField<dim> &field : discretization.fields())
-      for (unsigned int d = 0; d < dim; ++d)
-        if (g[d] != 0.)
-          for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size();
-               ++i)
-            power += g[d] * field.lumped_mass.local_element(i) *
-                     field.new_velocity[d].local_element(i);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (g[d] != 0.)
+        for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size();
+             ++i)
+          power += g[d] * field.lumped_mass.local_element(i) *
+                   field.new_velocity[d].local_element(i);
     state.energy.add_work(EnergyBalance::gravity, trial.step * power);
 
     // The work of their force on the kinetic energy.
     add_work_of_point_loads(state, false);
-    for (const GridField<dim> &field : discretization.fields())
-      for (unsigned int k = 0; k < field.surfaces.size(); ++k)
-        {
-          const VectorField<dim> &force = field.surface_forces[k];
-          const unsigned int      source =
-            EnergyBalance::surfaces + field.surfaces[k];
-          double before = 0., after = 0.;
-          for (unsigned int d = 0; d < dim; ++d)
-            for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
-              {
-                const double impulse =
-                  trial.velocity_step * force[d].local_element(i);
-                before += impulse * field.velocity[d].local_element(i);
-                after += impulse * field.new_velocity[d].local_element(i);
-              }
-          state.energy.add_work(source, 0.5 * (before + after));
-          if (row)
-            row->energy.add_work(source, row->part_of_work(before, after));
-        }
+    for (unsigned int k = 0; k < state.surfaces.size(); ++k)
+      {
+        const VectorField<dim> &force  = field.surface_forces[k];
+        const unsigned int      source = EnergyBalance::surfaces + k;
+        double                  before = 0., after = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int i = 0; i < force[d].locally_owned_size(); ++i)
+            {
+              const double impulse =
+                trial.velocity_step * force[d].local_element(i);
+              before += impulse * field.velocity[d].local_element(i);
+              after += impulse * field.new_velocity[d].local_element(i);
+            }
+        state.energy.add_work(source, 0.5 * (before + after));
+        if (row)
+          row->energy.add_work(source, row->part_of_work(before, after));
+      }
 
     // Walls and contacts that constrain give what a = (v' - v) / dt' needs
     // beyond the force.
     if ((walls.have_moving() || have_constraints) && trial.velocity_step > 0.)
       {
         double power_of_walls = 0.;
-        for (const GridField<dim> &field : discretization.fields())
-          {
-            field.mass->held_residual(work_field,
-                                      field.force,
-                                      field.acceleration);
-            for (unsigned int d = 0; d < dim; ++d)
-              for (unsigned int i = 0;
-                   i < field.lumped_mass.locally_owned_size();
-                   ++i)
-                power_of_walls -= field.lumped_mass.local_element(i) *
-                                  work_field[d].local_element(i) *
-                                  field.new_velocity[d].local_element(i);
-          }
+        field.mass->held_residual(work_field, field.force, field.acceleration);
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size();
+               ++i)
+            power_of_walls -= field.lumped_mass.local_element(i) *
+                              work_field[d].local_element(i) *
+                              field.new_velocity[d].local_element(i);
         state.energy.add_work(EnergyBalance::walls,
                               trial.step * power_of_walls);
       }
@@ -241,37 +221,33 @@ namespace greville
     VectorField<dim> &sum = surface_velocity, &momenta = work_field;
     if (!apic)
       discretization.sum(state);
-    for (const GridField<dim> &field : discretization.fields())
+    for (unsigned int d = 0; d < dim; ++d)
       {
-        for (unsigned int d = 0; d < dim; ++d)
+        sum[d].equ(1. - flip, field.new_velocity[d]);
+        sum[d].add(flip * dt, field.acceleration[d]);
+        if (apic)
           {
-            sum[d].equ(1. - flip, field.new_velocity[d]);
-            sum[d].add(flip * dt, field.acceleration[d]);
-            if (apic)
-              {
-                momenta[d] = sum[d];
-                momenta[d].scale(field.lumped_mass);
-              }
+            momenta[d] = sum[d];
+            momenta[d].scale(field.lumped_mass);
           }
-        if (!apic)
-          discretization.transfer().multiply_mass(field.points, sum, momenta);
-        for (unsigned int d = 0; d < dim; ++d)
-          momenta[d].add(flip, field.momentum[d]);
-        // Damping takes as much from the momenta before and after the kick.
-        const double before = 2. * dt * damping.power(field, field.momentum),
-                     after  = 2. * dt * damping.power(field, momenta);
-        state.energy.add_damping(0.5 * (before + after));
-        if (row)
-          row->energy.add_damping(row->part_of_work(before, after));
       }
+    if (!apic)
+      discretization.transfer().multiply_mass(field.points, sum, momenta);
+    for (unsigned int d = 0; d < dim; ++d)
+      momenta[d].add(flip, field.momentum[d]);
+    // Damping takes as much from the momenta before and after the kick.
+    const double before = 2. * dt * damping.power(field, field.momentum),
+                 after  = 2. * dt * damping.power(field, momenta);
+    state.energy.add_damping(0.5 * (before + after));
+    if (row)
+      row->energy.add_damping(row->part_of_work(before, after));
   }
 
 
 
   template <int dim>
   void
-  CentralDifferences<dim>::add_momentum_of_walls(GridField<dim>         &field,
-                                                 const VectorField<dim> &x,
+  CentralDifferences<dim>::add_momentum_of_walls(const VectorField<dim> &x,
                                                  const VectorField<dim> &b,
                                                  const unsigned int      k,
                                                  const double            factor)
@@ -295,9 +271,8 @@ namespace greville
     // Constraints and damping take some that nobody adds up.
     if (have_constraints || damping.factor() != 0.)
       return;
-    for (const GridField<dim> &field : discretization.fields())
-      for (const Tensor<1, dim> &given : field.momentum_of_walls)
-        trial.momentum.add(given);
+    for (const Tensor<1, dim> &given : field.momentum_of_walls)
+      trial.momentum.add(given);
     guard.set(trial.momentum);
   }
 

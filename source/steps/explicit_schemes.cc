@@ -23,20 +23,20 @@ namespace greville
   void
   USF<dim>::find_fields(State<dim> &state)
   {
-    const double dt           = this->trial.velocity_step;
-    const double share        = this->kept_share(state);
-    const auto   map_velocity = [&]() {
+    const double    dt           = this->trial.velocity_step;
+    const double    share        = this->kept_share(state);
+    GridField<dim> &field        = this->field;
+    const auto      map_velocity = [&]() {
       this->constrain(state);
-      for (GridField<dim> &field : this->discretization.fields())
-        {
-          this->solve(field, {&field.velocity}, {&field.momentum});
-          field.momentum_of_walls = {};
-          this->add_momentum_of_walls(
-            field, field.velocity, field.momentum, 0, 1. - share);
-          const WallSums<dim> stopped = this->stop(field.velocity, field);
-          for (unsigned int w = 0; w < 2 * dim; ++w)
-            field.momentum_of_walls[w] += (1. - share) * stopped[w];
-        }
+      this->solve({&field.velocity}, {&field.momentum});
+      field.momentum_of_walls = {};
+      this->add_momentum_of_walls(field.velocity,
+                                  field.momentum,
+                                  0,
+                                  1. - share);
+      const WallSums<dim> stopped = this->stop(field.velocity);
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        field.momentum_of_walls[w] += (1. - share) * stopped[w];
     };
     this->discretization.sum(state);
     this->set_guesses(state);
@@ -50,12 +50,8 @@ namespace greville
     else
       this->constrain(state);
     this->add_gravity(state.time);
-    for (GridField<dim> &field : this->discretization.fields())
-      {
-        this->solve(field, {&field.acceleration}, {&field.force});
-        this->add_momentum_of_walls(
-          field, field.acceleration, field.force, 0, dt);
-      }
+    this->solve({&field.acceleration}, {&field.force});
+    this->add_momentum_of_walls(field.acceleration, field.force, 0, dt);
   }
 
 
@@ -83,14 +79,11 @@ namespace greville
                  nullptr,
                  false);
     this->discretization.sum_momentum(state);
-    for (GridField<dim> &field : this->discretization.fields())
-      {
-        VectorField<dim> &w = field.velocity;
-        w                   = field.new_velocity;
-        this->walls.hold_velocity(w, this->wall_time(state));
-        this->solve(field, {&w}, {&field.momentum});
-        this->stop(w, field);
-      }
+    VectorField<dim> &w = this->field.velocity;
+    w                   = this->field.new_velocity;
+    this->walls.hold_velocity(w, this->wall_time(state));
+    this->solve({&w}, {&this->field.momentum});
+    this->stop(w);
     this->update(state,
                  nullptr,
                  &GridField<dim>::new_velocity,

@@ -24,8 +24,8 @@ namespace greville
 
 
   template <int dim>
-  FrictionContact<dim>::FrictionContact(const Walls<dim>    &walls,
-                                        ConsistentMass<dim> &mass)
+  FrictionContact<dim>::FrictionContact(const Walls<dim> &walls,
+                                        GridMass<dim>    &mass)
     : walls(walls)
     , mass(mass)
     , normals(mass.space().owned_functions().size())

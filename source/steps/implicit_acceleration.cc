@@ -49,7 +49,7 @@ namespace greville
   void
   ImplicitSteps<dim>::find_acceleration(State<dim> &state)
   {
-    if (scheme.keeps_acceleration && state.fields[0].history.n > 0)
+    if (scheme.keeps_acceleration && state.field.history.n > 0)
       {
         // The kept one is that of all forces.
         if (parameters.scheme.is_total_lagrangian())
@@ -117,12 +117,12 @@ namespace greville
   void
   ImplicitSteps<dim>::keep_acceleration(State<dim> &state, const double dt)
   {
-    VectorField<dim> &kept = state.fields[0].history.accelerations[0];
+    VectorField<dim> &kept = state.field.history.accelerations[0];
     kept                   = acceleration;
     find_new_acceleration(kept, dt);
     for (unsigned int d = 0; d < dim && contact_force; ++d)
       kept[d] += contact_acceleration[d];
-    state.fields[0].history.n = 1;
+    state.field.history.n = 1;
     if (parameters.scheme.is_total_lagrangian())
       return;
     PointUpdate<dim> update;

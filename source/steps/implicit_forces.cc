@@ -172,9 +172,6 @@ namespace greville
     refuse(parameters.time.step.empty(),
            "an empty 'Time/Step'",
            "an implicit step has no critical length; give one.");
-    refuse(discretization.fields().size() > 1,
-           "several GridParameters::fields",
-           "implicit steps have one velocity field for all bodies.");
     refuse(discretization.walls().have_friction(),
            "'Walls' = friction",
            "implicit steps have fixed, sliding and moving walls.");

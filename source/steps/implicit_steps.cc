@@ -193,7 +193,7 @@ namespace greville
         old_force[d] -= contact_load[d];
       }
 
-    velocity = state.fields[0].velocity;
+    velocity = state.field.velocity;
     // The velocity of walls at the start, and at the end, from displacements
     // of a small fraction of the step.
     const double   small = 1e-3 * dt, begin = parameters.time.start;
@@ -217,8 +217,8 @@ namespace greville
     start_surfaces(state, dt);
     if (scheme.needs_acceleration())
       {
-        if (scheme.keeps_acceleration && state.fields[0].history.n > 0)
-          acceleration = state.fields[0].history.accelerations[0];
+        if (scheme.keeps_acceleration && state.field.history.n > 0)
+          acceleration = state.field.history.accelerations[0];
         discretization.walls().hold_acceleration(acceleration,
                                                  before,
                                                  after,
@@ -340,7 +340,7 @@ namespace greville
         if (((held[i] >> d) & 1) && lumped.local_element(i) > 0.)
           {
             const double momentum = held_momentum[d].local_element(i);
-            state.fields[0].acceleration[d].local_element(i) +=
+            state.field.acceleration[d].local_element(i) +=
               momentum / (dt * lumped.local_element(i));
             work += momentum * velocity[d].local_element(i);
           }
@@ -414,10 +414,10 @@ namespace greville
             if (contact_force)
               change += contact_acceleration[d];
           }
-        state.fields[0].acceleration[d].copy_locally_owned_data_from(change);
+        state.field.acceleration[d].copy_locally_owned_data_from(change);
         velocity[d].add(dt, change);
         displacement[d] *= 1. / dt;
-        state.fields[0].velocity[d].copy_locally_owned_data_from(
+        state.field.velocity[d].copy_locally_owned_data_from(
           scheme.is_static ? displacement[d] : velocity[d]);
       }
     if (!scheme.is_static)
@@ -452,7 +452,7 @@ namespace greville
   {
     const PartTimer  timer(log, "grid to points");
     PointUpdate<dim> kick;
-    kick.acceleration  = &state.fields[0].acceleration;
+    kick.acceleration  = &state.field.acceleration;
     kick.velocity      = &velocity;
     kick.velocity_step = dt;
     kick.flip          = flip_share(parameters.scheme,
@@ -465,7 +465,6 @@ namespace greville
                                          update,
                                          state.time + dt);
       update_surfaces(state.surfaces,
-                      field().surfaces,
                       discretization.transfer(),
                       update,
                       motion);
@@ -478,7 +477,7 @@ namespace greville
       {
         const VectorType &lumped = field().lumped_mass;
         momentum.add(field().momentum, kick.flip);
-        momentum.add(lumped, state.fields[0].acceleration, kick.flip * dt);
+        momentum.add(lumped, state.field.acceleration, kick.flip * dt);
         momentum.add(lumped, velocity, 1. - kick.flip);
         pass(kick);
       }

@@ -347,7 +347,7 @@ namespace greville
     check_overlap_of_shapes<dim>(state.bodies, space);
     if (parameters.scheme.is_total_lagrangian())
       check_distances(state.bodies, space);
-    discretization.initialize_fields(state);
+    discretization.initialize_field(state);
     state.points_have_changed();
     return state;
   }

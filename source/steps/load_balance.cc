@@ -205,8 +205,7 @@ namespace greville
     for_all_points(state, [&](auto &points) {
       move_with_cells(points, old_cells, discretization);
     });
-    for (FieldState<dim> &field : state.fields)
-      field.slid.clear();
+    state.field.slid.clear();
     state.partition = discretization.partition();
     state.points_have_changed();
   }

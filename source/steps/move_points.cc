@@ -72,17 +72,16 @@ namespace greville
 
 
   template <int dim>
-  void
-  update_points_of(std::vector<Body<dim>>          &bodies,
-                   const std::vector<unsigned int> &numbers,
-                   PointTransfer<dim>              &transfer,
-                   PointUpdate<dim>                 update,
-                   const double                     time,
-                   LateRow<dim>                    *row,
-                   PointMotion                     &motion)
+  PointMotion
+  update_points(std::vector<Body<dim>> &bodies,
+                PointTransfer<dim>     &transfer,
+                PointUpdate<dim>        update,
+                const double            time,
+                LateRow<dim>           *row)
   {
+    PointMotion motion;
     motion.left_cells.resize(bodies.size());
-    for (const unsigned int b : numbers)
+    for (unsigned int b = 0; b < bodies.size(); ++b)
       {
         Body<dim> &body = bodies[b];
         update.row      = row && update.acceleration ? &row->sums[b] : nullptr;
@@ -114,24 +113,24 @@ namespace greville
                            " of the body '" + body.name +
                            "': " + report.bad_reason;
       }
+    return motion;
   }
 
 
 
   template <int dim>
   void
-  update_surfaces(std::vector<Surface<dim>>       &surfaces,
-                  const std::vector<unsigned int> &numbers,
-                  PointTransfer<dim>              &transfer,
-                  PointUpdate<dim>                 update,
-                  PointMotion                     &motion)
+  update_surfaces(std::vector<Surface<dim>> &surfaces,
+                  PointTransfer<dim>        &transfer,
+                  PointUpdate<dim>           update,
+                  PointMotion               &motion)
   {
     update.material   = nullptr;
     update.projection = nullptr;
     update.apic       = false;
     update.flip       = 0.;
     motion.left_surface_cells.resize(surfaces.size());
-    for (const unsigned int s : numbers)
+    for (unsigned int s = 0; s < surfaces.size(); ++s)
       {
         const PointReport report =
           transfer.grid_to_points(surfaces[s].points, update);
@@ -168,12 +167,12 @@ namespace greville
 
 
 
-  template decltype(stop_points<2>)      stop_points<2>;
-  template decltype(stop_points<3>)      stop_points<3>;
-  template decltype(update_points_of<2>) update_points_of<2>;
-  template decltype(update_points_of<3>) update_points_of<3>;
-  template decltype(update_surfaces<2>)  update_surfaces<2>;
-  template decltype(update_surfaces<3>)  update_surfaces<3>;
-  template decltype(share_volume<2>)     share_volume<2>;
-  template decltype(share_volume<3>)     share_volume<3>;
+  template decltype(stop_points<2>)     stop_points<2>;
+  template decltype(stop_points<3>)     stop_points<3>;
+  template decltype(update_points<2>)   update_points<2>;
+  template decltype(update_points<3>)   update_points<3>;
+  template decltype(update_surfaces<2>) update_surfaces<2>;
+  template decltype(update_surfaces<3>) update_surfaces<3>;
+  template decltype(share_volume<2>)    share_volume<2>;
+  template decltype(share_volume<3>)    share_volume<3>;
 } // namespace greville

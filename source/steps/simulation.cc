@@ -182,10 +182,9 @@ namespace greville
       }
     current.reactions = {};
     // What an implicit scheme keeps is part of its solution.
-    std::vector<AccelerationHistory<dim>> kept(current.fields.size());
+    AccelerationHistory<dim> kept;
     if (goes_on && is_implicit())
-      for (unsigned int k = 0; k < kept.size(); ++k)
-        kept[k] = current.fields[k].history;
+      kept = current.field.history;
     std::vector<const Material *> materials;
     for (const Body<dim> &body : current.bodies)
       materials.push_back(body.material);
@@ -198,8 +197,7 @@ namespace greville
       change_bodies_from(materials, energy);
     check_closed_box(current.bodies, parameters, discretization.space());
     start_stage();
-    for (unsigned int k = 0; k < kept.size(); ++k)
-      current.fields[k].history = kept[k];
+    current.field.history = kept;
   }
 
 
@@ -236,7 +234,7 @@ namespace greville
   Simulation<dim>::start_stage()
   {
     // What has been found with other walls, mass or integrator.
-    discretization.initialize_fields(current);
+    discretization.initialize_field(current);
     current.step_fraction = 1.;
     current.estimates     = StepEstimates();
     current.water_step    = 0.;
@@ -308,8 +306,7 @@ namespace greville
         surface.points.set_space(discretization.space());
     if (!goes_on)
       enter_stage(state.stage);
-    for (GridField<dim> &field : discretization.fields())
-      field.mass->forget();
+    discretization.field().mass->forget();
     integrator->forget();
     guard.weigh(current);
     good.take(current);
@@ -393,19 +390,15 @@ namespace greville
     discretization.sum(current);
     try
       {
-        for (unsigned int k = 0; k < current.fields.size(); ++k)
-          {
-            GridField<dim>   &field    = discretization.fields()[k];
-            VectorField<dim> &velocity = current.fields[k].velocity;
-            discretization.walls().hold_velocity(velocity,
-                                                 {current.velocity_time,
-                                                  current.time - current.step,
-                                                  current.time});
-            const unsigned int n =
-              discretization.solve(field, {&velocity}, {&field.momentum});
-            current.n_iterations = std::max(current.n_iterations, n);
-            current.n_all_iterations += n;
-          }
+        VectorField<dim> &velocity = current.field.velocity;
+        discretization.walls().hold_velocity(velocity,
+                                             {current.velocity_time,
+                                              current.time - current.step,
+                                              current.time});
+        const unsigned int n =
+          discretization.solve({&velocity}, {&discretization.field().momentum});
+        current.n_iterations = std::max(current.n_iterations, n);
+        current.n_all_iterations += n;
       }
     catch (const StepFailed &failure)
       {
@@ -492,11 +485,8 @@ namespace greville
   {
     Statistics<dim> result = late.row;
     add_sums(result, current.bodies, late.sums, late.gravity, comm);
-    for (const GridField<dim> &field : discretization.fields())
-      {
-        result.active += field.mass->n_active();
-        result.fragments += field.mass->n_fragments();
-      }
+    result.active    = discretization.field().mass->n_active();
+    result.fragments = discretization.field().mass->n_fragments();
     // All sums over processes are one message.
     std::vector<std::pair<std::string, double>> sums;
     const auto add = [&](const std::string &name, const double own) {
@@ -573,7 +563,7 @@ namespace greville
 
   template <int dim>
   VectorField<dim>
-  Simulation<dim>::grid_force(const unsigned int field)
+  Simulation<dim>::grid_force()
   {
     run_on_all([&]() { loads.set(current.bodies, current.time); }, comm);
     loaded_surfaces();
@@ -582,10 +572,7 @@ namespace greville
     // That of total stresses; effective ones come back to the bit.
     std::vector<double> stresses;
     exchange_with_total_stress(current.bodies, stresses);
-    discretization.find_force(current,
-                              loads.gravity(current.time),
-                              field,
-                              force);
+    discretization.find_force(current, loads.gravity(current.time), force);
     exchange_with_total_stress(current.bodies, stresses);
     return force;
   }

@@ -183,10 +183,7 @@ namespace greville
   Simulation<dim>::check_fragments()
   {
     constexpr double most_fragments = 0.05;
-    double           fraction       = 0.;
-    for (const GridField<dim> &field : discretization.fields())
-      if (field.consistent)
-        fraction = std::max(fraction, field.consistent->fragment_fraction());
+    const double fraction = discretization.field().mass->fragment_fraction();
     if (fraction <= most_fragments)
       return;
     std::ostringstream message;

@@ -16,17 +16,6 @@ namespace greville
   namespace
   {
     /**
-     * What names of numbers and fields of a velocity field begin with.
-     */
-    std::string
-    prefix_of_field(const unsigned int k)
-    {
-      return k == 0 ? "" : "field_" + std::to_string(k) + "_";
-    }
-
-
-
-    /**
      * Call @p all(name, number) for each number of the position of a rigid
      * body.
      */
@@ -82,16 +71,11 @@ namespace greville
       all("steps_between_estimates", state.estimates.n_between);
       all("wave_at_estimate", state.estimates.wave);
       all("first_step", state.estimates.first_step);
-      for (unsigned int k = 0; k < state.fields.size(); ++k)
-        {
-          auto             &field = state.fields[k];
-          const std::string of    = prefix_of_field(k);
-          all(of + "mode_is_known", field.mode.is_known);
-          all(of + "step_of_mode", field.mode.step);
-          all(of + "n_history", field.history.n);
-          all(of + "step_before", field.history.steps[0]);
-          all(of + "step_before_that", field.history.steps[1]);
-        }
+      all("mode_is_known", state.field.mode.is_known);
+      all("step_of_mode", state.field.mode.step);
+      all("n_history", state.field.history.n);
+      all("step_before", state.field.history.steps[0]);
+      all("step_before_that", state.field.history.steps[1]);
       state.energy.visit_numbers(
         EnergyBalance::surfaces + state.surfaces.size(), all, sum);
       for (unsigned int w = 0; w < 2 * dim; ++w)
@@ -128,22 +112,14 @@ namespace greville
     auto
     fields_of(StateType &state)
     {
-      using Field = decltype(&state.fields[0].velocity);
-      std::vector<std::pair<std::string, Field>> result;
-      for (unsigned int k = 0; k < state.fields.size(); ++k)
-        {
-          auto             &field = state.fields[k];
-          const std::string of    = prefix_of_field(k);
-          result.insert(result.end(),
-                        {{of + "velocity", &field.velocity},
-                         {of + "acceleration", &field.acceleration},
-                         {of + "mode", &field.mode.force},
-                         {of + "acceleration_before",
-                          &field.history.accelerations[0]},
-                         {of + "acceleration_before_that",
-                          &field.history.accelerations[1]}});
-        }
-      return result;
+      auto &field = state.field;
+      using Field = decltype(&field.velocity);
+      return std::vector<std::pair<std::string, Field>>{
+        {"velocity", &field.velocity},
+        {"acceleration", &field.acceleration},
+        {"mode", &field.mode.force},
+        {"acceleration_before", &field.history.accelerations[0]},
+        {"acceleration_before_that", &field.history.accelerations[1]}};
     }
 
 
@@ -412,8 +388,7 @@ namespace greville
       });
     state.estimates.last =
       content.table(prefix + "step_estimates").gather(comm);
-    for (FieldState<dim> &field : state.fields)
-      field.slid.clear();
+    state.field.slid.clear();
 
     if (discretization.repartition(std::make_shared<const Partition>(
           content.table(prefix + "partition").values, comm)))

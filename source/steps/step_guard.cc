@@ -301,7 +301,7 @@ namespace greville
                                  const bool            is_implicit) const
   {
     const bool is_exact =
-      discretization.fields()[0].mass->is_diagonal() && !is_implicit;
+      discretization.field().mass->is_diagonal() && !is_implicit;
     const double difference = (found - expected).norm();
     if (difference <= momentum_tolerance * size)
       return;
@@ -335,24 +335,24 @@ namespace greville
   std::string
   StepGuard<dim>::surface_without_mass(const State<dim> &state) const
   {
-    std::string result;
-    for (const GridField<dim> &field : discretization.fields())
-      for (unsigned int k = 0;
-           k < field.surfaces.size() && k < field.surface_forces.size();
-           ++k)
-        {
-          const VectorField<dim> &force   = field.surface_forces[k];
-          const Surface<dim>     &surface = state.surfaces[field.surfaces[k]];
-          for (unsigned int i = 0;
-               i < force[0].locally_owned_size() && result.empty();
-               ++i)
-            if (!field.mass->is_seen(i))
-              for (unsigned int d = 0; d < dim; ++d)
-                if (force[d].local_element(i) != 0.)
-                  result = surface.contact.empty()
-                             ? "'Surface load " + surface.name + "'"
-                             : "'Contact " + surface.contact + "'";
-        }
+    std::string           result;
+    const GridField<dim> &field = discretization.field();
+    for (unsigned int k = 0;
+         k < state.surfaces.size() && k < field.surface_forces.size();
+         ++k)
+      {
+        const VectorField<dim> &force   = field.surface_forces[k];
+        const Surface<dim>     &surface = state.surfaces[k];
+        for (unsigned int i = 0;
+             i < force[0].locally_owned_size() && result.empty();
+             ++i)
+          if (!field.mass->is_seen(i))
+            for (unsigned int d = 0; d < dim; ++d)
+              if (force[d].local_element(i) != 0.)
+                result = surface.contact.empty()
+                           ? "'Surface load " + surface.name + "'"
+                           : "'Contact " + surface.contact + "'";
+      }
     return first_of_all(result, discretization.communicator());
   }
 

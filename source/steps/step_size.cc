@@ -139,37 +139,27 @@ namespace greville
     discretization.sum(state);
     const PartTimer timer(log, "critical step");
     StepEstimates  &estimates = state.estimates;
-    const double    last = estimates.last.empty() ? 0. : estimates.last.back();
-    double          estimate = std::numeric_limits<double>::infinity();
-    for (unsigned int k = 0; k < state.fields.size(); ++k)
-      {
-        GridField<dim>                   &field = discretization.fields()[k];
-        std::vector<const Body<dim> *>    bodies;
-        std::vector<const Surface<dim> *> surfaces;
-        for (const unsigned int b : field.bodies)
-          bodies.push_back(&state.bodies[b]);
-        for (const unsigned int s : field.surfaces)
-          surfaces.push_back(&state.surfaces[s]);
-        field.mass->release();
-        estimate = std::min(estimate,
-                            critical_step.estimate(*field.mass,
-                                                   discretization.transfer(),
-                                                   bodies,
-                                                   surfaces,
-                                                   field.points,
-                                                   scheme,
-                                                   state.fields[k].mode));
-      }
+    const double    last  = estimates.last.empty() ? 0. : estimates.last.back();
+    GridField<dim> &field = discretization.field();
+    field.mass->release();
+    double estimate = critical_step.estimate(*field.mass,
+                                             discretization.transfer(),
+                                             state.bodies,
+                                             state.surfaces,
+                                             field.points,
+                                             scheme,
+                                             state.field.mode);
 
     // Derivatives that are averaged over domains make the highest frequency
     // depend more on where points are in their cells than the estimates of a
     // few places show.
     constexpr double of_domains = 0.85;
-    if (discretization.cell_windows() && discretization.fields()[0].consistent)
+    if (discretization.cell_windows() &&
+        discretization.field().mass->is_exact())
       estimate *= of_domains;
     estimates.last.push_back(estimate);
     const unsigned int n_kept =
-      discretization.fields()[0].consistent ? n_estimates : 1;
+      discretization.field().mass->is_exact() ? n_estimates : 1;
     if (estimates.last.size() > n_kept)
       estimates.last.erase(estimates.last.begin(),
                            estimates.last.end() - n_kept);
@@ -243,7 +233,7 @@ namespace greville
     double         step =
       std::min(parameters.cfl * discretization.cell_size() / signals.fastest,
                parameters.safety * state.estimates.critical);
-    if (discretization.fields()[0].consistent && signals.crossing_rate > 0.)
+    if (discretization.field().mass->is_exact() && signals.crossing_rate > 0.)
       step = std::min(step,
                       most_crossings / (discretization.space().degree() *
                                         signals.crossing_rate));

@@ -23,16 +23,17 @@ namespace greville
 
 
   template <int dim>
-  FrictionWalls<dim>::FrictionWalls(const Walls<dim> &walls)
+  FrictionWalls<dim>::FrictionWalls(const Walls<dim> &walls,
+                                    GridField<dim>   &field)
     : walls(walls)
+    , field(field)
   {}
 
 
 
   template <int dim>
   WallSums<dim>
-  FrictionWalls<dim>::stop(VectorField<dim>     &velocity,
-                           const GridField<dim> &field) const
+  FrictionWalls<dim>::stop(VectorField<dim> &velocity) const
   {
     return walls.stop(velocity, field.lumped_mass);
   }
@@ -44,16 +45,18 @@ namespace greville
   LumpedWallFriction<dim>::make(const IntegratorParts<dim> &parts)
   {
     const Walls<dim> &walls = parts.discretization.walls();
-    if (!walls.have_friction() || parts.discretization.fields()[0].consistent)
+    GridField<dim>   &field = parts.discretization.field();
+    if (!walls.have_friction() || field.mass->is_exact())
       return nullptr;
-    return std::make_unique<LumpedWallFriction<dim>>(walls);
+    return std::make_unique<LumpedWallFriction<dim>>(walls, field);
   }
 
 
 
   template <int dim>
-  LumpedWallFriction<dim>::LumpedWallFriction(const Walls<dim> &walls)
-    : FrictionWalls<dim>(walls)
+  LumpedWallFriction<dim>::LumpedWallFriction(const Walls<dim> &walls,
+                                              GridField<dim>   &field)
+    : FrictionWalls<dim>(walls, field)
   {}
 
 
@@ -62,28 +65,26 @@ namespace greville
   void
   LumpedWallFriction<dim>::apply(ContactStep<dim> &step)
   {
-    for (GridField<dim> &field : step.fields)
-      {
-        before = field.new_velocity;
-        add_to<dim>(field.momentum_of_walls,
-                    this->walls.add_contact(field.new_velocity,
-                                            field.acceleration,
-                                            step.dt,
-                                            field.lumped_mass));
-        // What the impulses give to the kinetic energy.
-        const VectorType &lumped      = field.lumped_mass;
-        double            work_before = 0., work_after = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-            {
-              const double impulse = lumped.local_element(i) *
-                                     (field.new_velocity[d].local_element(i) -
-                                      before[d].local_element(i));
-              work_before += impulse * field.velocity[d].local_element(i);
-              work_after += impulse * field.new_velocity[d].local_element(i);
-            }
-        step.add_work(work_before, work_after);
-      }
+    GridField<dim> &field = this->field;
+    before                = field.new_velocity;
+    add_to<dim>(field.momentum_of_walls,
+                this->walls.add_contact(field.new_velocity,
+                                        field.acceleration,
+                                        step.dt,
+                                        field.lumped_mass));
+    // The impulses change the kinetic energy.
+    const VectorType &lumped      = field.lumped_mass;
+    double            work_before = 0., work_after = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+        {
+          const double impulse =
+            lumped.local_element(i) * (field.new_velocity[d].local_element(i) -
+                                       before[d].local_element(i));
+          work_before += impulse * field.velocity[d].local_element(i);
+          work_after += impulse * field.new_velocity[d].local_element(i);
+        }
+    step.add_work(work_before, work_after);
   }
 
 
@@ -93,25 +94,22 @@ namespace greville
   WallFriction<dim>::make(const IntegratorParts<dim> &parts)
   {
     const Walls<dim> &walls = parts.discretization.walls();
-    if (!walls.have_friction() || !parts.discretization.fields()[0].consistent)
+    GridField<dim>   &field = parts.discretization.field();
+    if (!walls.have_friction() || !field.mass->is_exact())
       return nullptr;
-    return std::make_unique<WallFriction<dim>>(walls,
-                                               parts.discretization.fields(),
-                                               parts.log);
+    return std::make_unique<WallFriction<dim>>(walls, field, parts.log);
   }
 
 
 
   template <int dim>
-  WallFriction<dim>::WallFriction(const Walls<dim>            &walls,
-                                  std::vector<GridField<dim>> &fields,
-                                  StepLog                     &log)
-    : FrictionWalls<dim>(walls)
+  WallFriction<dim>::WallFriction(const Walls<dim> &walls,
+                                  GridField<dim>   &field,
+                                  StepLog          &log)
+    : FrictionWalls<dim>(walls, field)
+    , contact(walls, *field.mass)
     , log(log)
-  {
-    for (GridField<dim> &field : fields)
-      of_fields.emplace_back(walls, *field.consistent);
-  }
+  {}
 
 
 
@@ -120,23 +118,19 @@ namespace greville
   WallFriction<dim>::apply(ContactStep<dim> &step)
   {
     const PartTimer timer(log, "contact");
-    for (unsigned int k = 0; k < of_fields.size(); ++k)
-      {
-        GridField<dim>       &field   = step.fields[k];
-        FrictionContact<dim> &contact = of_fields[k];
-        fail_with([&]() {
-          add_to<dim>(field.momentum_of_walls,
-                      contact.add(field.new_velocity,
-                                  field.acceleration,
-                                  step.dt,
-                                  step.state.fields[k].slid));
-        });
-        step.most_iterations =
-          std::max(step.most_iterations, contact.most_iterations());
-        step.n_iterations += contact.n_iterations();
-        step.add_work(contact.work(field.velocity, field.velocity),
-                      contact.work(field.new_velocity, field.new_velocity));
-      }
+    GridField<dim> &field = this->field;
+    fail_with([&]() {
+      add_to<dim>(field.momentum_of_walls,
+                  contact.add(field.new_velocity,
+                              field.acceleration,
+                              step.dt,
+                              step.state.field.slid));
+    });
+    step.most_iterations =
+      std::max(step.most_iterations, contact.most_iterations());
+    step.n_iterations += contact.n_iterations();
+    step.add_work(contact.work(field.velocity, field.velocity),
+                  contact.work(field.new_velocity, field.new_velocity));
   }
 
 
@@ -145,9 +139,7 @@ namespace greville
   void
   WallFriction<dim>::begin_trial()
   {
-    loads_before_trial.clear();
-    for (const FrictionContact<dim> &contact : of_fields)
-      loads_before_trial.push_back(contact.loads());
+    loads_before_trial = contact.loads();
   }
 
 
@@ -156,8 +148,7 @@ namespace greville
   void
   WallFriction<dim>::end_trial()
   {
-    for (unsigned int k = 0; k < of_fields.size(); ++k)
-      of_fields[k].set_loads(loads_before_trial[k]);
+    contact.set_loads(loads_before_trial);
   }
 
 
@@ -166,8 +157,7 @@ namespace greville
   void
   WallFriction<dim>::forget()
   {
-    for (FrictionContact<dim> &contact : of_fields)
-      contact.set_loads();
+    contact.set_loads();
   }
 
 

@@ -25,7 +25,7 @@ namespace
       if (multi_index<dim>(space.owned_functions()[i],
                            space.n_functions())[d] == 0)
         worst =
-          std::max(worst, -run->state().fields[0].velocity[d].local_element(i));
+          std::max(worst, -run->state().field.velocity[d].local_element(i));
     return max_all(worst);
   }
 } // namespace

@@ -66,7 +66,7 @@ test_main()
             worst =
               std::max(worst,
                        std::abs(
-                         run->state().fields[0].velocity[0].local_element(i) -
+                         run->state().field.velocity[0].local_element(i) -
                          0.01));
         }
       check(mass + ", velocity at the moving wall", max_all(worst), 1e-12);
@@ -125,7 +125,7 @@ test_main()
       run.run();
       const double wanted = at == "half steps" ? 0.019 : 0.02;
       check("wall that speeds up, " + at,
-            std::abs(run->state().fields[0].velocity[0].linfty_norm() - wanted),
+            std::abs(run->state().field.velocity[0].linfty_norm() - wanted),
             1e-12);
     }
 

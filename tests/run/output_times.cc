@@ -114,8 +114,8 @@ namespace
         for (unsigned int d = 0; d < 2; ++d)
           of_grid = std::max(
             {of_grid,
-             std::abs(state.fields[0].velocity[d].local_element(i) - v[d]),
-             std::abs(state.fields[0].acceleration[d].local_element(i) -
+             std::abs(state.field.velocity[d].local_element(i) - v[d]),
+             std::abs(state.field.acceleration[d].local_element(i) -
                       g[d])});
     check(name + ": velocities lag", lagging < state.time - 1e-3);
     check(name + ": velocities of points", max_all(of_points), 1e-11);
@@ -309,7 +309,7 @@ namespace
           space.n_functions()[1])
         worst = std::max(worst,
                          std::abs(
-                           run->state().fields[0].velocity[0].local_element(i) -
+                           run->state().field.velocity[0].local_element(i) -
                            0.2 * run->state().time));
     check("velocity of a wall", max_all(worst), 1e-6);
   }

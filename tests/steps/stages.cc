@@ -188,13 +188,13 @@ namespace
     double largest = 0.;
     for (unsigned int d = 0; d < 2; ++d)
       {
-        VectorType change = late.fields[0].velocity[d];
+        VectorType change = late.field.velocity[d];
         for (unsigned int i = 0; i < change.locally_owned_size(); ++i)
-          largest = std::max(
-            largest,
-            std::abs(
-              change.local_element(i) -
-              simulated->state().fields[0].velocity[d].local_element(i)));
+          largest =
+            std::max(largest,
+                     std::abs(
+                       change.local_element(i) -
+                       simulated->state().field.velocity[d].local_element(i)));
       }
     check("the same bits after going back over the end of a stage",
           largest == 0. && simulated->state().n_steps == late.n_steps);

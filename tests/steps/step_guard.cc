@@ -94,8 +94,7 @@ namespace
         state.points_have_changed();
       USL<2>::advance(state, dt);
       if (is_wrong_now && fault == "infinite")
-        state.fields[0].acceleration[0] =
-          std::numeric_limits<double>::infinity();
+        state.field.acceleration[0] = std::numeric_limits<double>::infinity();
       if (is_wrong_now && (fault == "momentum" || fault == "infinite"))
         kick_again(state, dt);
       is_wrong_now = false;
@@ -134,8 +133,8 @@ namespace
     kick_again(State<2> &state, const double dt)
     {
       PointUpdate<2> update;
-      update.acceleration  = &state.fields[0].acceleration;
-      update.velocity      = &state.fields[0].velocity;
+      update.acceleration  = &state.field.acceleration;
+      update.velocity      = &state.field.velocity;
       update.velocity_step = dt;
       update.move          = true;
       guard.set(update_points(

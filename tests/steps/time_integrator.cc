@@ -39,9 +39,8 @@ namespace
     advance(State<dim> &state, const double dt) override
     {
       discretization.sum(state, true);
-      GridField<dim> &field = discretization.fields()[0];
-      discretization.solve(field,
-                           {&velocity, &acceleration},
+      GridField<dim> &field = discretization.field();
+      discretization.solve({&velocity, &acceleration},
                            {&field.momentum, &field.force});
       for (unsigned int d = 0; d < dim; ++d)
         velocity[d].add(dt, acceleration[d]);
@@ -60,7 +59,7 @@ namespace
       const std::string problem =
         discretization.transport_points(state, motion.left_cells);
       fail_on_all(motion.problem + problem, discretization.communicator());
-      std::swap(state.fields[0].velocity, velocity);
+      std::swap(state.field.velocity, velocity);
       state.time += dt;
       state.velocity_time = state.time;
       state.step          = dt;

@@ -100,14 +100,6 @@ namespace greville
     {
       return is_axisymmetric() && lower[0] == 0.;
     }
-
-    /**
-     * The numbers of the bodies of each velocity field of the grid, in the
-     * order of GeneralParameters::bodies: each body in one field. Bodies of one
-     * field stick where they touch, those of two do not see one another. Empty:
-     * all bodies have one field. For programs: no parameter sets it.
-     */
-    std::vector<std::vector<unsigned int>> fields;
   };
 
 

@@ -95,8 +95,8 @@ namespace greville
     virtual bool
     deforms_by_mapped_velocity() const = 0;
 
-    /// Collective. Sum up the points, and solve for velocity and acceleration
-    /// of all fields: here by one solve for both.
+    /// Collective. Sum up the points, and solve for velocity and
+    /// acceleration: here by one solve for both.
     virtual void
     find_fields(State<dim> &state);
 
@@ -117,33 +117,29 @@ namespace greville
     void
     add_gravity(const double t);
 
-    /// M x = sum for pairs of them with the mass of a field; the x hold guesses
-    /// and the values at walls.
+    /// M x = sum for pairs of them; the x hold guesses and the values at walls.
     void
-    solve(GridField<dim>                              &field,
-          const std::vector<VectorField<dim> *>       &x,
+    solve(const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &sums,
           const std::vector<double>                   &shares = {});
 
     /// The momentum that walls give in the step: @p factor times what they
     /// add to the sum of the pair @p k of the last solve().
     void
-    add_momentum_of_walls(GridField<dim>         &field,
-                          const VectorField<dim> &x,
+    add_momentum_of_walls(const VectorField<dim> &x,
                           const VectorField<dim> &b,
                           const unsigned int      k,
                           const double            factor);
 
-    /// Take from a velocity of a field that has been found from the points what
-    /// contacts do not let through. Returns what walls give.
+    /// Take from a velocity that has been found from the points what contacts
+    /// do not let through. Returns what walls give.
     WallSums<dim>
-    stop(VectorField<dim> &velocity, const GridField<dim> &field) const;
+    stop(VectorField<dim> &velocity) const;
 
     /// A member of GridField.
     using Member = VectorField<dim> GridField<dim>::*;
 
-    /// One pass over the points, with the fields of their bodies. Null leaves
-    /// out a part.
+    /// One pass over the points. Null leaves out a part.
     void
     update(State<dim>  &state,
            const Member kick,
@@ -163,6 +159,7 @@ namespace greville
 
     const SimulationParameters &parameters;
     Discretization<dim>        &discretization;
+    GridField<dim>             &field;
     const Walls<dim>           &walls;
     Loads<dim>                 &loads;
     StepLog                    &log;
@@ -201,7 +198,7 @@ namespace greville
 
     /// Collective. Add what the pressure of pore water gives.
     void
-    add_pressure(const State<dim> &state, GridField<dim> &field);
+    add_pressure(const State<dim> &state);
 
     /// The velocity that the acceleration leads to, with contact, and the work
     /// in the step.
@@ -214,7 +211,7 @@ namespace greville
 
     /// Filter the new velocity, and add what that takes to the acceleration.
     void
-    filter_velocity(GridField<dim> &field);
+    filter_velocity();
 
     /// Contacts change the new velocity and the acceleration.
     void
@@ -223,7 +220,7 @@ namespace greville
     /// Points shall not keep what the held velocity leaves out of theirs: add
     /// it, with the opposite sign, to the acceleration that kicks them.
     void
-    take_held_residual(const State<dim> &state, GridField<dim> &field);
+    take_held_residual(const State<dim> &state);
 
     /// Work that loads and walls do in this step; of loads on points half of
     /// it, with their velocities before the kick.
@@ -239,12 +236,11 @@ namespace greville
     void
     add_work_of_damping(State<dim> &state);
 
-    /// Update the points of surfaces of a field, whose velocity is that at the
+    /// Update the points of surfaces, whose velocity is that at the
     /// end of the step, to which grid velocities at half steps are
     /// extrapolated: dashpots need it.
     void
     update_surfaces(State<dim>             &state,
-                    const GridField<dim>   &field,
                     const PointUpdate<dim> &update,
                     PointMotion            &motion);
 

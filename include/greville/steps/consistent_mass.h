@@ -56,14 +56,10 @@ namespace greville
           const std::vector<const VectorField<dim> *> &b,
           const std::vector<double>                   &shares = {}) override;
 
-    /**
-     * Collective. The same for one pair, where more coefficients are held: bit
-     * c of @p more[i] holds component c of the owned function i.
-     */
     void
     solve_held(VectorField<dim>                 &x,
                const VectorField<dim>           &b,
-               const std::vector<unsigned char> &more);
+               const std::vector<unsigned char> &more) override;
 
     void
     rows_of_held(VectorField<dim>       &rows,
@@ -74,22 +70,14 @@ namespace greville
       extended_mass.rows_of_held(rows, x, b);
     }
 
-    /**
-     * Collective. The rows of M x at all unknowns that are not held: what
-     * solve_held() has given to those of more coefficients.
-     */
     void
-    reactions(VectorField<dim> &rows, const VectorField<dim> &x) const
+    reactions(VectorField<dim> &rows, const VectorField<dim> &x) const override
     {
       extended_mass.multiply_field(rows, x, true);
     }
 
-    /**
-     * Collective. Give the extended functions of a field the coefficients that
-     * they depend on, see ExtendedMass::extend().
-     */
     void
-    extend(VectorField<dim> &field) const
+    extend(VectorField<dim> &field) const override
     {
       extended_mass.unknowns().extend(field, this->lumped_mass);
     }
@@ -105,26 +93,28 @@ namespace greville
              spline_extension[function] == Extension<dim>::extended;
     }
 
-    /**
-     * Windows of cells that are to know which of them reach their neighbours,
-     * kept by reference; null: none.
-     */
     void
-    set_windows(CellWindows<dim> *given)
+    set_windows(CellWindows<dim> *given) override
     {
       windows = given;
     }
 
     bool
-    has_windows() const
+    has_windows() const override
     {
       return windows;
     }
 
-    const Extension<dim> &
-    extension() const
+    bool
+    is_stable(const unsigned int function) const override
     {
-      return spline_extension;
+      return spline_extension[function] == Extension<dim>::stable;
+    }
+
+    typename Extension<dim>::Counts
+    counts() const override
+    {
+      return spline_extension.counts();
     }
 
     std::uint64_t
@@ -133,11 +123,8 @@ namespace greville
       return filling.n_fragments();
     }
 
-    /**
-     * Cells of fragments as a fraction of those with points. Collective.
-     */
     double
-    fragment_fraction() const;
+    fragment_fraction() const override;
 
     void
     begin_trial() override;

@@ -8,15 +8,15 @@
 namespace greville
 {
   /**
-   * An explicit step as contacts see it: the state with its bodies, and all
-   * velocity fields of the grid.
+   * An explicit step as contacts see it: the state with its bodies, and the
+   * velocity field of the grid.
    */
   template <int dim>
   struct ContactStep
   {
-    State<dim>                  &state;
-    std::vector<GridField<dim>> &fields;
-    PointTransfer<dim>          &transfer;
+    State<dim>         &state;
+    GridField<dim>     &field;
+    PointTransfer<dim> &transfer;
     /// The times to which v and v' belong, and the length of the step between
     /// them, s.
     double begin = 0., end = 0., dt = 0.;
@@ -41,8 +41,7 @@ namespace greville
 
 
   /**
-   * What acts between velocity fields of the grid, or on one of them, in
-   * explicit steps. A step calls, for all fields at once,
+   * Forces on the velocity field of the grid in explicit steps. A step calls
    * - constrain(), with the sums over the points, before solves: what is
    *   constrained then keeps its value in them;
    * - apply(), with the new velocity that the forces lead to.
@@ -77,11 +76,11 @@ namespace greville
     {}
 
     /**
-     * Take from a velocity of a field that has been found from the points what
-     * this contact does not let through. Returns the momentum that walls give.
+     * Take from a velocity that has been found from the points what this
+     * contact does not let through. Returns the momentum that walls give.
      */
     virtual WallSums<dim>
-    stop(VectorField<dim> &, const GridField<dim> &) const
+    stop(VectorField<dim> &) const
     {
       return {};
     }

@@ -86,8 +86,8 @@ namespace greville
     double
     estimate(GridMass<dim>                                  &mass,
              PointTransfer<dim>                             &transfer,
-             const std::vector<const Body<dim> *>           &bodies,
-             const std::vector<const Surface<dim> *>        &surfaces,
+             const std::vector<Body<dim>>                   &bodies,
+             const std::vector<Surface<dim>>                &surfaces,
              const std::vector<const MaterialPoints<dim> *> &mass_points,
              const StepScheme                               &scheme,
              HighestMode<dim>                               &mode);

@@ -10,6 +10,8 @@
 #include <greville/steps/state.h>
 #include <greville/steps/step_log.h>
 
+#include <optional>
+
 namespace greville
 {
   /**
@@ -50,9 +52,9 @@ namespace greville
     }
 
     /**
-     * Collective. Make walls and mass anew from the parameters, which may have
-     * become those of another stage. Fields that have been initialized before,
-     * and the space of points, are those of the old space.
+     * Collective. Make walls and mass anew from the parameters,
+     * which may have become those of another stage. Fields that have been
+     * initialized before, and the space of points, are those of the old space.
      */
     void
     reinit();
@@ -99,20 +101,16 @@ namespace greville
       return grid_walls;
     }
 
-    /**
-     * The velocity fields: those of GridParameters::fields, or one for all
-     * bodies.
-     */
-    std::vector<GridField<dim>> &
-    fields()
+    GridField<dim> &
+    field()
     {
-      return grid_fields;
+      return grid_field;
     }
 
-    const std::vector<GridField<dim>> &
-    fields() const
+    const GridField<dim> &
+    field() const
     {
-      return grid_fields;
+      return grid_field;
     }
 
     PointTransfer<dim> &
@@ -158,15 +156,14 @@ namespace greville
     initialize(VectorField<dim> &field) const;
 
     /**
-     * Give a state without guesses as many FieldState as there are fields, of
-     * zeros.
+     * Give a state a FieldState of zeros.
      */
     void
-    initialize_fields(State<dim> &state) const;
+    initialize_field(State<dim> &state) const;
 
     /**
-     * Collective. Sum up mass and momentum of the points of each field, and
-     * assemble its mass, unless those of State::points_stamp are there; and
+     * Collective. Sum up mass and momentum of the points, and assemble the
+     * mass, unless those of State::points_stamp are there; and
      * @p with_force the force, with that of loads on surfaces.
      */
     void
@@ -180,33 +177,29 @@ namespace greville
     sum_momentum(const State<dim> &state);
 
     /**
-     * Collective. The force on the functions of a field by stresses, by loads
+     * Collective. The force on the functions by stresses, by loads
      * as the points have them, and by the acceleration @p gravity. It changes
      * nothing of what sum() has found.
      */
     void
     find_force(const State<dim>             &state,
                const dealii::Tensor<1, dim> &gravity,
-               const unsigned int            field,
                VectorField<dim>             &force);
 
     /**
      * Collective. CellFilling::cell_class() of the owned cells, as extended
-     * B-splines of a field have them.
+     * B-splines have them.
      */
     std::vector<unsigned char>
-    cell_classes(const State<dim>  &state,
-                 const bool         is_implicit,
-                 const unsigned int field = 0);
+    cell_classes(const State<dim> &state, const bool is_implicit);
 
     /**
-     * Collective. Solve M x = sum with the mass of a field for pairs of them,
-     * see GridMass::solve(). Returns the most iterations of a component. Throws
-     * StepFailed where the solver does not converge.
+     * Collective. Solve M x = sum for pairs of them, see GridMass::solve().
+     * Returns the most iterations of a component. Throws StepFailed where the
+     * solver does not converge.
      */
     unsigned int
-    solve(GridField<dim>                              &field,
-          const std::vector<VectorField<dim> *>       &x,
+    solve(const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &sums,
           const std::vector<double>                   &shares = {});
 
@@ -222,26 +215,19 @@ namespace greville
       const std::vector<std::vector<unsigned int>> &left_surface_cells = {});
 
   private:
-    /**
-     * The fields with their bodies, as the parameters have them.
-     */
     void
-    make_fields();
+    make_field();
 
     /**
      * Add the loads on surfaces to the force, and remember each of them.
      */
     void
     add_surface_forces(const State<dim>              &state,
-                       const GridField<dim>          &field,
                        std::vector<VectorField<dim>> &of_surfaces,
                        VectorField<dim>              &force);
 
-    /**
-     * Set the points and surfaces of the bodies of @p field.
-     */
     void
-    set_points(const State<dim> &state, GridField<dim> &field) const;
+    set_points(const State<dim> &state);
 
     const SimulationParameters            &parameters;
     StepLog                               &log;
@@ -250,7 +236,7 @@ namespace greville
     std::shared_ptr<const Partition>       cell_partition;
     Walls<dim>                             grid_walls;
     OrderHierarchy<dim>                    orders;
-    std::vector<GridField<dim>>            grid_fields;
+    GridField<dim>                         grid_field;
     PointTransfer<dim>                     point_transfer;
     std::unique_ptr<VolumeProjection<dim>> projection;
     std::unique_ptr<CellWindows<dim>>      windows;

@@ -3,7 +3,7 @@
 #ifndef greville_steps_friction_contact_h
 #define greville_steps_friction_contact_h
 
-#include <greville/steps/consistent_mass.h>
+#include <greville/steps/grid_mass.h>
 
 namespace greville
 {
@@ -42,7 +42,7 @@ namespace greville
     /**
      * Walls and mass are kept by reference.
      */
-    FrictionContact(const Walls<dim> &walls, ConsistentMass<dim> &mass);
+    FrictionContact(const Walls<dim> &walls, GridMass<dim> &mass);
 
     /**
      * Collective. Change the new velocity, and the acceleration that led to it
@@ -141,7 +141,7 @@ namespace greville
     impulses();
 
     const Walls<dim>          &walls;
-    ConsistentMass<dim>       &mass;
+    GridMass<dim>             &mass;
     std::vector<Contact>       contacts;
     std::vector<unsigned char> normals; // bits of components that touch
     VectorField<dim>           change, load, reaction, held;

@@ -152,6 +152,73 @@ namespace greville
                  const unsigned int      k) const = 0;
 
     /**
+     * Collective. Solve for one pair with more held coefficients: bit c of
+     * @p more[i] holds component c of the owned function i. If is_exact().
+     */
+    virtual void
+    solve_held(VectorField<dim> &,
+               const VectorField<dim> &,
+               const std::vector<unsigned char> &)
+    {
+      AssertThrow(false, dealii::ExcNotImplemented());
+    }
+
+    /**
+     * Collective. Return the rows of M x at all unknowns that are not held: the
+     * impulses of the coefficients that solve_held() has held. If is_exact().
+     */
+    virtual void
+    reactions(VectorField<dim> &, const VectorField<dim> &) const
+    {
+      AssertThrow(false, dealii::ExcNotImplemented());
+    }
+
+    /**
+     * Collective. Give functions that are no unknowns the coefficients that
+     * depend on those of unknowns, see ExtendedMass::extend().
+     */
+    virtual void
+    extend(VectorField<dim> &) const
+    {}
+
+    /**
+     * Return whether the points determine an owned function: its coefficient
+     * does not depend on few points.
+     */
+    virtual bool
+    is_stable(const unsigned int) const
+    {
+      return true;
+    }
+
+    /**
+     * Collective. Return the numbers of functions by their class, see
+     * Extension.
+     */
+    virtual typename Extension<dim>::Counts
+    counts() const
+    {
+      return {};
+    }
+
+    /**
+     * Let windows of cells know which of them reach their neighbours by
+     * extended functions. They are kept by reference; null: none.
+     */
+    virtual void
+    set_windows(CellWindows<dim> *)
+    {}
+
+    /**
+     * Return whether update() changes windows.
+     */
+    virtual bool
+    has_windows() const
+    {
+      return false;
+    }
+
+    /**
      * Most iterations of a component in the last solve().
      */
     unsigned int
@@ -217,6 +284,16 @@ namespace greville
     n_fragments() const
     {
       return 0;
+    }
+
+    /**
+     * Collective. Return the cells of fragments as a fraction of the cells with
+     * points.
+     */
+    virtual double
+    fragment_fraction() const
+    {
+      return 0.;
     }
 
     /**

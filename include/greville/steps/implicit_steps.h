@@ -87,7 +87,7 @@ namespace greville
     GridField<dim> &
     field() const
     {
-      return discretization.fields()[0];
+      return discretization.field();
     }
 
     void

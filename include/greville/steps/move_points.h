@@ -7,7 +7,6 @@
 #include <greville/steps/late_row.h>
 #include <greville/steps/state.h>
 
-#include <numeric>
 #include <string>
 
 namespace greville
@@ -53,51 +52,30 @@ namespace greville
   stop_points(State<dim> &state);
 
   /**
-   * Collective. One pass over the points of the bodies of the given numbers,
-   * without those that the @p update does not change. Its material is that of
-   * each body, with the strength that it has at the @p time (s) to which the
-   * points come. A kick sums up the @p row that is given. What came of the
-   * points is added to the @p motion.
-   */
-  template <int dim>
-  void
-  update_points_of(std::vector<Body<dim>>          &bodies,
-                   const std::vector<unsigned int> &numbers,
-                   PointTransfer<dim>              &transfer,
-                   PointUpdate<dim>                 update,
-                   const double                     time,
-                   LateRow<dim>                    *row,
-                   PointMotion                     &motion);
-
-  /**
-   * Collective. Likewise of all bodies, without a row.
+   * Collective. One pass over the points of all bodies, without those that the
+   * @p update does not change. Its material is that of each body, with the
+   * strength that it has at the @p time (s) to which the points come. A kick
+   * sums up the @p row; null: none.
    */
   template <int dim>
   PointMotion
   update_points(std::vector<Body<dim>> &bodies,
                 PointTransfer<dim>     &transfer,
-                const PointUpdate<dim> &update,
-                const double            time)
-  {
-    std::vector<unsigned int> all(bodies.size());
-    std::iota(all.begin(), all.end(), 0);
-    PointMotion motion;
-    update_points_of<dim>(bodies, all, transfer, update, time, nullptr, motion);
-    return motion;
-  }
+                PointUpdate<dim>        update,
+                const double            time,
+                LateRow<dim>           *row = nullptr);
 
   /**
-   * Collective. Likewise the points of the surfaces of the given numbers, which
-   * have no inertia: where points are kicked, theirs take the velocity of the
-   * grid.
+   * Collective. Likewise the points of surfaces, which have no inertia: where
+   * points are kicked, theirs take the velocity of the grid. The result is
+   * added to the @p motion.
    */
   template <int dim>
   void
-  update_surfaces(std::vector<Surface<dim>>       &surfaces,
-                  const std::vector<unsigned int> &numbers,
-                  PointTransfer<dim>              &transfer,
-                  PointUpdate<dim>                 update,
-                  PointMotion                     &motion);
+  update_surfaces(std::vector<Surface<dim>> &surfaces,
+                  PointTransfer<dim>        &transfer,
+                  PointUpdate<dim>           update,
+                  PointMotion               &motion);
 
   /**
    * Collective. Points of fluids share their changes of volume, every ten steps

@@ -143,7 +143,7 @@ namespace greville
     /// Collective. The force on the functions of a velocity field of the grid
     /// by stresses, gravity and loads as they are, N (2D: N / m).
     VectorField<dim>
-    grid_force(const unsigned int field = 0);
+    grid_force();
 
     /// Collective. The surfaces, with their loads as they are.
     const std::vector<Surface<dim>> &
@@ -176,7 +176,7 @@ namespace greville
     const GridMass<dim> &
     mass() const
     {
-      return *discretization.fields()[0].mass;
+      return *discretization.field().mass;
     }
 
     /// See TimeIntegrator::is_implicit().

@@ -146,8 +146,7 @@ namespace greville
     /// Implicit steps: the fraction of the given step that is tried.
     double step_fraction = 1.;
 
-    /// One for each of Discretization::fields().
-    std::vector<FieldState<dim>> fields;
+    FieldState<dim> field;
 
     /// Those of GeneralParameters::rigid_bodies, the same in all simulations of
     /// an Ensemble.

@@ -19,16 +19,16 @@ namespace greville
      * By Walls::stop().
      */
     WallSums<dim>
-    stop(VectorField<dim>     &velocity,
-         const GridField<dim> &field) const override;
+    stop(VectorField<dim> &velocity) const override;
 
   protected:
     /**
-     * The walls are kept by reference.
+     * Both are kept by reference.
      */
-    explicit FrictionWalls(const Walls<dim> &walls);
+    FrictionWalls(const Walls<dim> &walls, GridField<dim> &field);
 
     const Walls<dim> &walls;
+    GridField<dim>   &field;
   };
 
 
@@ -48,9 +48,9 @@ namespace greville
     make(const IntegratorParts<dim> &parts);
 
     /**
-     * The walls are kept by reference.
+     * Both are kept by reference.
      */
-    explicit LumpedWallFriction(const Walls<dim> &walls);
+    LumpedWallFriction(const Walls<dim> &walls, GridField<dim> &field);
 
     void
     apply(ContactStep<dim> &step) override;
@@ -62,7 +62,7 @@ namespace greville
 
 
   /**
-   * Friction walls with the consistent mass: a FrictionContact for each field.
+   * Friction walls with the consistent mass: see FrictionContact.
    */
   template <int dim>
   class WallFriction : public FrictionWalls<dim>
@@ -77,9 +77,7 @@ namespace greville
     /**
      * All are kept by reference.
      */
-    WallFriction(const Walls<dim>            &walls,
-                 std::vector<GridField<dim>> &fields,
-                 StepLog                     &log);
+    WallFriction(const Walls<dim> &walls, GridField<dim> &field, StepLog &log);
 
     /**
      * Throws StepFailed where a solve does not converge.
@@ -100,9 +98,9 @@ namespace greville
     forget() override;
 
   private:
-    std::vector<FrictionContact<dim>>                of_fields;
-    std::vector<std::vector<dealii::Tensor<1, dim>>> loads_before_trial;
-    StepLog                                         &log;
+    FrictionContact<dim>                contact;
+    std::vector<dealii::Tensor<1, dim>> loads_before_trial;
+    StepLog                            &log;
   };
 } // namespace greville
 
