@@ -182,13 +182,12 @@ namespace greville
           old_force[d] -= water_force[d];
       }
     // Those of contacts are impulses of the steps they belong to.
-    contact_force                              = nullptr;
-    const std::vector<unsigned int> &of_bodies = field().surfaces;
+    contact_force = nullptr;
     for (unsigned int d = 0; d < dim && scheme.needs_acceleration(); ++d)
       {
         contact_load[d] = 0.;
-        for (unsigned int k = 0; k < of_bodies.size(); ++k)
-          if (!state.surfaces[of_bodies[k]].contact.empty())
+        for (unsigned int k = 0; k < state.surfaces.size(); ++k)
+          if (!state.surfaces[k].contact.empty())
             contact_load[d] += field().surface_forces[k][d];
         old_force[d] -= contact_load[d];
       }
