@@ -185,8 +185,8 @@ namespace greville
         for (unsigned int k = 0; k < parts.size(); ++k)
           {
             ImplicitSteps<dim> &steps = *parts[k].steps;
-            steps.last_residual = blocks[k];
-            const double size   = blocks[k].linfty_norm();
+            steps.last_residual       = blocks[k];
+            const double size         = blocks[k].linfty_norm();
             steps.forces_vanish =
               changing.empty() &&
               std::max(steps.force_scale, size) <= much * steps.round_off;

@@ -63,11 +63,9 @@ test_main()
             multi_index<2>(space.owned_functions()[i], space.n_functions());
           if (index[1] + 1 == space.n_functions()[1] && index[0] > 0 &&
               index[0] + 1 < space.n_functions()[0])
-            worst =
-              std::max(worst,
-                       std::abs(
-                         run->state().field.velocity[0].local_element(i) -
-                         0.01));
+            worst = std::max(
+              worst,
+              std::abs(run->state().field.velocity[0].local_element(i) - 0.01));
         }
       check(mass + ", velocity at the moving wall", max_all(worst), 1e-12);
     }

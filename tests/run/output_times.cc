@@ -115,8 +115,7 @@ namespace
           of_grid = std::max(
             {of_grid,
              std::abs(state.field.velocity[d].local_element(i) - v[d]),
-             std::abs(state.field.acceleration[d].local_element(i) -
-                      g[d])});
+             std::abs(state.field.acceleration[d].local_element(i) - g[d])});
     check(name + ": velocities lag", lagging < state.time - 1e-3);
     check(name + ": velocities of points", max_all(of_points), 1e-11);
     check(name + ": fields of the grid", max_all(of_grid), 1e-9);
@@ -307,10 +306,10 @@ namespace
       if (multi_index<2>(space.owned_functions()[i], space.n_functions())[1] +
             1 ==
           space.n_functions()[1])
-        worst = std::max(worst,
-                         std::abs(
-                           run->state().field.velocity[0].local_element(i) -
-                           0.2 * run->state().time));
+        worst =
+          std::max(worst,
+                   std::abs(run->state().field.velocity[0].local_element(i) -
+                            0.2 * run->state().time));
     check("velocity of a wall", max_all(worst), 1e-6);
   }
 
