@@ -35,7 +35,7 @@ namespace greville
 
     unsigned int this_process = 0;
 
-    // Whether an ExitGuard exists, and whether the code of a call has forked
+    // True if an ExitGuard exists, and if the code of a call has forked
     // this process.
     volatile bool exit_is_fault = false, is_copy = false;
 
@@ -68,7 +68,7 @@ namespace greville
     char  last_library[2048] = "";
     pid_t own_process        = 0;
 
-    // The stack of a law may be what is exhausted.
+    // A law may have exhausted its own stack.
     char stack_of_signals[1 << 16];
 
     // Of the clock that looks for calls without an end: the time between two
@@ -90,7 +90,7 @@ namespace greville
 
 
     /**
-     * What _exit() does, which this file replaces.
+     * End the process as _exit() does, which this file replaces.
      */
     [[noreturn]] void
     end_now(const int status)

@@ -166,7 +166,7 @@ test_main()
       const double       path = std::sin(angle) * (0.1 + 0.5 * 10. * 0.1 * 0.1);
       check(order + ", across the normal", std::abs(u * down - path), 1e-10);
       check(order + ", along it", std::abs(u * Rail::normal), 1e-10);
-      // What is constrained does no work where it does not move.
+      // Constraints do no work on functions that do not move.
       check(order + ", work", std::abs(sliding.statistics().work.walls), 1e-10);
     }
   for (const std::string mass : {"consistent", "fmpm-2"})

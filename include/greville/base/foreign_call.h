@@ -71,7 +71,7 @@ namespace greville
     }
 
     /**
-     * Return what is said of a call that takes longer than its time limit.
+     * Return the message about a call that takes longer than its time limit.
      */
     virtual const char *
     text_of_limit() const = 0;

@@ -9,15 +9,15 @@
 namespace greville
 {
   /**
-   * Whether a text is a name: of letters, digits and _, without a digit at the
-   * beginning.
+   * Return whether a text is a name: of letters, digits and _, without a digit
+   * at the beginning.
    */
   bool
   is_state_name(const std::string &text);
 
   /**
-   * Whether other numbers or fields of points have this name, or the one of a
-   * component: "stress_xy".
+   * Return whether other numbers or fields of points have this name, or the one
+   * of a component: "stress_xy".
    */
   bool
   is_taken_by_points(const std::string &text);

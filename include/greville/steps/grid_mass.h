@@ -160,7 +160,7 @@ namespace greville
                const VectorField<dim> &,
                const std::vector<unsigned char> &)
     {
-      AssertThrow(false, dealii::ExcNotImplemented());
+      AssertThrow(false, dealii::ExcPureFunctionCalled());
     }
 
     /**
@@ -170,7 +170,7 @@ namespace greville
     virtual void
     reactions(VectorField<dim> &, const VectorField<dim> &) const
     {
-      AssertThrow(false, dealii::ExcNotImplemented());
+      AssertThrow(false, dealii::ExcPureFunctionCalled());
     }
 
     /**
