@@ -12,7 +12,7 @@ export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros,include_f
 
 # Compilers and tests at a time.
 # nproc counts no more than OMP_NUM_THREADS.
-JOBS=${JOBS:-$(env -u OMP_NUM_THREADS nproc)}
+JOBS=${JOBS:-$(unset OMP_NUM_THREADS; nproc)}
 
 say() {
   echo "== $*"
