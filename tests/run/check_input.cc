@@ -223,14 +223,16 @@ namespace
                             "An error occurred"})
       if (message.find(raw) != std::string::npos)
         return "text of a library";
-    for (const std::string &what : {c.section + "/" + c.name,
-                                    "'" + c.name + "'",
-                                    "'" + c.section + "'",
-                                    "<" + c.section + "e>",
-                                    "<" + c.section + "/" + c.name + "=",
-                                    std::string("Line "),
-                                    std::string("ends no section"),
-                                    std::string("has no 'end'")})
+    for (const std::string &what :
+         {c.section + "/" + c.name,
+          "'" + c.name + "'",
+          "'" + c.section + "'",
+          "<" + c.section + "e>",
+          "<" + c.section + "/" + c.name + "=",
+          c.section == "Formulas" ? '"' + c.name + '"' : std::string(),
+          std::string("Line "),
+          std::string("ends no section"),
+          std::string("has no 'end'")})
       if (what.size() > 2 && message.find(what) != std::string::npos)
         return "";
     // That nothing bears a weight is found out by the run alone.
