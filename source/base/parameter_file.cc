@@ -296,6 +296,15 @@ namespace greville
 
 
   std::vector<std::string>
+  names_in_section(const ParameterHandler &prm, const std::string &section)
+  {
+    auto sections = sections_of(prm);
+    return names_of(sections[section]);
+  }
+
+
+
+  std::vector<std::string>
   words_of_parameter(const ParameterHandler &prm, const std::string &parameter)
   {
     const auto        slash   = parameter.rfind('/');

@@ -229,14 +229,15 @@ namespace greville
 
 
     /**
-     * What a reference, as a tree, knows of a parameter in a section that may
-     * be one of a body, a stage, a material of this model, ... Null: nothing.
+     * Return the entry of a reference, as a tree, for a parameter in a section
+     * that may be one of a body, a stage, ..., or a @p variant, such as " of
+     * model bingham"; null if there is none.
      */
     const Tree *
     description_of(const Tree                     &reference,
                    const std::vector<std::string> &path,
                    const std::string              &name,
-                   const std::string              &model)
+                   const std::string              &variant)
     {
       std::vector<std::string> sections = path;
       // What stages have of the whole run is described there.
@@ -246,7 +247,7 @@ namespace greville
       const std::string        first = names[0];
       for (auto blank = first.find(' '); blank != std::string::npos;
            blank      = first.find(' ', blank + 1))
-        for (const std::string &end : {" of model " + model, std::string()})
+        for (const std::string &end : {variant, std::string()})
           names.push_back(first.substr(0, blank) + " NAME" + end);
       for (const std::string &candidate : names)
         {
@@ -398,10 +399,12 @@ namespace greville
     Tree known;
     boost::property_tree::read_json(json, known);
     const auto                         lines = parameter_lines_of(text, "");
-    std::map<std::string, std::string> models;
+    std::map<std::string, std::string> variants;
     for (const ParameterLine &line : lines)
       if (line.name == "Model")
-        models[line.section] = line.value;
+        variants[line.section] = " of model " + line.value;
+      else if (line.name == "Kind")
+        variants[line.section] = " of kind " + line.value;
     Tree tree;
     for (const ParameterLine &line : lines)
       {
@@ -413,7 +416,7 @@ namespace greville
           continue;
         Tree        entry;
         const Tree *description =
-          description_of(known, line.path, line.name, models[line.section]);
+          description_of(known, line.path, line.name, variants[line.section]);
         entry.put("value", line.value);
         for (const char *key : {"default_value",
                                 "documentation",

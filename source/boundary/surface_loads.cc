@@ -5,8 +5,6 @@
 #include <greville/boundary/surface_loads.h>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
 #include <map>
 #include <sstream>
 
@@ -17,217 +15,13 @@ namespace greville
   namespace
   {
     template <int dim>
-    std::vector<std::string>
-    load_variables()
-    {
-      return dim == 2
-               ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
-               : std::vector<std::string>{"x", "y", "z", "X", "Y", "Z", "t"};
-    }
-
-
-
-    /**
-     * The value of formulas of x, X and t.
-     */
-    template <int dim, int n>
-    Tensor<1, n>
-    value_of(const VectorExpression<n> &formulas,
-             const SurfaceState<dim>   &state,
-             const double               t)
-    {
-      double arguments[2 * dim + 1];
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          arguments[d]       = state.x[d];
-          arguments[dim + d] = state.X[d];
-        }
-      arguments[2 * dim] = t;
-      return formulas(ArrayView<const double>(arguments, 2 * dim + 1));
-    }
-
-
-
-    template <int dim>
-    class DeadTraction : public SurfaceLoad<dim>
-    {
-    public:
-      DeadTraction(const std::string           &section,
-                   const SurfaceLoadParameters &parameters)
-        : formulas(parameters.traction,
-                   section + "/Traction",
-                   load_variables<dim>())
-        , per_current_area(parameters.is_per_current_area())
-      {}
-
-      Tensor<1, dim>
-      load(const SurfaceState<dim> &state, const double t) const override
-      {
-        const double area = per_current_area ? state.area_vector().norm() : 1.;
-        return area * value_of<dim, dim>(formulas, state, t);
-      }
-
-    private:
-      VectorExpression<dim> formulas;
-      const bool            per_current_area;
-    };
-
-
-
-    template <int dim>
-    class Pressure : public SurfaceLoad<dim>
-    {
-    public:
-      Pressure(const std::string           &section,
-               const SurfaceLoadParameters &parameters)
-        : formula(parameters.pressure,
-                  section + "/Pressure",
-                  load_variables<dim>())
-      {}
-
-      Tensor<1, dim>
-      load(const SurfaceState<dim> &state, const double t) const override
-      {
-        return -value_of<dim, 1>(formula, state, t)[0] * state.area_vector();
-      }
-
-    private:
-      VectorExpression<1> formula;
-    };
-
-
-
-    /**
-     * What absorbs waves of normal incidence (J. Lysmer, R. Kuhlemeyer, Finite
-     * dynamic model for infinite media, 1969), with the normal today.
-     */
-    template <int dim>
-    class Dashpot : public SurfaceLoad<dim>
-    {
-    public:
-      explicit Dashpot(const Material &material)
-      {
-        const Moduli moduli = material.moduli();
-        const double rho    = material.density;
-        normal  = std::sqrt(rho * (moduli.bulk + 4. / 3. * moduli.shear));
-        tangent = std::sqrt(rho * moduli.shear);
-      }
-
-      Tensor<1, dim>
-      load(const SurfaceState<dim> &state, const double) const override
-      {
-        Tensor<1, dim> n = state.area_vector();
-        n /= n.norm();
-        return -tangent * state.velocity -
-               (normal - tangent) * (state.velocity * n) * n;
-      }
-
-      double
-      damping() const override
-      {
-        return normal;
-      }
-
-    private:
-      double normal, tangent; // rho c, Pa s / m
-    };
-
-
-
-    /**
-     * Springs from points to where they were initially, or to a displacement
-     * from there.
-     */
-    template <int dim>
-    class Springs : public SurfaceLoad<dim>
-    {
-    public:
-      Springs(const std::string &section,
-              const std::string &displacement,
-              const double       stiffness)
-        : k(stiffness)
-      {
-        if (displacement.empty())
-          return;
-        formulas = {displacement,
-                    section + "/Displacement",
-                    dim == 2 ? std::vector<std::string>{"X", "Y", "t"}
-                             : std::vector<std::string>{"X", "Y", "Z", "t"}};
-      }
-
-      Tensor<1, dim>
-      load(const SurfaceState<dim> &state, const double t) const override
-      {
-        Tensor<1, dim> u = state.x - state.X;
-        if (!formulas.is_zero())
-          {
-            double arguments[dim + 1];
-            for (unsigned int d = 0; d < dim; ++d)
-              arguments[d] = state.X[d];
-            arguments[dim] = t;
-            u -= formulas(ArrayView<const double>(arguments, dim + 1));
-          }
-        return -k * u;
-      }
-
-      double
-      stiffness() const override
-      {
-        return k;
-      }
-
-    private:
-      const double          k;
-      VectorExpression<dim> formulas;
-    };
-
-
-
-    /**
-     * The stiffness of springs that hold a displacement, Pa / m.
-     */
-    template <int dim>
     double
-    penalty(const SurfaceLoadParameters &load,
-            const Material              &material,
-            const GridParameters        &grid)
+    smallest_edge(const GridParameters &grid)
     {
-      constexpr double factor = 10.;
-      if (load.stiffness > 0.)
-        return load.stiffness;
       double h = grid.upper[0] - grid.lower[0];
       for (unsigned int d = 0; d < dim; ++d)
         h = std::min(h, (grid.upper[d] - grid.lower[d]) / grid.cells[d]);
-      const Moduli moduli = material.moduli();
-      return factor * (moduli.bulk + 4. / 3. * moduli.shear) / h;
-    }
-
-
-
-    // The kinds of SurfaceLoadParameters::kind, one line each.
-    template <int dim>
-    std::unique_ptr<SurfaceLoad<dim>>
-    make_load(const std::string           &section,
-              const SurfaceLoadParameters &load,
-              const Material              &material,
-              const GridParameters        &grid)
-    {
-      using Load = std::unique_ptr<SurfaceLoad<dim>>;
-      const std::map<std::string, std::function<Load()>> kinds = {
-        {"traction",
-         [&]() { return std::make_unique<DeadTraction<dim>>(section, load); }},
-        {"pressure",
-         [&]() { return std::make_unique<Pressure<dim>>(section, load); }},
-        {"dashpot", [&]() { return std::make_unique<Dashpot<dim>>(material); }},
-        {"spring",
-         [&]() {
-           return std::make_unique<Springs<dim>>(section, "", load.stiffness);
-         }},
-        {"displacement", [&]() {
-           return std::make_unique<Springs<dim>>(
-             section, load.displacement, penalty<dim>(load, material, grid));
-         }}};
-      return kinds.at(load.kind)();
+      return h;
     }
   } // namespace
 
@@ -242,10 +36,9 @@ namespace greville
         parameters.push_back(all.surface_loads.at(name));
         const SurfaceLoadParameters &load = parameters.back();
         const BodyParameters        &body = all.bodies.at(load.body);
-        loads.push_back(make_load<dim>("Surface load " + name,
-                                       load,
-                                       *all.materials.at(body.material),
-                                       all.grid));
+        loads.push_back(load.kind->make<dim>({"Surface load " + name,
+                                              *all.materials.at(body.material),
+                                              smallest_edge<dim>(all.grid)}));
       }
     for (const std::string &name : all.general.contacts)
       {
@@ -269,21 +62,11 @@ namespace greville
   {
     std::string result;
     for (unsigned int k = 0; k < names.size(); ++k)
-      {
-        const SurfaceLoadParameters &load = parameters[k];
-        const auto                   add  = [&](const std::string &name,
-                             const std::string &value) {
-          if (!value.empty())
-            result += (result.empty() ? "" : ", ") +
-                      ("'Surface load " + names[k]) + "/" + name + "' <" +
-                      formula_text(value) + ">";
-        };
-        add("Traction", load.traction);
-        add("Pressure", load.pressure);
-        add("Displacement", load.displacement);
-        if (load.stiffness > 0.)
-          add("Stiffness", text_of(load.stiffness));
-      }
+      for (const auto &[name, value] : parameters[k].kind->strengths())
+        if (!value.empty())
+          result += (result.empty() ? "" : ", ") +
+                    ("'Surface load " + names[k]) + "/" + name + "' <" +
+                    formula_text(value) + ">";
     return result;
   }
 

@@ -158,36 +158,16 @@ namespace greville
       "initially (see Body/Shape; X is called x). It is best to let it end at "
       "corners and edges of the body, or between two points. Empty: all of it. "
       "Unit: m.");
-    add_parameter(prm,
-                  "Kind",
-                  kind,
-                  Selection("traction|pressure|dashpot|spring|displacement"))(
-      "traction: a force of constant direction per area; pressure: acts "
-      "against "
-      "the normal, which turns with the surface; dashpot: lets waves leave, "
-      "-rho (c_p v_n n + c_s v_t) with the wave speeds of the body's material; "
-      "spring: -k (x - X); displacement: u(X, t) is given, and held by springs "
-      "-k (x - X - u), which give way by their stress over k.");
-    add_formula(prm, "Traction", traction)(
-      "traction: formulas of x, y (, z), the initial positions X, Y (, Z) and "
-      "t, separated by semicolons. Unit: Pa.");
-    add_parameter(prm, "Area", area, Selection("initial|current"))(
-      "traction: the area that it is a force per.");
-    add_formula(prm, "Pressure", pressure)(
-      "pressure: a formula of the same variables; positive values press. Unit: "
-      "Pa.");
-    add_parameter(prm, "Stiffness", stiffness, Double(0.))(
-      "spring, displacement: k, per initial area. 0, with displacement only: "
-      "10 "
-      "times the modulus of pressure waves of the material over the smallest "
-      "edge of a cell, h: the error of the displacement is h / 10 times the "
-      "strain at the surface. Unit: Pa / m.");
-    add_formula(prm, "Displacement", displacement)(
-      "displacement: formulas of X, Y (, Z) and t, separated by semicolons. "
-      "Unit: m.");
+    add_parameter(prm, "Kind", kind_name, Selection(surface_load_kinds()))(
+      "traction: a force of constant direction per area; pressure: a force "
+      "against the normal, which turns with the surface; dashpot: absorbs "
+      "waves, -rho (c_p v_n n + c_s v_t) with the wave speeds of the body's "
+      "material; spring: -k (x - X); displacement: u(X, t) is imposed by "
+      "springs -k (x - X - u), which yield by their stress over k. The "
+      "parameters of the kind are set in the same section.");
     add_formula(prm, "Pore pressure", pore_pressure)(
       "With 'Simulation/Pore water': the pressure of the water at this part of "
-      "the surface, a formula of the variables of 'Traction'. Tractions and "
+      "the surface, a formula of x, y (, z), X, Y (, Z) and t. Tractions and "
       "pressures of loads are total ones, of soil and water. Empty: no water "
       "passes. Unit: Pa.");
     add_parameter(prm, "Seepage face", seepage_face)(
@@ -198,6 +178,8 @@ namespace greville
       "In place of 'Pore pressure': the water that leaves per area and time "
       "(negative: that comes, as rain), a formula of the same variables. Unit: "
       "m / s.");
+    if (kind)
+      kind->declare(prm);
   }
 
 
@@ -227,29 +209,6 @@ namespace greville
                      ? "'Placement' is " + bearer.placement
                      : "there is a 'Points file'") +
                   "."));
-    // What each kind needs, and all others do without.
-    const auto belongs = [&](const bool                      is_given,
-                             const std::string              &name,
-                             const std::vector<std::string> &kinds,
-                             const bool                      is_needed) {
-      const bool is_its =
-        std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
-      AssertThrow(is_its || !is_given,
-                  ExcMessage("The parameter '" + section + "/" + name +
-                             "' belongs to 'Kind' = " +
-                             boost::algorithm::join(kinds, " and ") + ", not " +
-                             kind + "."));
-      AssertThrow(!is_its || is_given || !is_needed,
-                  ExcMessage("'" + section + "' has 'Kind' = " + kind +
-                             " and needs the parameter '" + name + "'."));
-    };
-    belongs(!traction.empty(), "Traction", {"traction"}, true);
-    belongs(area != "initial", "Area", {"traction"}, false);
-    belongs(!pressure.empty(), "Pressure", {"pressure"}, true);
-    belongs(!displacement.empty(), "Displacement", {"displacement"}, true);
-    belongs(stiffness > 0.,
-            "Stiffness",
-            {"spring", "displacement"},
-            kind == "spring");
+    kind->check(section);
   }
 } // namespace greville

@@ -107,6 +107,44 @@ namespace greville
 
 
     /**
+     * The kind of the surface load of a @p section. Throws if the section has a
+     * parameter of other kinds only.
+     */
+    std::shared_ptr<SurfaceLoadKind>
+    kind_of_load(const std::vector<ParameterLine> &lines,
+                 const std::string                &section)
+    {
+      std::string name = value_of(lines, section, "Kind");
+      if (name.empty())
+        name = SurfaceLoadParameters().kind_name;
+      std::shared_ptr<SurfaceLoadKind> result =
+        make_surface_load_kind(name, section + "/Kind");
+      std::map<std::string, std::vector<std::string>> kinds_with;
+      for (const std::string &kind :
+           Utilities::split_string_list(surface_load_kinds(), '|'))
+        {
+          ParameterHandler prm;
+          const auto other = make_surface_load_kind(kind, section + "/Kind");
+          declare_section(prm, section, *other);
+          for (const std::string &parameter : names_in_section(prm, section))
+            kinds_with[parameter].push_back(kind);
+        }
+      for (const ParameterLine &line : lines)
+        if (line.section == section && kinds_with.count(line.name) > 0)
+          {
+            const auto &kinds = kinds_with[line.name];
+            AssertThrow(std::count(kinds.begin(), kinds.end(), name) > 0,
+                        ExcMessage(line.place + ": the parameter '" + section +
+                                   "/" + line.name + "' belongs to 'Kind' = " +
+                                   boost::algorithm::join(kinds, " and ") +
+                                   ", not " + name + "."));
+          }
+      return result;
+    }
+
+
+
+    /**
      * Declare the names of the section 'Formulas'.
      */
     void
@@ -365,7 +403,7 @@ namespace greville
         body_grids[name];
       }
     for (const std::string &name : load_names)
-      surface_loads[name];
+      surface_loads[name].kind = kind_of_load(lines, "Surface load " + name);
     for (const std::string &name : rigid_names)
       rigid_bodies[name];
     for (const std::string &name : contact_names)
@@ -636,6 +674,15 @@ namespace greville
       {
         laws.push_back(make_material(model, "Model"));
         declare_section(prm, "Material NAME of model " + model, *laws.back());
+      }
+    std::vector<std::unique_ptr<SurfaceLoadKind>> kinds;
+    for (const std::string &kind :
+         Utilities::split_string_list(surface_load_kinds(), '|'))
+      {
+        kinds.push_back(make_surface_load_kind(kind, "Kind"));
+        declare_section(prm,
+                        "Surface load NAME of kind " + kind,
+                        *kinds.back());
       }
     use(prm);
   }

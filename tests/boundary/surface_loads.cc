@@ -429,6 +429,72 @@ namespace
 
 
 
+  /**
+   * The pressure of a wind against a surface: drag (w - v), with w in x.
+   */
+  class Wind : public SurfaceLoadKindOf<Wind>
+  {
+  public:
+    static constexpr const char *name = "wind";
+
+    void
+    declare(ParameterHandler &prm) override
+    {
+      prm.add_parameter("Drag", drag, "Pressure per speed. Unit: Pa s / m.");
+      prm.add_parameter("Speed", speed, "Speed of the wind. Unit: m / s.");
+    }
+
+    template <int dim>
+    struct Load : SurfaceLoad<dim>
+    {
+      Load(const Wind &kind, const LoadedBody &)
+        : kind(kind)
+      {}
+
+      Tensor<1, dim>
+      load(const SurfaceState<dim> &state, const double) const override
+      {
+        Tensor<1, dim> wind;
+        wind[0] = kind.speed;
+        return kind.drag * (wind - state.velocity);
+      }
+
+      double
+      damping() const override
+      {
+        return kind.drag;
+      }
+
+      const Wind &kind;
+    };
+
+  private:
+    double drag = 0., speed = 0.;
+  };
+
+
+
+  /**
+   * A box of mass m in a wind on an area A, all of which is on one side:
+   * v = w (1 - exp(-A drag t / m)).
+   */
+  void
+  check_own_kind()
+  {
+    add_surface_load_kind<Wind>();
+    Simulated<2> box(
+      loaded(block_2d("box(0.13, 0.21, 0.77, 0.83)", 8)
+               .with("Time", {"End = 0.1", "Step = 0.001"}),
+             {"Kind = wind", "Drag = 0.1", "Speed = 3", "Where = x < 0.131"}));
+    const double m = box.simulation.statistics().mass;
+    const double v = box.run()->statistics().momentum[0] / m;
+    check("a kind of one's own: momentum",
+          v / (3. * (1. - std::exp(-0.62 * 0.1 * 0.1 / m))) - 1.,
+          0.01);
+  }
+
+
+
   void
   check_parameters()
   {
@@ -495,5 +561,6 @@ test_main()
   check_tangents();
   check_tangent_3d();
   check_energy();
+  check_own_kind();
   check_parameters();
 }

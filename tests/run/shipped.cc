@@ -30,11 +30,13 @@ namespace
   {
     std::ostringstream text;
     text << std::ifstream(file).rdbuf();
-    std::map<std::string, std::string> models;
+    std::map<std::string, std::string> variants;
     const auto lines = parameter_lines_of(text.str(), file.string());
     for (const ParameterLine &line : lines)
       if (line.name == "Model")
-        models[line.section] = line.value;
+        variants[line.section] = " of model " + line.value;
+      else if (line.name == "Kind")
+        variants[line.section] = " of kind " + line.value;
     for (const ParameterLine &line : lines)
       {
         const std::string section = std::regex_replace(
@@ -43,9 +45,9 @@ namespace
             "^(Body|Material|Stage|Surface load|Rigid body|Contact) [^/]+"),
           "$1 NAME");
         result.emplace(section, section == "Formulas" ? "NAME" : line.name);
-        if (section == "Material NAME")
-          result.emplace(section + " of model " + models[line.section],
-                         line.name);
+        if (section == "Surface load NAME" && variants[line.section].empty())
+          variants[line.section] = " of kind traction";
+        result.emplace(section + variants[line.section], line.name);
       }
   }
 
@@ -57,7 +59,7 @@ namespace
   void
   check_rows(const std::filesystem::path &page, const std::set<Parameter> &set)
   {
-    constexpr unsigned int largest_number = 173, most_of_law = 10;
+    constexpr unsigned int largest_number = 200, most_of_law = 10;
     std::ifstream          lines(page);
     std::string            section;
     unsigned int           n_rows = 0;
@@ -70,9 +72,9 @@ namespace
                line.compare(0, 12, "| parameter ") != 0 &&
                line.compare(0, 5, "| ---") != 0)
         {
-          ++(section.find(" of model ") != std::string::npos
-               ? n_rows_of_laws[section]
-               : n_rows);
+          ++n_rows;
+          if (section.find(" of model ") != std::string::npos)
+            ++n_rows_of_laws[section];
           const auto names =
             Utilities::split_string_list(line.substr(2, line.find(" |") - 2));
           check("a shipped file sets " + section + "/" + names[0],

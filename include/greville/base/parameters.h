@@ -60,6 +60,13 @@ namespace greville
                         const std::vector<ParameterLine> &lines);
 
   /**
+   * The names of the parameters in an outer section.
+   */
+  std::vector<std::string>
+  names_in_section(const dealii::ParameterHandler &prm,
+                   const std::string              &section);
+
+  /**
    * Throw dealii::ExcMessage if @p value is none of @p allowed, words that are
    * separated by '|'.
    */

@@ -3,6 +3,7 @@
 #ifndef greville_boundary_surface_loads_h
 #define greville_boundary_surface_loads_h
 
+#include <greville/loads/surface_load.h>
 #include <greville/parameters/simulation_parameters.h>
 #include <greville/points/trial_surface.h>
 
@@ -12,40 +13,6 @@
 
 namespace greville
 {
-  /**
-   * A load on points of a surface, as a force per initial area.
-   */
-  template <int dim>
-  class SurfaceLoad
-  {
-  public:
-    virtual ~SurfaceLoad() = default;
-
-    /**
-     * Pa, at time @p t (s). Throws dealii::ExcMessage where a formula has no
-     * value.
-     */
-    virtual dealii::Tensor<1, dim>
-    load(const SurfaceState<dim> &state, const double t) const = 0;
-
-    /**
-     * Surface::stiffness and Surface::damping.
-     */
-    virtual double
-    stiffness() const
-    {
-      return 0.;
-    }
-
-    virtual double
-    damping() const
-    {
-      return 0.;
-    }
-  };
-
-
-
   /**
    * The loads on the surfaces of bodies, see SurfaceLoadParameters. Each has a
    * Surface in the State, in the same order; behind them are those of bodies

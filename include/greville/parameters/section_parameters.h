@@ -3,6 +3,7 @@
 #ifndef greville_parameters_section_parameters_h
 #define greville_parameters_section_parameters_h
 
+#include <greville/loads/surface_load.h>
 #include <greville/points/body.h>
 #include <greville/stiffness/tangent_system.h>
 
@@ -165,22 +166,19 @@ namespace greville
    */
   struct SurfaceLoadParameters
   {
+    /**
+     * Declare the parameters of all kinds, and then the own ones of this kind.
+     */
     void
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * Throw dealii::ExcMessage where the parameters of the @p section do not go
-     * with the kind of the load or with the @p bodies.
+     * Throw dealii::ExcMessage if the kind of load lacks a parameter, or if the
+     * @p bodies do not support a load on the surface.
      */
     void
     check(const std::string                           &section,
           const std::map<std::string, BodyParameters> &bodies) const;
-
-    bool
-    is_per_current_area() const
-    {
-      return area == "current";
-    }
 
     bool
     passes_water() const
@@ -190,12 +188,10 @@ namespace greville
 
     std::string body;
     std::string where;
-    std::string kind = "traction";
-    std::string traction;
-    std::string area = "initial";
-    std::string pressure;
-    double      stiffness = 0.;
-    std::string displacement;
+    std::string kind_name = "traction";
+    /// Its own parameters; null in the reference of all kinds.
+    std::shared_ptr<SurfaceLoadKind> kind;
+
     std::string pore_pressure;
     bool        seepage_face = false;
     std::string flux;

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_loads_surface_load_h
+#define greville_loads_surface_load_h
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <greville/base/expression.h>
+#include <greville/materials/material.h>
+#include <greville/points/surface.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * A load on the points of a surface, as a force per initial area.
+   */
+  template <int dim>
+  class SurfaceLoad
+  {
+  public:
+    virtual ~SurfaceLoad() = default;
+
+    /**
+     * The load of a point at time @p t (s), Pa. Throws dealii::ExcMessage if a
+     * formula has no value there.
+     */
+    virtual dealii::Tensor<1, dim>
+    load(const SurfaceState<dim> &state, const double t) const = 0;
+
+    /**
+     * Surface::stiffness, Pa / m.
+     */
+    virtual double
+    stiffness() const
+    {
+      return 0.;
+    }
+
+    /**
+     * Surface::damping, Pa s / m.
+     */
+    virtual double
+    damping() const
+    {
+      return 0.;
+    }
+  };
+
+
+
+  /**
+   * The environment of a surface load.
+   */
+  struct LoadedBody
+  {
+    /// The section of the load, for messages.
+    std::string     section;
+    const Material &material;
+    /// The smallest edge of a cell, m.
+    double cell_size;
+  };
+
+
+
+  /**
+   * The parameters of a kind of surface load ('Surface load NAME/Kind').
+   *
+   * A new kind is one header with a class that derives from SurfaceLoadKindOf,
+   * and one line in the list of source/loads/surface_load.cc; or a call of
+   * add_surface_load_kind() in a program.
+   */
+  class SurfaceLoadKind
+  {
+  public:
+    virtual ~SurfaceLoadKind() = default;
+
+    /**
+     * Declare the parameters of this kind in the section that @p prm is in. The
+     * values that are read into @p prm go to this object.
+     */
+    virtual void
+    declare(dealii::ParameterHandler &prm) = 0;
+
+    /**
+     * Throw dealii::ExcMessage, which names the @p section, if a parameter is
+     * missing or contradicts another one.
+     */
+    virtual void
+    check(const std::string & /*section*/) const
+    {}
+
+    /**
+     * The names and values of the parameters that make the load strong, for
+     * messages. Empty values are left out of them.
+     */
+    virtual std::vector<std::pair<std::string, std::string>>
+    strengths() const
+    {
+      return {};
+    }
+
+    virtual std::unique_ptr<SurfaceLoad<2>>
+    make_2d(const LoadedBody &body) const = 0;
+
+    virtual std::unique_ptr<SurfaceLoad<3>>
+    make_3d(const LoadedBody &body) const = 0;
+
+    template <int dim>
+    std::unique_ptr<SurfaceLoad<dim>>
+    make(const LoadedBody &body) const
+    {
+      if constexpr (dim == 2)
+        return make_2d(body);
+      else
+        return make_3d(body);
+    }
+  };
+
+
+
+  /**
+   * A SurfaceLoadKind from a class Kind with
+   *   template <int dim> class Load : public SurfaceLoad<dim>,
+   * whose constructor takes the Kind and the LoadedBody.
+   */
+  template <typename Kind>
+  class SurfaceLoadKindOf : public SurfaceLoadKind
+  {
+  public:
+    std::unique_ptr<SurfaceLoad<2>>
+    make_2d(const LoadedBody &body) const final
+    {
+      return std::make_unique<typename Kind::template Load<2>>(
+        static_cast<const Kind &>(*this), body);
+    }
+
+    std::unique_ptr<SurfaceLoad<3>>
+    make_3d(const LoadedBody &body) const final
+    {
+      return std::make_unique<typename Kind::template Load<3>>(
+        static_cast<const Kind &>(*this), body);
+    }
+  };
+
+
+
+  using MakeSurfaceLoadKind = std::unique_ptr<SurfaceLoadKind> (*)();
+
+  /**
+   * Add a kind to the list, before parameters are read. Not from several
+   * threads.
+   */
+  void
+  add_surface_load_kind(const std::string        &name,
+                        const MakeSurfaceLoadKind make);
+
+  /**
+   * The same for a class with a default constructor and a static name.
+   */
+  template <typename Kind>
+  void
+  add_surface_load_kind()
+  {
+    add_surface_load_kind(Kind::name, []() -> std::unique_ptr<SurfaceLoadKind> {
+      return std::make_unique<Kind>();
+    });
+  }
+
+  /**
+   * The names of all kinds, separated by '|'.
+   */
+  std::string
+  surface_load_kinds();
+
+  /**
+   * A kind by name. Throws dealii::ExcMessage with surface_load_kinds() for an
+   * unknown @p name; the message names the @p parameter.
+   */
+  std::unique_ptr<SurfaceLoadKind>
+  make_surface_load_kind(const std::string &name, const std::string &parameter);
+
+
+
+  /**
+   * Throw dealii::ExcMessage if a parameter that a load of this @p kind needs
+   * has no value.
+   */
+  void
+  check_is_given(const bool         is_given,
+                 const std::string &section,
+                 const std::string &kind,
+                 const std::string &parameter);
+
+  /**
+   * A formula of x, X and t, with n components.
+   */
+  template <int dim, int n>
+  class SurfaceFormula
+  {
+  public:
+    SurfaceFormula(const std::string &text, const std::string &parameter)
+      : formulas(text,
+                 parameter,
+                 dim == 2 ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
+                          : std::vector<std::string>{
+                              "x", "y", "z", "X", "Y", "Z", "t"})
+    {}
+
+    dealii::Tensor<1, n>
+    operator()(const SurfaceState<dim> &state, const double t) const
+    {
+      double arguments[2 * dim + 1];
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          arguments[d]       = state.x[d];
+          arguments[dim + d] = state.X[d];
+        }
+      arguments[2 * dim] = t;
+      return formulas(dealii::ArrayView<const double>(arguments, 2 * dim + 1));
+    }
+
+  private:
+    VectorExpression<n> formulas;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_loads_traction_h
+#define greville_loads_traction_h
+
+#include <greville/base/named_formulas.h>
+#include <greville/loads/surface_load.h>
+
+namespace greville
+{
+  /**
+   * A traction t(x, X, t), Pa, per initial area or, times |J F^-T N|, per
+   * current area.
+   */
+  class Traction : public SurfaceLoadKindOf<Traction>
+  {
+  public:
+    static constexpr const char *name = "traction";
+
+    void
+    declare(dealii::ParameterHandler &prm) override
+    {
+      add_formula(prm, "Traction", traction)(
+        "Force of constant direction per area: formulas of x, y (, z), the "
+        "initial positions X, Y (, Z) and t, separated by semicolons. Unit: "
+        "Pa.");
+      prm.add_parameter("Area",
+                        area,
+                        "The area of 'Traction'.",
+                        dealii::Patterns::Selection("initial|current"));
+    }
+
+    void
+    check(const std::string &section) const override
+    {
+      check_is_given(!traction.empty(), section, name, "Traction");
+    }
+
+    std::vector<std::pair<std::string, std::string>>
+    strengths() const override
+    {
+      return {{"Traction", traction}};
+    }
+
+    template <int dim>
+    class Load : public SurfaceLoad<dim>
+    {
+    public:
+      Load(const Traction &kind, const LoadedBody &body)
+        : formula(kind.traction, body.section + "/Traction")
+        , per_current_area(kind.area == "current")
+      {}
+
+      dealii::Tensor<1, dim>
+      load(const SurfaceState<dim> &state, const double t) const override
+      {
+        const double area = per_current_area ? state.area_vector().norm() : 1.;
+        return area * formula(state, t);
+      }
+
+    private:
+      const SurfaceFormula<dim, dim> formula;
+      const bool                     per_current_area;
+    };
+
+  private:
+    std::string traction;
+    std::string area = "initial";
+  };
+} // namespace greville
+
+#endif
