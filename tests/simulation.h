@@ -78,6 +78,15 @@ struct Simulated
     , simulation(parameters, comm)
   {}
 
+  /**
+   * With parameters that files cannot set.
+   */
+  Simulated(const Text                                        &text,
+            const std::function<void(SimulationParameters &)> &change)
+    : parameters(changed(text.parse(), change))
+    , simulation(parameters, MPI_COMM_WORLD)
+  {}
+
   Simulated &
   run()
   {
@@ -110,6 +119,14 @@ struct Simulated
     const double t = simulation.state().time;
     return ExactSolution<dim>(parameters.exact)
       .errors(simulation.bodies(), t, t, MPI_COMM_WORLD);
+  }
+
+  static SimulationParameters
+  changed(SimulationParameters                               parameters,
+          const std::function<void(SimulationParameters &)> &change)
+  {
+    change(parameters);
+    return parameters;
   }
 
   SimulationParameters parameters;

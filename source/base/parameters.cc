@@ -5,6 +5,7 @@
 #include <greville/base/parameters.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <boost/property_tree/json_parser.hpp>
 #include <cerrno>
 #include <cmath>
@@ -179,11 +180,46 @@ namespace greville
 
 
 
+    /// Rows of variants of sections, and the first variant that has them.
+    using RowsOfVariants = std::map<std::string, std::string>;
+
+
+
+    /**
+     * Take the rows that another variant of the @p section has already from
+     * @p rows. Return a sentence that says where they are.
+     */
+    std::string
+    take_repeated(std::vector<std::pair<std::string, std::string>> &rows,
+                  const std::string                                &section,
+                  RowsOfVariants                                   &printed)
+    {
+      const Variant                                   variant(section);
+      std::map<std::string, std::vector<std::string>> repeated;
+      for (auto row = rows.begin(); row != rows.end();)
+        {
+          const auto [first, is_new] =
+            printed.emplace(variant.section + row->first + row->second,
+                            variant.value);
+          if (!is_new)
+            repeated[first->second].push_back('`' + row->first + '`');
+          row = is_new ? row + 1 : rows.erase(row);
+        }
+      std::string result;
+      for (const auto &[value, names] : repeated)
+        result += boost::algorithm::join(names, ", ") + ": see " +
+                  variant.parameter + " = " + value + ".\n";
+      return result;
+    }
+
+
+
     void
     print_section(std::ostream                      &out,
                   const boost::property_tree::ptree &tree,
                   const std::string                 &section,
-                  const std::vector<std::string>    &examples)
+                  const std::vector<std::string>    &examples,
+                  RowsOfVariants                    &printed)
     {
       const auto value_of = [](const boost::property_tree::ptree &entry,
                                const char                        *key) {
@@ -214,13 +250,19 @@ namespace greville
       if (!rows.empty())
         {
           const std::string example = example_of(section, examples);
+          const std::string others  = Variant(section).value.empty()
+                                        ? ""
+                                        : take_repeated(rows, section, printed);
           out << "## " << (section.empty() ? "General" : section) << "\n\n"
               << (example.empty() ? "" : "```prm\n" + example + "```\n\n")
-              << "| parameter | default | allowed | meaning |\n"
-              << "| --- | --- | --- | --- |\n";
+              << others << (others.empty() ? "" : "\n");
+          if (!rows.empty())
+            out << "| parameter | default | allowed | meaning |\n"
+                << "| --- | --- | --- | --- |\n";
           for (const auto &[names, text] : rows)
             out << "| " << names << text << " |\n";
-          out << '\n';
+          if (!rows.empty())
+            out << '\n';
         }
       for (const auto &child : tree)
         if (child.second.find("value") == child.second.not_found())
@@ -228,7 +270,8 @@ namespace greville
                         child.second,
                         (section.empty() ? "" : section + "/") +
                           demangle(child.first),
-                        examples);
+                        examples,
+                        printed);
     }
   } // namespace
 
@@ -252,7 +295,8 @@ namespace greville
         << "A file has the form `subsection SECTION`, `set PARAMETER = VALUE`, "
         << "`end`, as the examples below have; text behind a `#` is a "
         << "comment.\n\n";
-    print_section(out, tree, "", outermost_sections(examples));
+    RowsOfVariants printed;
+    print_section(out, tree, "", outermost_sections(examples), printed);
   }
 
 

@@ -16,19 +16,13 @@ namespace greville
   using namespace dealii;
 
   void
-  SmootherParameters::declare(ParameterHandler &prm, const bool with_reuse)
+  SmootherParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Shift", shift, Patterns::Double(0.))(
       "Of incomplete factorizations: added to the diagonal of the scaled "
       "matrix (which is 1) before the factorization. (ic0 raises pivots that "
       "fail all the same, and shifts by up to 4e-3 where its factors are "
       "nearly singular.) Unit: none.");
-    if (with_reuse)
-      add_parameter(prm, "Reuse", reuse, Patterns::Integer(0))(
-        "cg-ic0: a factorization serves following steps, too, until the "
-        "iterations that they need more than the first solve add up to this "
-        "number, or more unknowns than that have come and gone. 0: each step "
-        "factorizes. Unit: iterations.");
     add_parameter(prm,
                   "Chebyshev degree",
                   chebyshev_degree,

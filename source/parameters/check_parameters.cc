@@ -96,7 +96,6 @@ namespace greville
                            ">: it takes one of another section, written as "
                            "SECTION/PARAMETER, such as Material clay/Cohesion, "
                            "and not 'Output/Directory'."));
-    smoother.check();
     load_balance.check();
     for (const auto &load : surface_loads)
       load.second.check("Surface load " + load.first, bodies);

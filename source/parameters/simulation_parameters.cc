@@ -618,14 +618,12 @@ namespace greville
     declare_section(prm, "Load balance", load_balance);
     declare_section(prm, "Solver", solver);
     declare_section(prm, "p-multigrid", multigrid, smoother_names(), "");
-    declare_section(prm, "Smoother", smoother, true);
     declare_section(prm, "Implicit solver", implicit_solver);
     declare_section(prm,
                     "Implicit p-multigrid",
                     implicit_solver.multigrid,
                     "auto|" + smoother_names(),
-                    PMultigridParameters::all_coarse_preconditioners());
-    declare_section(prm, "Implicit smoother", implicit_solver.smoother);
+                    "");
     ElementTestParameters::declare_section(prm);
     for (auto &body : bodies)
       {

@@ -53,8 +53,9 @@ test_main()
     }
 
   {
-    Simulated<2> run(
-      disks(2, "0.1").with("Smoother", {"Reuse = 0"}).with("Grid", {}));
+    Simulated<2> run(disks(2, "0.1"), [](SimulationParameters &parameters) {
+      parameters.smoother.reuse = 0;
+    });
     run.run();
     check("each step factorizes where it is asked for",
           run->mass().n_factorizations() >= run->state().n_steps);

@@ -52,7 +52,9 @@ test_main()
         std::abs(tiny->statistics().center[1] - start + 0.5 * 0.2 * 0.2),
         1e-10);
 
-  Simulated<2> each(text.with("Smoother", {"Reuse = 0"}));
+  Simulated<2> each(text, [](SimulationParameters &parameters) {
+    parameters.smoother.reuse = 0;
+  });
   each.run();
   check("each step factorizes where it is asked for",
         each->mass().n_factorizations() >= each->state().n_steps);

@@ -19,11 +19,8 @@ namespace greville
    */
   struct SmootherParameters
   {
-    /**
-     * Those of the smoothers below, and of ExtendedMassSolver if @p with_reuse.
-     */
     void
-    declare(dealii::ParameterHandler &prm, const bool with_reuse = false);
+    declare(dealii::ParameterHandler &prm);
 
     /**
      * Throw dealii::ExcMessage where patterns cannot tell that a parameter is
@@ -33,7 +30,10 @@ namespace greville
     check() const;
 
     // Incomplete factorizations
-    double       shift = 0.;
+    double shift = 0.;
+    /// A factorization of ExtendedMassSolver serves following steps until the
+    /// iterations that they need beyond those of the first solve, or the
+    /// unknowns that have come and gone, add up to this number.
     unsigned int reuse = 10;
 
     // Schwarz methods, which add_paper_parts() adds to the list
