@@ -165,7 +165,7 @@ namespace greville
           {
             PointPlacement placement =
               problem.placement<dim>("box", p + 1, space.lattice());
-            placement.placement = "Gauss";
+            placement.placement = Placement::gauss;
             placement.jitter    = 0.;
             make_points(placement);
           }

@@ -220,14 +220,15 @@ namespace greville
     AssertThrow(placement.jitter == 0.,
                 ExcMessage("The parameter '" + section +
                            "/Jitter' has to be 0 with 'Placement = " +
-                           placement.placement +
+                           word_of(placement.placement, placements) +
                            "': points that are moved do not follow the "
                            "boundary."));
     const auto  extents = points_of_cell<dim>(placement, section);
     const auto  shape   = make_fitted_shape<dim>(placement, section, space);
     const auto &lattice = space.lattice();
     const auto  whole =
-      whole_cell<dim>(extents, placement.placement == "fitted lattice");
+      whole_cell<dim>(extents,
+                      placement.placement == Placement::fitted_lattice);
     const unsigned int  n      = largest_of<dim>(extents);
     const unsigned int  degree = 2 * n - 1;
     const std::uint64_t n_per_cell =

@@ -86,12 +86,12 @@ namespace greville
                const std::string      &section,
                const SplineSpace<dim> &space)
   {
-    if (parameters.placement == "fitted" ||
-        parameters.placement == "fitted lattice")
+    if (parameters.placement == Placement::fitted ||
+        parameters.placement == Placement::fitted_lattice)
       return place_fitted_points<dim>(parameters, section, space);
     const auto  contains = make_inside<dim>(parameters, section, space);
     const auto &lattice  = space.lattice();
-    const bool  gauss    = parameters.placement == "Gauss";
+    const bool  gauss    = parameters.placement == Placement::gauss;
     const auto  extents  = points_of_cell<dim>(parameters, section);
     std::vector<QGauss<1>> quadratures;
     unsigned int           n_in_cell = 1;

@@ -110,10 +110,10 @@ namespace greville
       "With 'Simulation/Pore water': the flow of water per area where its "
       "pressure falls by the weight of 1 m of water (9.81 N / kg) in 1 m. "
       "Unit: m / s.");
-    add_parameter(prm,
-                  "Conductivity law",
-                  conductivity_law,
-                  Patterns::Selection("constant|kozeny-carman"))(
+    add_choice<bool>(prm,
+                     "Conductivity law",
+                     has_kozeny_carman,
+                     {{false, "constant"}, {true, "kozeny-carman"}})(
       "How 'Hydraulic conductivity' follows the void ratio e: not at all "
       "(constant), or as e^3 / (1 + e) (kozeny-carman), where it is that of "
       "the stress-free state.");

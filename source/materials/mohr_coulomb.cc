@@ -25,10 +25,10 @@ namespace greville
     add_parameter(prm, "Dilatancy angle", dilatancy_angle, Double(0., 89.))(
       "Angle of dilatancy, at most the residual friction angle. Unit: "
       "degrees.");
-    add_parameter(prm,
-                  "Softening",
-                  softening,
-                  Patterns::Selection("linear|exponential"))(
+    add_choice<bool>(prm,
+                     "Softening",
+                     exponential,
+                     {{false, "linear"}, {true, "exponential"}})(
       "How cohesion and friction angle fall.");
     add_parameter(prm, "Softening strain", softening_strain, positive())(
       "Equivalent plastic strain at which linear softening ends, or over which "
@@ -67,8 +67,7 @@ namespace greville
                     "Residual cohesion",
                     last_cohesion,
                     "greater than 0 where the residual friction angle is 0");
-    softens     = last_cohesion < cohesion || last_angle < friction_angle;
-    exponential = (softening == "exponential");
+    softens = last_cohesion < cohesion || last_angle < friction_angle;
     reduction_of_strength.reinit(section);
     peak = make_surface(0., 1.);
   }

@@ -133,10 +133,10 @@ namespace greville
     add_formula(prm, "Initial state", initial_state)(
       "STATEV at the start: formulas of x, y and z (0 in plane strain), "
       "separated by semicolons; one formula is for all of them, none is 0.");
-    add_parameter(prm,
-                  "Tangent",
-                  tangent,
-                  Patterns::Selection("ddsdde|differences"))(
+    add_choice<bool>(prm,
+                     "Tangent",
+                     has_tangents_by_differences,
+                     {{false, "ddsdde"}, {true, "differences"}})(
       "Of implicit steps: DDSDDE, converted for finite strain, or differences "
       "of calls, which take 18 (in plane strain 8) of them, for a UMAT with a "
       "poor one. greville --check says how far DDSDDE is off.");
@@ -537,7 +537,7 @@ namespace greville
                  const ArrayView<MaterialTangent>     &result,
                  const unsigned int                    dim) const
   {
-    if (tangent == "differences")
+    if (has_tangents_by_differences)
       return Material::tangents(points, result, dim);
     AssertThrow(points.size() == result.size(),
                 ExcDimensionMismatch(points.size(), result.size()));

@@ -406,9 +406,10 @@ namespace greville
     refuse(scheme.is_apic(), "'Scheme/Transfer' = APIC", "take FLIP or PIC.");
     for (const auto &body : bodies)
       refuse(body.second.points_file.empty() &&
-               (body.second.placement == "Gauss" ||
-                body.second.placement == "fitted"),
-             "'Body " + body.first + "/Placement' = " + body.second.placement,
+               (body.second.placement == Placement::gauss ||
+                body.second.placement == Placement::fitted),
+             "'Body " + body.first +
+               "/Placement' = " + word_of(body.second.placement, placements),
              "no boxes around such points fill a cell; take equidistant or "
              "fitted lattice.");
   }

@@ -174,7 +174,7 @@ namespace greville
                                  section + "Porosity");
             refuse_without_water(material->conductivity != 0.,
                                  section + "Hydraulic conductivity");
-            refuse_without_water(material->conductivity_law != "constant",
+            refuse_without_water(material->has_kozeny_carman,
                                  section + "Conductivity law");
             continue;
           }
@@ -186,11 +186,10 @@ namespace greville
                                    text_of(material->conductivity) +
                                    " m / s, but its 'Porosity' is 0: water "
                                    "needs pores."));
-            AssertThrow(material->conductivity_law == "constant",
+            AssertThrow(!material->has_kozeny_carman,
                         ExcMessage("The parameter '" + section +
-                                   "Conductivity law' is " +
-                                   material->conductivity_law +
-                                   ", but its 'Porosity' is 0: water needs "
+                                   "Conductivity law' is kozeny-carman, but "
+                                   "its 'Porosity' is 0: water needs "
                                    "pores."));
             continue;
           }
@@ -223,8 +222,7 @@ namespace greville
         refuse_without_water(!water.table.empty(), "Water/Table");
         refuse_without_water(water.capillary_height != 0.,
                              "Water/Capillary height");
-        refuse_without_water(water.integration != none.integration,
-                             "Water/Integration");
+        refuse_without_water(water.is_second_order, "Water/Integration");
         refuse_without_water(!water.free_surface_pressure.empty(),
                              "Water/Free surface pressure");
         for (const auto &[name, load] : surface_loads)
@@ -389,7 +387,7 @@ namespace greville
                           given_scheme,
                           "points deform with the velocity that the pressure "
                           "leaves; take USL.");
-        refuse_with_water(water.integration == "BDF2",
+        refuse_with_water(water.is_second_order,
                           "'Water/Integration' = BDF2 and " + given_scheme,
                           "the pressure belongs to the end of an explicit "
                           "step; take backward-euler.");

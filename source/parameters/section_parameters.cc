@@ -71,10 +71,10 @@ namespace greville
       "that of the pores in the outermost layer of points, wherever it is, and "
       "a load on the surface, 0 in air. Empty: no water passes the surface but "
       "at surface loads and walls. Unit: Pa.");
-    add_parameter(prm,
-                  "Integration",
-                  integration,
-                  Selection("backward-euler|BDF2"))(
+    add_choice<bool>(prm,
+                     "Integration",
+                     is_second_order,
+                     {{false, "backward-euler"}, {true, "BDF2"}})(
       "The flow of the water in time: backward Euler, of order 1 in the step, "
       "or BDF2, of order 2. The first step of a stage, and one that is more "
       "than 2.4 times as long as the last one, are backward Euler all the "
@@ -200,13 +200,14 @@ namespace greville
                            did_you_mean(body, names)));
     const BodyParameters &bearer = bodies.at(body);
     AssertThrow(bearer.points_file.empty() &&
-                  bearer.placement.compare(0, 6, "fitted") == 0,
+                  (bearer.placement == Placement::fitted ||
+                   bearer.placement == Placement::fitted_lattice),
                 ExcMessage(
                   "'" + section + "' acts on the surface of 'Body " + body +
                   "', which is known of a 'Shape' with 'Placement' = fitted or "
                   "fitted lattice only; here " +
                   (bearer.points_file.empty()
-                     ? "'Placement' is " + bearer.placement
+                     ? "'Placement' is " + word_of(bearer.placement, placements)
                      : "there is a 'Points file'") +
                   "."));
     kind->check(section);

@@ -352,7 +352,7 @@ namespace greville
           share /= 2. * half[d];
         }
       constexpr double negligible = 1e-6;
-      if (parameters.placement == "fitted lattice" &&
+      if (parameters.placement == Placement::fitted_lattice &&
           std::abs(share - 1.) > negligible)
         return;
       half *= std::pow(share, 1. / dim);

@@ -50,10 +50,7 @@ namespace greville
                   points_per_direction,
                   List(Integer(1, 12), 1, 3))(
       "Points per cell in each direction; one number for all. Unit: none.");
-    add_parameter(prm,
-                  "Placement",
-                  placement,
-                  Selection("equidistant|Gauss|fitted|fitted lattice"))(
+    add_choice(prm, "Placement", placement, placements)(
       "Points of a cell at equal distances with equal volumes, or on Gauss "
       "points with the volumes of Gauss weights, those that are inside. "
       "fitted: "

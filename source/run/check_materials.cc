@@ -345,7 +345,7 @@ namespace greville
                    "degrees.");
           }
         if (!body.parameters->velocity.empty() &&
-            parameters.scheme.stress_update == "quasi-static")
+            parameters.scheme.is_quasi_static())
           {
             bool moves = false;
             body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {

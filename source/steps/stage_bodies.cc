@@ -56,7 +56,7 @@ namespace greville
             layout.add_radius0();
           if (parameters.general.pore_water)
             layout.add(PoreWater<dim>::field, 1);
-          if (parameters.water.integration == "BDF2")
+          if (parameters.water.is_second_order)
             layout.add(PoreWater<dim>::field_of_change, 1);
         }
     }

@@ -36,9 +36,7 @@ namespace greville
     return {water.bulk_modulus > 0. ? material.porosity / water.bulk_modulus
                                     : 0.,
             material.conductivity / water.unit_weight(),
-            material.conductivity_law == "kozeny-carman"
-              ? 1. - material.porosity
-              : 0.,
+            material.has_kozeny_carman ? 1. - material.porosity : 0.,
             water.suction()};
   }
 

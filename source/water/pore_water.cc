@@ -64,7 +64,7 @@ namespace greville
                   parents,
                   parameters.grid.is_axisymmetric());
     tables.resize(orders.n_levels());
-    const bool is_dynamic = parameters.scheme.stress_update != "quasi-static";
+    const bool is_dynamic = !parameters.scheme.is_quasi_static();
     is_explicit           = is_explicit_scheme(parameters.scheme.stress_update);
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       {
@@ -154,7 +154,7 @@ namespace greville
     // backward Euler has the step.
     constexpr double largest_ratio = 2.4;
     double           ratio         = 0.;
-    if (parameters.water.integration == "BDF2" && dt <= largest_ratio * last_dt)
+    if (parameters.water.is_second_order && dt <= largest_ratio * last_dt)
       ratio = dt / last_dt;
     part_of_earlier      = ratio * ratio / (1. + 2. * ratio);
     const double flow_dt = (1. + ratio) / (1. + 2. * ratio) * dt;

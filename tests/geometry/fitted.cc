@@ -19,7 +19,7 @@ fitted(const std::string &shape, const unsigned int n)
   PointPlacement placement;
   placement.shape                = shape;
   placement.points_per_direction = {n};
-  placement.placement            = "fitted";
+  placement.placement            = Placement::fitted;
   return placement;
 }
 
@@ -335,7 +335,7 @@ test_placement()
   // A lattice inside, and the same points at the boundary.
   auto       placement = fitted("ball(0.5, 0.71, 0.41)", 3);
   const auto gauss     = integrate<2>(placement, {{12, 12}});
-  placement.placement  = "fitted lattice";
+  placement.placement  = Placement::fitted_lattice;
   const auto lattice   = integrate<2>(placement, {{12, 12}});
   check("  fitted lattice: points", gauss.n_points == lattice.n_points);
   check("  fitted lattice: volume",
@@ -353,7 +353,7 @@ test_placement()
 
   // Formulas of either kind are the same bodies for points of a lattice.
   placement.shape       = "(x - 0.5)^2 + (y - 0.71)^2 < 0.41^2";
-  placement.placement   = "equidistant";
+  placement.placement   = Placement::equidistant;
   const auto comparison = integrate<2>(placement, {{12, 12}});
   placement.shape       = "level_set((x - 0.5)^2 + (y - 0.71)^2 - 0.41^2)";
   check("  level_set()",

@@ -226,7 +226,7 @@ from_file(const std::string &file, const double unit = 1.)
   placement.shape_file           = file;
   placement.shape_file_unit      = unit;
   placement.points_per_direction = {2};
-  placement.placement            = "fitted";
+  placement.placement            = Placement::fitted;
   return placement;
 }
 
@@ -280,7 +280,7 @@ test_meshes()
                box.area());
 
   auto lattice                 = from_file("torus.stl");
-  lattice.placement            = "equidistant";
+  lattice.placement            = Placement::equidistant;
   lattice.points_per_direction = {4};
   check("  points of a lattice",
         std::abs(integrate<3>(lattice, {{10, 15, 20}}).volume / torus.volume() -

@@ -193,7 +193,7 @@ test_placement()
     // Degrees 2 n - 1
     const Made<2> made({{3, 4}}, [](BodyParameters &body) {
       body.shape                = "box(0, 0, 1, 1.5)";
-      body.placement            = "Gauss";
+      body.placement            = Placement::gauss;
       body.points_per_direction = {3, 2};
     });
     check("  Gauss points",
@@ -212,7 +212,7 @@ test_placement()
   {
     const Made<3> made({{2, 3, 2}}, [](BodyParameters &body) {
       body.shape                = "box(0, 0, 0, 1, 1.5, 2)";
-      body.placement            = "Gauss";
+      body.placement            = Placement::gauss;
       body.points_per_direction = {2};
     });
     check("  Gauss points in 3D",

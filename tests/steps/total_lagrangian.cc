@@ -22,7 +22,7 @@ namespace
     parameters.grid.cells           = {n, n};
     parameters.grid.degree          = p;
     BodyParameters &cube            = parameters.bodies.at("cube");
-    cube.placement                  = "Gauss";
+    cube.placement                  = Placement::gauss;
     cube.points_per_direction       = {p + 1};
     parameters.scheme.formulation   = "total Lagrangian";
     parameters.scheme.stress_update = scheme;

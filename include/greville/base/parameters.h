@@ -3,6 +3,7 @@
 #ifndef greville_base_parameters_h
 #define greville_base_parameters_h
 
+#include <deal.II/base/exceptions.h>
 #include <deal.II/base/function.h>
 #include <deal.II/base/parameter_handler.h>
 
@@ -10,6 +11,7 @@
 #include <memory>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace greville
@@ -90,6 +92,51 @@ namespace greville
   {
     return [&](const std::string &text) {
       prm.add_parameter(name, value, text, pattern);
+    };
+  }
+
+  /// Values of an enumeration and their words in parameter files.
+  template <typename Enumeration>
+  using Choices = std::vector<std::pair<Enumeration, std::string>>;
+
+  /**
+   * The word of a @p value.
+   */
+  template <typename Enumeration>
+  std::string
+  word_of(const Enumeration value, const Choices<Enumeration> &choices)
+  {
+    for (const auto &[choice, word] : choices)
+      if (choice == value)
+        return word;
+    AssertThrow(false, dealii::ExcInternalError());
+    return "";
+  }
+
+  /**
+   * Declare a parameter that takes one of the words of an enumeration, as
+   * add_parameter() does.
+   */
+  template <typename Enumeration>
+  auto
+  add_choice(dealii::ParameterHandler   &prm,
+             const std::string          &name,
+             Enumeration                &value,
+             const Choices<Enumeration> &choices)
+  {
+    return [&prm, name, &value, choices](const std::string &text) {
+      std::string words;
+      for (const auto &[choice, word] : choices)
+        words += (words.empty() ? "" : "|") + word;
+      prm.declare_entry(name,
+                        word_of(value, choices),
+                        dealii::Patterns::Selection(words),
+                        text);
+      prm.add_action(name, [&value, choices](const std::string &given) {
+        for (const auto &[choice, word] : choices)
+          if (word == given)
+            value = choice;
+      });
     };
   }
 

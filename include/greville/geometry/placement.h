@@ -3,6 +3,7 @@
 #ifndef greville_geometry_placement_h
 #define greville_geometry_placement_h
 
+#include <greville/base/parameters.h>
 #include <greville/spline/spline_space.h>
 
 #include <string>
@@ -10,6 +11,23 @@
 
 namespace greville
 {
+  /// The parameter 'Placement'.
+  enum class Placement
+  {
+    equidistant,
+    gauss,
+    fitted,
+    fitted_lattice
+  };
+
+  inline const Choices<Placement> placements = {
+    {Placement::equidistant, "equidistant"},
+    {Placement::gauss, "Gauss"},
+    {Placement::fitted, "fitted"},
+    {Placement::fitted_lattice, "fitted lattice"}};
+
+
+
   /**
    * How a shape is filled with points, see the parameters of the same names.
    */
@@ -20,7 +38,7 @@ namespace greville
     double                    shape_file_unit      = 1.;
     bool                      clip                 = false;
     std::vector<unsigned int> points_per_direction = {2};
-    std::string               placement            = "equidistant";
+    Placement                 placement            = Placement::equidistant;
     double                    jitter               = 0.;
     unsigned int              seed                 = 1;
   };

@@ -4,6 +4,7 @@
 #define greville_loads_traction_h
 
 #include <greville/base/named_formulas.h>
+#include <greville/base/parameters.h>
 #include <greville/loads/surface_load.h>
 
 namespace greville
@@ -24,10 +25,11 @@ namespace greville
         "Force of constant direction per area: formulas of x, y (, z), the "
         "initial positions X, Y (, Z) and t, separated by semicolons. Unit: "
         "Pa.");
-      prm.add_parameter("Area",
-                        area,
-                        "The area of 'Traction'.",
-                        dealii::Patterns::Selection("initial|current"));
+      add_choice<bool>(prm,
+                       "Area",
+                       per_current_area,
+                       {{false, "initial"}, {true, "current"}})(
+        "The area of 'Traction'.");
     }
 
     void
@@ -48,7 +50,7 @@ namespace greville
     public:
       Load(const Traction &kind, const LoadedBody &body)
         : formula(kind.traction, body.section + "/Traction")
-        , per_current_area(kind.area == "current")
+        , per_current_area(kind.per_current_area)
       {}
 
       dealii::Tensor<1, dim>
@@ -65,7 +67,7 @@ namespace greville
 
   private:
     std::string traction;
-    std::string area = "initial";
+    bool        per_current_area = false;
   };
 } // namespace greville
 

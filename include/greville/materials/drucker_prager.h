@@ -3,6 +3,7 @@
 #ifndef greville_materials_drucker_prager_h
 #define greville_materials_drucker_prager_h
 
+#include <greville/base/parameters.h>
 #include <greville/materials/hencky_plasticity.h>
 #include <greville/materials/strength_reduction.h>
 
@@ -77,11 +78,15 @@ namespace greville
                         "Largest mean stress, Kirchhoff stress; negative: the "
                         "apex of the cone. Unit: Pa.",
                         dealii::Patterns::Double());
-      prm.add_parameter("Cone",
-                        cone,
-                        "Where the cone agrees with Mohr-Coulomb's surface.",
-                        dealii::Patterns::Selection(
-                          "plane strain|plane strain associated|outer|inner"));
+      add_choice<Cone>(prm,
+                       "Cone",
+                       cone,
+                       {{Cone::plane_strain, "plane strain"},
+                        {Cone::plane_strain_associated,
+                         "plane strain associated"},
+                        {Cone::outer, "outer"},
+                        {Cone::inner, "inner"}})(
+        "Where the cone agrees with Mohr-Coulomb's surface.");
       reduction_of_strength.declare(prm);
     }
 
@@ -252,7 +257,7 @@ namespace greville
         std::min(StrengthReduction::reduced_angle(dilatancy_angle, 1.), phi);
       const double          dilatancy = associated_cone(psi)[0];
       std::array<double, 2> factors   = associated_cone(phi);
-      if (cone == "plane strain")
+      if (cone == Cone::plane_strain)
         {
           const double n = std::sqrt(1. - dilatancy * dilatancy / 3.) +
                            dilatancy * std::sin(phi) / 3.;
@@ -269,20 +274,28 @@ namespace greville
     {
       const double tangent = std::tan(angle);
       double       xi;
-      if (cone == "plane strain" || cone == "plane strain associated")
+      if (cone == Cone::plane_strain || cone == Cone::plane_strain_associated)
         xi = 3. / std::sqrt(9. + 12. * tangent * tangent);
       else
         xi = 6. * std::cos(angle) /
              (std::sqrt(3.) *
-              (3. + (cone == "outer" ? -1. : 1.) * std::sin(angle)));
+              (3. + (cone == Cone::outer ? -1. : 1.) * std::sin(angle)));
       return {{xi * tangent, xi}};
     }
 
-    double      friction_angle  = 30.;
-    double      dilatancy_angle = 0.;
-    double      cohesion        = 0.;
-    double      tension_cut_off = -1.;
-    std::string cone            = "plane strain";
+    enum class Cone
+    {
+      plane_strain,
+      plane_strain_associated,
+      outer,
+      inner
+    };
+
+    double friction_angle  = 30.;
+    double dilatancy_angle = 0.;
+    double cohesion        = 0.;
+    double tension_cut_off = -1.;
+    Cone   cone            = Cone::plane_strain;
 
     StrengthReduction reduction_of_strength;
 

@@ -235,9 +235,9 @@ namespace greville
     /// With pore water: the fraction of the volume that it fills in the
     /// stress-free state, and the hydraulic conductivity there, m / s. 0: not
     /// given. The law is constant or kozeny-carman.
-    double      porosity         = 0.;
-    double      conductivity     = 0.;
-    std::string conductivity_law = "constant";
+    double porosity          = 0.;
+    double conductivity      = 0.;
+    bool   has_kozeny_carman = false;
   };
 
 

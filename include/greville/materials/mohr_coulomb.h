@@ -276,18 +276,18 @@ namespace greville
                          double (&by_trial)[3][3],
                          Principal &by_parameter) const;
 
-    double      cohesion                = 1e3;
-    double      residual_cohesion       = -1.;
-    double      friction_angle          = 30.;
-    double      residual_friction_angle = -1.;
-    double      dilatancy_angle         = 0.;
-    std::string softening               = "linear";
-    double      softening_strain        = 0.1;
+    double cohesion                = 1e3;
+    double residual_cohesion       = -1.;
+    double friction_angle          = 30.;
+    double residual_friction_angle = -1.;
+    double dilatancy_angle         = 0.;
+    bool   exponential             = false; // softening
+    double softening_strain        = 0.1;
 
     StrengthReduction reduction_of_strength;
 
     double  last_cohesion = 0., last_angle = 0.;
-    bool    softens = false, exponential = false;
+    bool    softens = false;
     Surface peak{0., 0., 0., 0.};
   };
 } // namespace greville

@@ -147,8 +147,8 @@ namespace greville
     std::vector<double>      properties;
     std::string              state_variables = "0";
     std::string              initial_state;
-    std::string              tangent        = "ddsdde";
-    double                   element_length = 1.;
+    bool                     has_tangents_by_differences = false;
+    double                   element_length              = 1.;
     double                   bulk = 0., shear = 0.;
     void                    *function = nullptr;
     std::vector<std::string> names, units; // of STATEV

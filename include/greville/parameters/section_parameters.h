@@ -63,7 +63,8 @@ namespace greville
     std::string table;
     double      capillary_height = 0.; // 0: infinite
     std::string free_surface_pressure;
-    std::string integration = "backward-euler";
+    /// BDF2 in place of backward Euler.
+    bool is_second_order = false;
   };
 
 

@@ -76,6 +76,12 @@ namespace greville
     std::string outside               = "error";
 
     bool
+    is_quasi_static() const
+    {
+      return stress_update == "quasi-static";
+    }
+
+    bool
     is_total_lagrangian() const
     {
       return formulation == "total Lagrangian";
