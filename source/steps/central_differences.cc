@@ -535,6 +535,15 @@ namespace greville
                 discretization.communicator());
     tell_guard();
 
+    count_step(state, dt);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::count_step(State<dim> &state, const double dt)
+  {
     state.signals = signals();
     std::swap(state.field.velocity, field.new_velocity);
     std::swap(state.field.acceleration, field.acceleration);

@@ -117,6 +117,8 @@ namespace greville
   void
   ImplicitSteps<dim>::keep_acceleration(State<dim> &state, const double dt)
   {
+    if (!scheme.keeps_acceleration)
+      return;
     VectorField<dim> &kept = state.field.history.accelerations[0];
     kept                   = acceleration;
     find_new_acceleration(kept, dt);

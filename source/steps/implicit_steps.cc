@@ -136,7 +136,26 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::start_step(State<dim> &state, const double dt)
+  ImplicitSteps<dim>::begin_trial(State<dim> &state, const double dt)
+  {
+    take_bodies(state, dt);
+    renew_mass(state);
+    begin_water(state, dt);
+    sum_forces(state, dt);
+    set_contact_impulses_apart(state);
+    map_velocity(state, dt);
+    start_surfaces(state, dt);
+    map_acceleration(state, dt);
+    inertia_at_begin = find_inertia_at_begin(dt);
+    guess_displacement(state, dt);
+    n_linear = n_all_linear = 0;
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::take_bodies(const State<dim> &state, const double dt)
   {
     bodies.clear();
     for (const Body<dim> &body : state.bodies)
@@ -145,17 +164,32 @@ namespace greville
                         body.name,
                         body.material->strength_reduction(state.time + dt),
                         state.time + dt});
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::renew_mass(const State<dim> &state)
+  {
     // The mass of total Lagrangian steps never changes.
-    if (stamp == 0 || (stamp != state.points_stamp &&
-                       !parameters.scheme.is_total_lagrangian()))
-      {
-        const PartTimer timer(log, "mass");
-        system.set_points(bodies, state.surfaces, scheme.is_static);
-        if (water)
-          water->set_points(state.bodies, state.surfaces);
-        check_support(state);
-        stamp = state.points_stamp;
-      }
+    if (stamp != 0 && (stamp == state.points_stamp ||
+                       parameters.scheme.is_total_lagrangian()))
+      return;
+    const PartTimer timer(log, "mass");
+    system.set_points(bodies, state.surfaces, scheme.is_static);
+    if (water)
+      water->set_points(state.bodies, state.surfaces);
+    check_support(state);
+    stamp = state.points_stamp;
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::begin_water(State<dim> &state, const double dt)
+  {
     if (water)
       fail_with(
         [&]() {
@@ -167,6 +201,14 @@ namespace greville
                             state.water_step);
         },
         false);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::sum_forces(State<dim> &state, const double dt)
+  {
     // The force of the stresses at the start, with its sign in M a = F - f.
     loads.clear(state.bodies);
     loads.surfaces().clear(state.surfaces);
@@ -181,7 +223,14 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           old_force[d] -= water_force[d];
       }
-    // Those of contacts are impulses of the steps they belong to.
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::set_contact_impulses_apart(const State<dim> &state)
+  {
     contact_force = nullptr;
     for (unsigned int d = 0; d < dim && scheme.needs_acceleration(); ++d)
       {
@@ -191,36 +240,55 @@ namespace greville
             contact_load[d] += field().surface_forces[k][d];
         old_force[d] -= contact_load[d];
       }
+  }
 
+
+
+  template <int dim>
+  std::array<WallTime, 2>
+  ImplicitSteps<dim>::wall_times(const double t, const double dt) const
+  {
+    const double difference = 1e-3 * dt, end = t + dt;
+    return {
+      {{t, std::max(t - difference, parameters.time.start), t + difference},
+       {end, end - difference, end}}};
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::map_velocity(const State<dim> &state, const double dt)
+  {
     velocity = state.field.velocity;
-    // The velocity of walls at the start, and at the end, from displacements
-    // of a small fraction of the step.
-    const double   small = 1e-3 * dt, begin = parameters.time.start;
-    const double   end    = state.time + dt;
-    const WallTime before = {state.time,
-                             std::max(state.time - small, begin),
-                             state.time + small};
-    const WallTime after  = {end, end - small, end};
-    discretization.walls().hold_velocity(velocity, before);
-    for (VectorType &component : acceleration)
-      component = 0.;
+    discretization.walls().hold_velocity(velocity,
+                                         wall_times(state.time, dt)[0]);
     if (scheme.is_static)
-      {
-        start_surfaces(state, dt);
-        return;
-      }
+      return;
     solve_mass(velocity, field().momentum);
     system.finest().extended().rows_of_held(held_momentum,
                                             velocity,
                                             field().momentum);
-    start_surfaces(state, dt);
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::map_acceleration(State<dim> &state, const double dt)
+  {
+    for (VectorType &component : acceleration)
+      component = 0.;
+    if (scheme.is_static)
+      return;
     if (scheme.needs_acceleration())
       {
         if (scheme.keeps_acceleration && state.field.history.n > 0)
           acceleration = state.field.history.accelerations[0];
+        const auto times = wall_times(state.time, dt);
         discretization.walls().hold_acceleration(acceleration,
-                                                 before,
-                                                 after,
+                                                 times[0],
+                                                 times[1],
                                                  dt);
         find_acceleration(state);
       }
@@ -234,6 +302,25 @@ namespace greville
           share * dt * (1. - scheme.gamma - scheme.gamma * scheme.alpha_a),
           acceleration[d]);
       }
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::guess_displacement(const State<dim> &state,
+                                         const double      dt)
+  {
+    // Walls move by their displacement, or by their velocity in the middle.
+    for (unsigned int d = 0; d < dim; ++d)
+      displacement[d].equ(dt, velocity[d]);
+    discretization.walls().hold_velocity(
+      work, {state.time + 0.5 * dt, state.time, state.time + dt});
+    const auto &held = system.finest().held_components();
+    for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim; ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        if ((held[i] >> d) & 1)
+          displacement[d].local_element(i) = dt * work[d].local_element(i);
   }
 
 
@@ -321,6 +408,8 @@ namespace greville
   void
   ImplicitSteps<dim>::take_held_momentum(State<dim> &state, const double dt)
   {
+    if (scheme.is_static)
+      return;
     // Points lose it with FLIP's kick, or take a velocity that is without it.
     const bool   is_taken = !scheme.keeps_held_momentum;
     const double flip     = flip_share(parameters.scheme,
@@ -350,28 +439,6 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::begin_trial(State<dim> &state, const double dt)
-  {
-    start_step(state, dt);
-    inertia_at_begin = find_inertia_at_begin(dt);
-    // The guess: the velocity goes on. Walls move by their displacement, or by
-    // their velocity in the middle.
-    for (unsigned int d = 0; d < dim; ++d)
-      displacement[d].equ(dt, velocity[d]);
-    discretization.walls().hold_velocity(
-      work, {state.time + 0.5 * dt, state.time, state.time + dt});
-    const auto &held = system.finest().held_components();
-    for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim; ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        if ((held[i] >> d) & 1)
-          displacement[d].local_element(i) = dt * work[d].local_element(i);
-    n_linear = n_all_linear = 0;
-  }
-
-
-
-  template <int dim>
-  void
   ImplicitSteps<dim>::try_step(State<dim> &state, const double dt)
   {
     CoupledSteps<dim>({{this, &state}}, nullptr, dt).try_step();
@@ -383,22 +450,36 @@ namespace greville
   void
   ImplicitSteps<dim>::advance(State<dim> &state, const double dt)
   {
-    if (contact_force)
-      {
-        for (unsigned int d = 0; d < dim; ++d)
-          contact_load[d].equ(1. / scheme.contact_weight(),
-                              (*contact_force)[d]);
-        if (!scheme.needs_acceleration() || !find_contact_acceleration())
-          contact_force = nullptr;
-      }
+    take_contact_force();
     find_reactions(state, dt);
-    // That of the pressure on the soil, which bodies store.
-    if (water)
-      state.energy.add_work(EnergyBalance::loads, water->work());
-    if (scheme.keeps_acceleration)
-      keep_acceleration(state, dt);
+    keep_acceleration(state, dt);
+    take_new_velocity(state, dt);
+    take_held_momentum(state, dt);
+    advance_water(state, dt);
+    move_points(state, dt);
+    count_step(state, dt);
+  }
 
-    // v', and what the points get.
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::take_contact_force()
+  {
+    if (!contact_force)
+      return;
+    for (unsigned int d = 0; d < dim; ++d)
+      contact_load[d].equ(1. / scheme.contact_weight(), (*contact_force)[d]);
+    if (!scheme.needs_acceleration() || !find_contact_acceleration())
+      contact_force = nullptr;
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::take_new_velocity(State<dim> &state, const double dt)
+  {
     if (!scheme.is_static)
       find_new_acceleration(work, dt);
     for (unsigned int d = 0; d < dim; ++d)
@@ -419,17 +500,30 @@ namespace greville
         state.field.velocity[d].copy_locally_owned_data_from(
           scheme.is_static ? displacement[d] : velocity[d]);
       }
-    if (!scheme.is_static)
-      take_held_momentum(state, dt);
-    if (water)
-      {
-        state.water_of_step = water->advance(state.bodies, state.water_of_step);
-        state.water_step    = dt;
-        for (unsigned int k = 0; k < state.water.size(); ++k)
-          state.water[k] += state.water_of_step[k];
-      }
-    move_points(state, dt);
+  }
 
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::advance_water(State<dim> &state, const double dt)
+  {
+    if (!water)
+      return;
+    // The work of the pressure on the soil, which bodies store.
+    state.energy.add_work(EnergyBalance::loads, water->work());
+    state.water_of_step = water->advance(state.bodies, state.water_of_step);
+    state.water_step    = dt;
+    for (unsigned int k = 0; k < state.water.size(); ++k)
+      state.water[k] += state.water_of_step[k];
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::count_step(State<dim> &state, const double dt) const
+  {
     state.time += dt;
     state.velocity_time = state.time;
     state.step          = dt;

@@ -209,6 +209,10 @@ namespace greville
     void
     tell_guard();
 
+    /// Set the fields, times and counters of the state.
+    void
+    count_step(State<dim> &state, const double dt);
+
     /// Filter the new velocity, and add what that takes to the acceleration.
     void
     filter_velocity();

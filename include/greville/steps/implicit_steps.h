@@ -10,6 +10,7 @@
 #include <greville/stiffness/tangent_system.h>
 #include <greville/water/pore_water.h>
 
+#include <array>
 #include <optional>
 
 namespace greville
@@ -81,9 +82,7 @@ namespace greville
     friend class CoupledSteps<dim>;
     friend class TrialContacts<dim>;
 
-    /**
-     * The one velocity field of the grid.
-     */
+    /// The one velocity field of the grid.
     GridField<dim> &
     field() const
     {
@@ -94,111 +93,121 @@ namespace greville
     check_parameters(const std::string          &name,
                      const IntegratorParts<dim> &parts) const;
 
-    /**
-     * Where neither walls nor springs hold a static body.
-     */
+    /// Where neither walls nor springs hold a static body.
     void
     check_support(const State<dim> &state) const;
 
-    /**
-     * The loads at a time, as forces on the functions; with those that depend
-     * on the position of points where they are at the start, or without.
-     */
+    /// The loads at a time, as forces on the functions; with those that depend
+    /// on the position of points where they are at the start, or without.
     void
     sum_loads(State<dim>       &state,
               const double      t,
               const bool        with_following,
               VectorField<dim> &loads);
 
-    /**
-     * Velocity and acceleration of the grid at the start.
-     */
-    void
-    start_step(State<dim> &state, const double dt);
-
-    /**
-     * The acceleration of the grid at the start, without contacts: from that
-     * which the scheme has kept, or else, as in its first step, from the
-     * forces. Held coefficients are given.
-     */
+    /// The acceleration of the grid at the start, without contacts: from that
+    /// which the scheme has kept, or else, as in its first step, from the
+    /// forces. Held coefficients are given.
     void
     find_acceleration(State<dim> &state);
 
-    /**
-     * Collective. The acceleration by contact_load. Returns whether there is
-     * any.
-     */
+    /// Collective. The acceleration by contact_load. Returns whether there is
+    /// any.
     bool
     find_contact_acceleration();
 
-    /**
-     * a' of the ImplicitScheme.
-     */
+    /// a' of the ImplicitScheme.
     void
     find_new_acceleration(VectorField<dim> &result, const double dt) const;
 
-    /**
-     * Hand the new acceleration to the next step: as the history of the state,
-     * and in updated Lagrangian steps as the field "acceleration" of points.
-     */
+    /// Hand the new acceleration to the next step: as the history of the
+    /// state, and in updated Lagrangian steps as the field "acceleration" of
+    /// points.
     void
     keep_acceleration(State<dim> &state, const double dt);
 
     void
     solve_mass(VectorField<dim> &x, const VectorField<dim> &b);
 
-    /**
-     * Begin to try a step: all that is known at the start, and the guess of the
-     * displacement.
-     */
+    /// Begin to try a step: compute all that is known at its start, and the
+    /// guess of the displacement.
     void
     begin_trial(State<dim> &state, const double dt);
 
-    /**
-     * The displacement, the forces of stresses and of loads at x, and the
-     * stiffness there. Returns what is wrong with a point, empty if nothing is.
-     */
+    /// Set the bodies of TangentSystem, with the strength of their materials
+    /// at the end of the step.
+    void
+    take_bodies(const State<dim> &state, const double dt);
+
+    /// Sum the mass and choose the unknowns anew if points have changed.
+    void
+    renew_mass(const State<dim> &state);
+
+    void
+    begin_water(State<dim> &state, const double dt);
+
+    /// Sum old_force, of the stresses and the water pressure at the start, and
+    /// the loads at the start and in the step.
+    void
+    sum_forces(State<dim> &state, const double dt);
+
+    /// Take contact forces, which are impulses of the steps they belong to,
+    /// from old_force, if the scheme has an acceleration.
+    void
+    set_contact_impulses_apart(const State<dim> &state);
+
+    /// The times at the start and at the end of a step with times around them,
+    /// at a small fraction of the step, for velocities of walls.
+    std::array<WallTime, 2>
+    wall_times(const double t, const double dt) const;
+
+    /// The velocity of the grid at the start: M v = P.
+    void
+    map_velocity(const State<dim> &state, const double dt);
+
+    /// The acceleration of the grid at the start, and the velocity of surfaces
+    /// that follows from it.
+    void
+    map_acceleration(State<dim> &state, const double dt);
+
+    /// Guess that the velocity goes on; walls have their displacement.
+    void
+    guess_displacement(const State<dim> &state, const double dt);
+
+    /// The displacement, the forces of stresses and of loads at x, and the
+    /// stiffness there. Returns what is wrong with a point, empty if nothing
+    /// is.
     std::string
     evaluate(const VectorType &x, const double dt, const bool with_stiffness);
 
-    /**
-     * The residual of the last evaluate(), with the force of contacts times
-     * their weight, which is kept and may be null.
-     */
+    /// The residual of the last evaluate(), with the force of contacts times
+    /// their weight, which is kept and may be null.
     void
     find_residual(VectorType             &r,
                   const double            dt,
                   const VectorField<dim> *of_contacts);
 
-    /**
-     * The sum of the norms of the terms of inertia that are known at the start.
-     */
+    /// The sum of the norms of the terms of inertia that are known at the
+    /// start.
     double
     find_inertia_at_begin(const double dt);
 
-    /**
-     * What round-off may make of the residual of a solution: the sum of the
-     * norms of terms that cancel, times some units of round-off.
-     */
+    /// What round-off may make of the residual of a solution: the sum of the
+    /// norms of terms that cancel, times some units of round-off.
     double
     find_round_off() const;
 
-    /**
-     * The loads on surfaces at the start, and what find_residual() needs for
-     * those in the step, and for loads on points that depend on their position.
-     */
+    /// The loads on surfaces at the start, and what find_residual() needs for
+    /// those in the step, and for loads on points that depend on their
+    /// position.
     void
     start_surfaces(const State<dim> &state, const double dt);
 
-    /**
-     * Why steps that have been cut to the smallest one still fail.
-     */
+    /// Why steps that have been cut to the smallest one still fail.
     std::string
     describe_failure(const State<dim> &state) const;
 
-    /**
-     * Where the last residual is largest.
-     */
+    /// Where the last residual is largest.
     std::string
     describe_residual() const;
 
@@ -208,40 +217,47 @@ namespace greville
           const NewtonResult &result,
           const bool          of_all_parts) const;
 
-    /**
-     * Find the forces of walls, and count the work.
-     */
+    /// Set contact_load to the contact force of the trial without its weight,
+    /// and find its acceleration.
+    void
+    take_contact_force();
+
+    /// Find the forces of walls, and count the work.
     void
     find_reactions(State<dim> &state, const double dt);
 
-    /**
-     * Take that of contacts, which the balance has with their weight, from the
-     * @p reaction, and count its work. Returns it.
-     */
+    /// Take that of contacts, which the balance has with their weight, from
+    /// the @p reaction, and count its work. Returns it.
     VectorField<dim>
     split_reaction(State<dim> &state, VectorField<dim> &reaction) const;
 
-    /**
-     * Count the work of loads and of walls that move, with their @p reaction.
-     */
+    /// Count the work of loads and of walls that move, with their @p reaction.
     void
     add_work(State<dim>             &state,
              const VectorField<dim> &reaction,
              const double            dt);
 
-    /**
-     * Points shall not keep what the held velocity leaves out of theirs: take
-     * it from them with the kick, and count it as momentum of walls.
-     */
+    /// Points shall not keep what the held velocity leaves out of theirs: take
+    /// it from them with the kick, and count it as momentum of walls.
     void
     take_held_momentum(State<dim> &state, const double dt);
 
-    /**
-     * Kick the points by the acceleration of the state, and move them by the
-     * displacement, which is divided by dt then.
-     */
+    /// Set the velocity and the acceleration of the state to v' and (v' - v) /
+    /// dt.
+    void
+    take_new_velocity(State<dim> &state, const double dt);
+
+    void
+    advance_water(State<dim> &state, const double dt);
+
+    /// Kick the points by the acceleration of the state, and move them by the
+    /// displacement, which is divided by dt then.
     void
     move_points(State<dim> &state, const double dt);
+
+    /// Set time, velocity time and counters of the state.
+    void
+    count_step(State<dim> &state, const double dt) const;
 
     const SimulationParameters &parameters;
     Discretization<dim>        &discretization;
