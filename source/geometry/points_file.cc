@@ -98,6 +98,268 @@ namespace greville
                           "their mass would be counted twice."));
           }
     }
+
+
+
+    /**
+     * Reads the rows of a file, and keeps the points in owned cells.
+     */
+    template <int dim>
+    class PointsReader
+    {
+    public:
+      PointsReader(const double                                 density,
+                   const std::vector<std::vector<std::string>> &wanted,
+                   const bool                                   at_reference,
+                   const bool                                   is_axisymmetric,
+                   const SplineSpace<dim>                      &space)
+        : density(density)
+        , wanted(wanted)
+        , at_reference(at_reference)
+        , is_axisymmetric(is_axisymmetric)
+        , space(space)
+        , lattice(space.lattice())
+        , volume_unit(dim == 3          ? "m^3"
+                      : is_axisymmetric ? "m^3 per radian"
+                                        : "m^2")
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          grid_volume *= lattice.upper(d) - lattice.lower(d);
+        if (is_axisymmetric)
+          grid_volume *= 0.5 * (lattice.lower(0) + lattice.upper(0));
+      }
+
+      void
+      read(const CsvLine &row)
+      {
+        if (row.is_header)
+          read_header(row);
+        else
+          read_point(row);
+      }
+
+      /**
+       * Throw if all volumes together exceed the grid. @p where names the file.
+       */
+      void
+      check_sum(const std::string &where) const
+      {
+        AssertThrow(sum <= (1. + largest_excess) * grid_volume,
+                    ExcMessage(where + ": the volumes (column '" +
+                               (columns.volume >= 0 ? "volume" : "mass") +
+                               "') add up to " + text_of(sum) + ' ' +
+                               volume_unit + ", and the grid has " +
+                               text_of(grid_volume) + ". Is the unit right?"));
+      }
+
+      PointsOfFile<dim> result;
+
+    private:
+      void
+      read_header(const CsvLine &line)
+      {
+        header = line.words;
+        for (const std::string &name : coordinate_names<dim>())
+          {
+            columns.coordinates.push_back(place_of(header, name));
+            AssertThrow(columns.coordinates.back() >= 0,
+                        ExcMessage(line.where + "there is no column '" + name +
+                                   "' in <" + line.text + ">."));
+          }
+        columns.volume  = place_of(header, "volume");
+        columns.mass    = place_of(header, "mass");
+        columns.density = place_of(header, "density");
+        AssertThrow(columns.volume >= 0 || columns.mass >= 0,
+                    ExcMessage(line.where + "there is no column 'volume' in <" +
+                               line.text +
+                               ">, and no 'mass' to find it from."));
+        columns.reference    = find_group(line, vector("reference"));
+        columns.displacement = find_group(line, vector("displacement"));
+        auto &further        = result.names;
+        if (has_mass())
+          further.push_back("mass");
+        for (const std::string &name : vector("reference"))
+          if (has_reference())
+            further.push_back(name);
+        for (const auto &group : wanted)
+          {
+            const auto places = find_group(line, group);
+            columns.further.insert(columns.further.end(),
+                                   places.begin(),
+                                   places.end());
+            if (!places.empty())
+              further.insert(further.end(), group.begin(), group.end());
+          }
+      }
+
+      static std::vector<std::string>
+      vector(const std::string &name)
+      {
+        std::vector<std::string> group;
+        for (const std::string &axis : coordinate_names<dim>())
+          group.push_back(name + "_" + axis);
+        return group;
+      }
+
+      /**
+       * The columns of a group, or none of them.
+       */
+      std::vector<int>
+      find_group(const CsvLine                  &line,
+                 const std::vector<std::string> &group) const
+      {
+        std::vector<int> places;
+        std::string      there, missing;
+        for (const std::string &name : group)
+          {
+            places.push_back(place_of(header, name));
+            (places.back() < 0 ? missing : there) = name;
+          }
+        AssertThrow(there.empty() || missing.empty(),
+                    ExcMessage(line.where + "there is a column '" + there +
+                               "', but no '" + missing + "' in <" + line.text +
+                               ">."));
+        return missing.empty() ? places : std::vector<int>();
+      }
+
+      bool
+      has_mass() const
+      {
+        return columns.mass >= 0 || columns.density >= 0;
+      }
+
+      bool
+      has_reference() const
+      {
+        return !columns.reference.empty() || !columns.displacement.empty();
+      }
+
+      double
+      number(const CsvLine &row, const int column) const
+      {
+        return row.number(column, header[column]);
+      }
+
+      double
+      positive(const CsvLine &row, const int column, const char *name) const
+      {
+        const double value = number(row, column);
+        AssertThrow(value > 0.,
+                    ExcMessage(row.where + "the " + name +
+                               " has to be positive in <" + row.text + ">."));
+        return value;
+      }
+
+      void
+      read_point(const CsvLine &row)
+      {
+        PlacedPoint<dim> point;
+        for (unsigned int d = 0; d < dim; ++d)
+          point.x[d] = number(row, columns.coordinates[d]);
+        const double mass = read_mass(row, point.volume);
+        sum += point.volume;
+        point.id = id++;
+
+        Point<dim> reference = point.x;
+        for (unsigned int d = 0; d < dim; ++d)
+          if (!columns.reference.empty())
+            reference[d] = number(row, columns.reference[d]);
+          else if (!columns.displacement.empty())
+            reference[d] -= number(row, columns.displacement[d]);
+        const Point<dim> place = at_reference ? reference : point.x;
+        check_position(row, place, std::min(point.x[0], reference[0]));
+        const auto position =
+          lexicographic<dim>(lattice.find_cell(place), lattice.n_cells());
+        const auto &cells = space.owned_cells();
+        const auto  found =
+          std::lower_bound(cells.begin(), cells.end(), position);
+        if (found == cells.end() || *found != position)
+          return;
+
+        point.cell  = found - cells.begin();
+        point.image = point.x;
+        result.points.push_back(point);
+        if (has_mass())
+          result.values.push_back(mass);
+        for (unsigned int d = 0; d < dim; ++d)
+          if (has_reference())
+            result.values.push_back(reference[d]);
+        for (const int column : columns.further)
+          result.values.push_back(number(row, column));
+      }
+
+      /**
+       * Return the mass of a point, and set its volume. Throw if these and the
+       * density contradict each other.
+       */
+      double
+      read_mass(const CsvLine &row, double &volume) const
+      {
+        const double rho     = columns.density >= 0
+                                 ? positive(row, columns.density, "density")
+                                 : density;
+        volume               = columns.volume >= 0
+                                 ? positive(row, columns.volume, "volume")
+                                 : positive(row, columns.mass, "mass") / rho;
+        const double mass    = columns.mass >= 0
+                                 ? positive(row, columns.mass, "mass")
+                                 : rho * volume;
+        const auto   is_near = [](const double a, const double b) {
+          return std::abs(a - b) <= largest_difference * std::max(a, b);
+        };
+        AssertThrow(columns.density < 0 || columns.volume < 0 ||
+                      is_near(mass, rho * volume),
+                    ExcMessage(row.where +
+                               "the columns 'mass', 'volume' and "
+                               "'density' contradict each other: " +
+                               text_of(mass) + " kg are not " + text_of(rho) +
+                               " times " + text_of(volume) + " in <" +
+                               row.text + ">."));
+        const double ratio = mass / (volume * density);
+        AssertThrow(ratio < largest_ratio && ratio > 1. / largest_ratio,
+                    ExcMessage(
+                      row.where + "the density is " + text_of(mass / volume) +
+                      " kg / m^3, and that of the material is " +
+                      text_of(density) + ", in <" + row.text +
+                      ">. Are volume and mass in " + volume_unit + " and kg?"));
+        AssertThrow(volume <= (1. + largest_excess) * grid_volume,
+                    ExcMessage(row.where + "the volume of the point is " +
+                               text_of(volume) + ' ' + volume_unit +
+                               ", and that of the grid is " +
+                               text_of(grid_volume) + ", in <" + row.text +
+                               ">."));
+        return mass;
+      }
+
+      void
+      check_position(const CsvLine    &row,
+                     const Point<dim> &place,
+                     const double      smallest_x) const
+      {
+        AssertThrow(!is_axisymmetric || smallest_x > 0.,
+                    ExcMessage(row.where +
+                               "the point lies on the axis of symmetry, or "
+                               "beyond, in <" +
+                               row.text + ">: its x has to be positive."));
+        for (unsigned int d = 0; d < dim; ++d)
+          AssertThrow(place[d] >= lattice.lower(d) &&
+                        place[d] <= lattice.upper(d),
+                      ExcMessage(row.where + "the point (" + text_of(place) +
+                                 ") m lies outside of the grid."));
+      }
+
+      const double                                 density;
+      const std::vector<std::vector<std::string>> &wanted;
+      const bool              at_reference, is_axisymmetric;
+      const SplineSpace<dim> &space;
+      const Lattice<dim>     &lattice;
+      const std::string       volume_unit;
+
+      Columns                  columns;
+      std::vector<std::string> header;
+      std::uint64_t            id  = 0;
+      double                   sum = 0., grid_volume = 1.;
+    };
   } // namespace
 
 
@@ -121,180 +383,16 @@ namespace greville
                  const bool                                   is_axisymmetric,
                  const SplineSpace<dim>                      &space)
   {
-    const auto              &lattice     = space.lattice();
-    const std::string        volume_unit = dim == 3          ? "m^3"
-                                           : is_axisymmetric ? "m^3 per radian"
-                                                             : "m^2";
-    PointsOfFile<dim>        result;
-    Columns                  columns;
-    std::vector<std::string> header;
-    std::uint64_t            id  = 0;
-    double                   sum = 0., grid_volume = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      grid_volume *= lattice.upper(d) - lattice.lower(d);
-    if (is_axisymmetric)
-      grid_volume *= 0.5 * (lattice.lower(0) + lattice.upper(0));
-
-    const auto read_header = [&](const CsvLine &line) {
-      const std::string &where = line.where, &text = line.text;
-      header          = line.words;
-      const auto find = [&](const std::string &name) {
-        return place_of(header, name);
-      };
-      // All of a group or none of it.
-      const auto find_group = [&](const std::vector<std::string> &group) {
-        std::vector<int> places;
-        std::string      there, missing;
-        for (const std::string &name : group)
-          {
-            places.push_back(find(name));
-            (places.back() < 0 ? missing : there) = name;
-          }
-        AssertThrow(there.empty() || missing.empty(),
-                    ExcMessage(where + "there is a column '" + there +
-                               "', but no '" + missing + "' in <" + text +
-                               ">."));
-        return missing.empty() ? places : std::vector<int>();
-      };
-      for (const std::string &name : coordinate_names<dim>())
-        {
-          columns.coordinates.push_back(find(name));
-          AssertThrow(columns.coordinates.back() >= 0,
-                      ExcMessage(where + "there is no column '" + name +
-                                 "' in <" + text + ">."));
-        }
-      columns.volume  = find("volume");
-      columns.mass    = find("mass");
-      columns.density = find("density");
-      AssertThrow(columns.volume >= 0 || columns.mass >= 0,
-                  ExcMessage(where + "there is no column 'volume' in <" + text +
-                             ">, and no 'mass' to find it from."));
-      const auto vector = [&](const std::string &name) {
-        std::vector<std::string> group;
-        for (const std::string &axis : coordinate_names<dim>())
-          group.push_back(name + "_" + axis);
-        return group;
-      };
-      columns.reference    = find_group(vector("reference"));
-      columns.displacement = find_group(vector("displacement"));
-      auto &further        = result.names;
-      if (columns.mass >= 0 || columns.density >= 0)
-        further.push_back("mass");
-      const bool has_reference =
-        !columns.reference.empty() || !columns.displacement.empty();
-      for (const std::string &name : vector("reference"))
-        if (has_reference)
-          further.push_back(name);
-      for (const auto &group : wanted)
-        {
-          const auto places = find_group(group);
-          columns.further.insert(columns.further.end(),
-                                 places.begin(),
-                                 places.end());
-          if (!places.empty())
-            further.insert(further.end(), group.begin(), group.end());
-        }
-    };
-
-    read_points(file, section, [&](const CsvLine &row) {
-      if (row.is_header)
-        {
-          read_header(row);
-          return;
-        }
-      const auto number = [&](const int column) {
-        return row.number(column, header[column]);
-      };
-      const auto positive = [&](const int column, const char *name) {
-        const double value = number(column);
-        AssertThrow(value > 0.,
-                    ExcMessage(row.where + "the " + name +
-                               " has to be positive in <" + row.text + ">."));
-        return value;
-      };
-      PlacedPoint<dim> point;
-      for (unsigned int d = 0; d < dim; ++d)
-        point.x[d] = number(columns.coordinates[d]);
-      const double rho =
-        columns.density >= 0 ? positive(columns.density, "density") : density;
-      point.volume = columns.volume >= 0 ? positive(columns.volume, "volume")
-                                         : positive(columns.mass, "mass") / rho;
-      const double mass =
-        columns.mass >= 0 ? positive(columns.mass, "mass") : rho * point.volume;
-      const auto is_near = [](const double a, const double b) {
-        return std::abs(a - b) <= largest_difference * std::max(a, b);
-      };
-      AssertThrow(columns.density < 0 || columns.volume < 0 ||
-                    is_near(mass, rho * point.volume),
-                  ExcMessage(row.where +
-                             "the columns 'mass', 'volume' and "
-                             "'density' contradict each other: " +
-                             text_of(mass) + " kg are not " + text_of(rho) +
-                             " times " + text_of(point.volume) + " in <" +
-                             row.text + ">."));
-      const double ratio = mass / (point.volume * density);
-      AssertThrow(ratio < largest_ratio && ratio > 1. / largest_ratio,
-                  ExcMessage(row.where + "the density is " +
-                             text_of(mass / point.volume) +
-                             " kg / m^3, and that of the material is " +
-                             text_of(density) + ", in <" + row.text +
-                             ">. Are volume and mass in " + volume_unit +
-                             " and kg?"));
-      sum += point.volume;
-      AssertThrow(point.volume <= (1. + largest_excess) * grid_volume,
-                  ExcMessage(row.where + "the volume of the point is " +
-                             text_of(point.volume) + ' ' + volume_unit +
-                             ", and that of the grid is " +
-                             text_of(grid_volume) + ", in <" + row.text +
-                             ">."));
-      point.id         = id++;
-      Point<dim> place = point.x, reference = point.x;
-      for (unsigned int d = 0; d < dim; ++d)
-        if (!columns.reference.empty())
-          reference[d] = number(columns.reference[d]);
-        else if (!columns.displacement.empty())
-          reference[d] -= number(columns.displacement[d]);
-      if (at_reference)
-        place = reference;
-      AssertThrow(!is_axisymmetric || std::min(point.x[0], reference[0]) > 0.,
-                  ExcMessage(row.where +
-                             "the point lies on the axis of symmetry, or "
-                             "beyond, in <" +
-                             row.text + ">: its x has to be positive."));
-      for (unsigned int d = 0; d < dim; ++d)
-        AssertThrow(place[d] >= lattice.lower(d) &&
-                      place[d] <= lattice.upper(d),
-                    ExcMessage(row.where + "the point (" + text_of(place) +
-                               ") m lies outside of the grid."));
-      const auto position =
-        lexicographic<dim>(lattice.find_cell(place), lattice.n_cells());
-      const auto &cells = space.owned_cells();
-      const auto found = std::lower_bound(cells.begin(), cells.end(), position);
-      if (found == cells.end() || *found != position)
-        return;
-      point.cell  = found - cells.begin();
-      point.image = point.x;
-      result.points.push_back(point);
-      if (columns.mass >= 0 || columns.density >= 0)
-        result.values.push_back(mass);
-      for (unsigned int d = 0; d < dim; ++d)
-        if (!columns.reference.empty() || !columns.displacement.empty())
-          result.values.push_back(reference[d]);
-      for (const int column : columns.further)
-        result.values.push_back(number(column));
-    });
-    AssertThrow(sum <= (1. + largest_excess) * grid_volume,
-                ExcMessage("<" + file + "> of the parameter '" + section +
-                           "/Points file': the volumes (column '" +
-                           (columns.volume >= 0 ? "volume" : "mass") +
-                           "') add up to " + text_of(sum) + ' ' + volume_unit +
-                           ", and the grid has " + text_of(grid_volume) +
-                           ". Is the unit right?"));
+    PointsReader<dim> reader(
+      density, wanted, at_reference, is_axisymmetric, space);
+    read_points(file, section, [&](const CsvLine &row) { reader.read(row); });
+    reader.check_sum("<" + file + "> of the parameter '" + section +
+                     "/Points file'");
     std::vector<const PlacedPoint<dim> *> points;
-    for (const PlacedPoint<dim> &point : result.points)
+    for (const PlacedPoint<dim> &point : reader.result.points)
       points.push_back(&point);
     check_places<dim>(points, file, section);
-    return result;
+    return reader.result;
   }
 
 
