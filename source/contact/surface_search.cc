@@ -138,140 +138,237 @@ namespace greville
                (!has_normal || n * normal < largest_cosine);
       }
     };
-  } // namespace
 
 
 
-  template <int dim>
-  void
-  SurfaceSearch<dim>::find_gaps(std::vector<ContactPoint<dim>> &points,
-                                const double                    reach) const
-  {
-    for (ContactPoint<dim> &point : points)
-      point.is_facing = false;
-    // The boxes around both sides, as the largest -x and x, and the largest
-    // area or length of a point.
-    constexpr double    none = std::numeric_limits<double>::lowest();
-    std::vector<double> extremes(4 * dim + 1, none);
-    for (const ContactPoint<dim> &point : points)
+    /**
+     * The boxes around both sides, and the size of the boxes of a search.
+     */
+    template <int dim>
+    struct Extent
+    {
+      /**
+       * Collective.
+       */
+      Extent(const std::vector<ContactPoint<dim>> &points,
+             const double                          reach,
+             const MPI_Comm                        comm)
+        : extremes(4 * dim + 1, none)
       {
-        for (unsigned int d = 0; d < dim; ++d)
+        for (const ContactPoint<dim> &point : points)
           {
             double *const of_side = &extremes[(2 * point.side) * dim];
-            of_side[d]            = std::max(of_side[d], -point.x[d]);
-            of_side[dim + d]      = std::max(of_side[dim + d], point.x[d]);
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                of_side[d]       = std::max(of_side[d], -point.x[d]);
+                of_side[dim + d] = std::max(of_side[dim + d], point.x[d]);
+              }
+            extremes[4 * dim] =
+              std::max(extremes[4 * dim], point.area / point.thickness);
           }
-        extremes[4 * dim] =
-          std::max(extremes[4 * dim], point.area / point.thickness);
+        Utilities::MPI::max(extremes, comm, extremes);
+        radius =
+          2. * (dim == 2 ? extremes[4 * dim] : std::sqrt(extremes[4 * dim]));
+        size = reach + 2. * radius;
       }
-    Utilities::MPI::max(extremes, comm, extremes);
-    for (unsigned int side = 0; side < 2; ++side)
-      if (extremes[2 * side * dim] == none)
-        return;
-    const double spacing =
-      dim == 2 ? extremes[4 * dim] : std::sqrt(extremes[4 * dim]);
-    const double radius = 2. * spacing;
-    const double size   = reach + 2. * radius; // of a box
 
-    const auto is_near_other = [&](const ContactPoint<dim> &point) {
-      const double *const other = &extremes[(2 * (1 - point.side)) * dim];
-      for (unsigned int d = 0; d < dim; ++d)
-        if (point.x[d] < -other[d] - size || point.x[d] > other[dim + d] + size)
-          return false;
-      return true;
-    };
-    using Box         = typename Meeting<dim>::Box;
-    const auto box_of = [&](const Point<dim> &x) {
-      Box box;
-      for (unsigned int d = 0; d < dim; ++d)
-        box[d] = std::int64_t(std::floor(x[d] / size));
-      return box;
-    };
-    const auto for_neighbors = [](const Box &box, const auto &action) {
-      constexpr unsigned int n = dim == 2 ? 9 : 27;
-      for (unsigned int k = 0; k < n; ++k)
-        {
-          Box other = box;
-          for (unsigned int d = 0, rest = k; d < dim; ++d, rest /= 3)
-            other[d] += int(rest % 3) - 1;
-          action(other);
-        }
-    };
-    const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
-    const auto         owner_of    = [&](const Box &box) {
-      return unsigned(typename Meeting<dim>::Hash()(box) % n_processes);
-    };
-
-    // A point is on the process of its box to be projected, and on those of the
-    // boxes around it, where others are projected onto it.
-    constexpr unsigned int                      n = row_size<dim>;
-    std::map<unsigned int, std::vector<double>> to_send;
-    for (unsigned int k = 0; k < points.size(); ++k)
+      bool
+      has_both_sides() const
       {
-        const ContactPoint<dim> &point = points[k];
-        if (!is_near_other(point))
-          continue;
-        std::set<unsigned int> owners;
-        if (n_processes == 1)
-          owners.insert(0);
-        else
-          for_neighbors(box_of(point.x),
-                        [&](const Box &box) { owners.insert(owner_of(box)); });
-        for (const unsigned int owner : owners)
+        return extremes[0] != none && extremes[2 * dim] != none;
+      }
+
+      bool
+      is_near_other(const ContactPoint<dim> &point) const
+      {
+        const double *const other = &extremes[(2 * (1 - point.side)) * dim];
+        for (unsigned int d = 0; d < dim; ++d)
+          if (point.x[d] < -other[d] - size ||
+              point.x[d] > other[dim + d] + size)
+            return false;
+        return true;
+      }
+
+      using Box = typename Meeting<dim>::Box;
+
+      Box
+      box_of(const Point<dim> &x) const
+      {
+        Box box;
+        for (unsigned int d = 0; d < dim; ++d)
+          box[d] = std::int64_t(std::floor(x[d] / size));
+        return box;
+      }
+
+      template <typename Action>
+      static void
+      for_neighbors(const Box &box, const Action &action)
+      {
+        constexpr unsigned int n = dim == 2 ? 9 : 27;
+        for (unsigned int k = 0; k < n; ++k)
           {
-            std::vector<double> &rows = to_send[owner];
-            rows.push_back(k);
-            rows.push_back(point.side);
-            for (unsigned int d = 0; d < dim; ++d)
-              rows.push_back(point.x[d]);
-            for (unsigned int d = 0; d < dim; ++d)
-              rows.push_back(point.normal[d]);
-            rows.push_back(point.area / point.thickness);
+            Box other = box;
+            for (unsigned int d = 0, rest = k; d < dim; ++d, rest /= 3)
+              other[d] += int(rest % 3) - 1;
+            action(other);
           }
       }
-    const unsigned int me = Utilities::MPI::this_mpi_process(comm);
-    const auto         received =
-      n_processes == 1 ? to_send : Utilities::MPI::some_to_some(comm, to_send);
 
-    std::vector<double>                               rows;
-    std::vector<std::pair<unsigned int, std::size_t>> ends; // of each sender
-    for (const auto &[sender, of_sender] : received)
-      {
-        rows.insert(rows.end(), of_sender.begin(), of_sender.end());
-        ends.emplace_back(sender, rows.size());
-      }
-    const auto position = [&](const unsigned int row, const unsigned int from) {
-      Point<dim> x;
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d] = rows[row + from + d];
-      return x;
+      /// By side the largest -x and x, and the largest area (2D: length) of a
+      /// point.
+      static constexpr double none = std::numeric_limits<double>::lowest();
+      std::vector<double>     extremes;
+      double                  radius, size;
     };
-    Meeting<dim> meeting;
-    for (unsigned int row = 0; row < rows.size(); row += n)
-      meeting.boxes[unsigned(rows[row + 1])][box_of(position(row, 2))]
-        .push_back(row);
 
-    std::map<unsigned int, std::vector<double>> answers;
-    LocalSurface<dim>                           surface;
-    auto                                        sender = ends.begin();
-    for (unsigned int row = 0; row < rows.size(); row += n)
+
+
+    using Rows = std::map<unsigned int, std::vector<double>>; // by process
+
+
+
+    unsigned int
+    owner_of(const std::size_t hash, const unsigned int n_processes)
+    {
+      return hash % n_processes;
+    }
+
+
+
+    /**
+     * The rows of points for other processes: a point is on the process of its
+     * box to be projected, and on those of the boxes around it, where others
+     * are projected onto it.
+     */
+    template <int dim>
+    Rows
+    rows_of_points(const std::vector<ContactPoint<dim>> &points,
+                   const Extent<dim>                    &extent,
+                   const unsigned int                    n_processes)
+    {
+      Rows result;
+      for (unsigned int k = 0; k < points.size(); ++k)
+        {
+          const ContactPoint<dim> &point = points[k];
+          if (!extent.is_near_other(point))
+            continue;
+          std::set<unsigned int> owners;
+          if (n_processes == 1)
+            owners.insert(0);
+          else
+            extent.for_neighbors(extent.box_of(point.x), [&](const auto &box) {
+              owners.insert(
+                owner_of(typename Meeting<dim>::Hash()(box), n_processes));
+            });
+          for (const unsigned int owner : owners)
+            {
+              std::vector<double> &rows = result[owner];
+              rows.push_back(k);
+              rows.push_back(point.side);
+              for (unsigned int d = 0; d < dim; ++d)
+                rows.push_back(point.x[d]);
+              for (unsigned int d = 0; d < dim; ++d)
+                rows.push_back(point.normal[d]);
+              rows.push_back(point.area / point.thickness);
+            }
+        }
+      return result;
+    }
+
+
+
+    /**
+     * Rows of points that have come to this process.
+     */
+    template <int dim>
+    class MetPoints
+    {
+    public:
+      MetPoints(const Rows        &received,
+                const Extent<dim> &extent,
+                const bool         is_axisymmetric)
+        : extent(extent)
+        , is_axisymmetric(is_axisymmetric)
       {
-        while (row >= sender->second)
-          ++sender;
-        const Point<dim> x   = position(row, 2);
-        const Box        box = box_of(x);
-        if (owner_of(box) != me)
-          continue;
+        for (const auto &[sender, of_sender] : received)
+          {
+            rows.insert(rows.end(), of_sender.begin(), of_sender.end());
+            ends.emplace_back(sender, rows.size());
+          }
+        for (unsigned int row = 0; row < rows.size(); row += row_size<dim>)
+          meeting
+            .boxes[unsigned(rows[row + 1])][extent.box_of(position(row, 2))]
+            .push_back(row);
+      }
+
+      /**
+       * Project the points in boxes of this process, and return, for each
+       * sender, numbers, gaps and normals of those that face a surface.
+       */
+      Rows
+      project(const double       reach,
+              const unsigned int n_processes,
+              const unsigned int me)
+      {
+        Rows answers;
+        auto sender = ends.begin();
+        for (unsigned int row = 0; row < rows.size(); row += row_size<dim>)
+          {
+            while (row >= sender->second)
+              ++sender;
+            const Point<dim> x   = position(row, 2);
+            const auto       box = extent.box_of(x);
+            if (owner_of(typename Meeting<dim>::Hash()(box), n_processes) != me)
+              continue;
+            const Tensor<1, dim> normal = position(row, 2 + dim);
+            find_samples(row, x, normal, box);
+            if (surface.samples.empty())
+              continue;
+            // Material points are no surface: it is enough that one is near.
+            double         gap    = 0.;
+            Tensor<1, dim> target = -normal;
+            if (surface.samples.front().normal.norm_square() > 0. &&
+                !surface.project(x, normal, extent.radius, reach, gap, target))
+              continue;
+            std::vector<double> &answer = answers[sender->first];
+            answer.push_back(rows[row]);
+            answer.push_back(gap);
+            for (unsigned int d = 0; d < dim; ++d)
+              answer.push_back(target[d]);
+          }
+        return answers;
+      }
+
+    private:
+      Point<dim>
+      position(const unsigned int row, const unsigned int from) const
+      {
+        Point<dim> x;
+        for (unsigned int d = 0; d < dim; ++d)
+          x[d] = rows[row + from + d];
+        return x;
+      }
+
+      /**
+       * Collect the points of the other side around a point, and their mirror
+       * images behind the axis.
+       */
+      void
+      find_samples(const unsigned int                row,
+                   const Point<dim>                 &x,
+                   const Tensor<1, dim>             &normal,
+                   const typename Meeting<dim>::Box &box)
+      {
         surface.samples.clear();
-        const Tensor<1, dim> normal = position(row, 2 + dim);
         const auto &others     = meeting.boxes[1 - unsigned(rows[row + 1])];
         const auto  add_sample = [&](const Point<dim>     &y,
                                     const Tensor<1, dim> &m,
                                     const unsigned int    other) {
-          if (m * normal < 0.5 && y.distance_square(x) < std::pow(size, 2))
+          if (m * normal < 0.5 &&
+              y.distance_square(x) < std::pow(extent.size, 2))
             surface.samples.push_back({y, m, rows[other + 2 + 2 * dim]});
         };
-        for_neighbors(box, [&](const Box &near) {
+        extent.for_neighbors(box, [&](const auto &near) {
           const auto found = others.find(near);
           if (found == others.end())
             return;
@@ -288,23 +385,39 @@ namespace greville
                 }
             }
         });
-        if (surface.samples.empty())
-          continue;
-        // Material points are no surface: what is near is all that is asked.
-        double         gap    = 0.;
-        Tensor<1, dim> target = -normal;
-        if (surface.samples.front().normal.norm_square() > 0. &&
-            !surface.project(x, normal, radius, reach, gap, target))
-          continue;
-        std::vector<double> &answer = answers[sender->first];
-        answer.push_back(rows[row]);
-        answer.push_back(gap);
-        for (unsigned int d = 0; d < dim; ++d)
-          answer.push_back(target[d]);
       }
-    for (const auto &[process, answer] :
-         n_processes == 1 ? answers
-                          : Utilities::MPI::some_to_some(comm, answers))
+
+      const Extent<dim>                                &extent;
+      const bool                                        is_axisymmetric;
+      std::vector<double>                               rows;
+      std::vector<std::pair<unsigned int, std::size_t>> ends; // of each sender
+      Meeting<dim>                                      meeting;
+      LocalSurface<dim>                                 surface;
+    };
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  SurfaceSearch<dim>::find_gaps(std::vector<ContactPoint<dim>> &points,
+                                const double                    reach) const
+  {
+    for (ContactPoint<dim> &point : points)
+      point.is_facing = false;
+    const Extent<dim> extent(points, reach, comm);
+    if (!extent.has_both_sides())
+      return;
+    const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
+    const auto         exchange    = [&](const Rows &rows) {
+      return n_processes == 1 ? rows : Utilities::MPI::some_to_some(comm, rows);
+    };
+    MetPoints<dim> met(exchange(rows_of_points(points, extent, n_processes)),
+                       extent,
+                       is_axisymmetric);
+    const Rows     answers = exchange(
+      met.project(reach, n_processes, Utilities::MPI::this_mpi_process(comm)));
+    for (const auto &[process, answer] : answers)
       for (unsigned int k = 0; k < answer.size(); k += 2 + dim)
         {
           ContactPoint<dim> &point = points[unsigned(answer[k])];
