@@ -43,143 +43,196 @@ namespace greville
 
 
     /**
-     * Newton's method from the guess @p x.
+     * Newton's method from a guess.
      */
-    NewtonResult
-    solve_from(VectorType             &x,
-               NewtonProblem          &problem,
-               const NewtonParameters &parameters)
+    class NewtonIterations
     {
-      NewtonResult result;
-      Iterate      now, best;
-      VectorType   dx, trial, trial_r;
-      now.x = x;
-      for (VectorType *vector : {&now.r, &dx, &trial, &trial_r})
-        vector->reinit(x);
+    public:
+      NewtonIterations(const VectorType       &guess,
+                       NewtonProblem          &problem,
+                       const NewtonParameters &parameters)
+        : problem(problem)
+        , parameters(parameters)
+        , forcing(parameters.largest_forcing)
+      {
+        now.x = guess;
+        for (VectorType *vector : {&now.r, &dx, &trial, &trial_r})
+          vector->reinit(guess);
+      }
 
-      // What counts as zero there.
-      const auto limit = [&](const Iterate &at) {
-        return std::max(parameters.tolerance * std::max(at.scale, at.norm),
-                        parameters.absolute_tolerance);
-      };
-      const auto measure = [&](Iterate &at) {
-        at.norm  = at.r.l2_norm();
-        at.scale = problem.scale();
-      };
-      const auto end_with = [&](const std::string &reason) {
-        result.converged = reason.empty();
-        result.reason    = reason;
+      /**
+       * Iterate, and leave the last iterate in @p x.
+       */
+      NewtonResult
+      run(VectorType &x)
+      {
+        result.reason    = iterate();
+        result.converged = result.reason.empty();
         x.swap(now.x);
         return result;
-      };
+      }
 
-      std::string wrong = problem.residual(now.r, now.x);
-      if (wrong.empty() && !std::isfinite(now.r.l2_norm()))
-        wrong = "the initial residual is infinite or NaN";
-      if (!wrong.empty())
-        return end_with(wrong);
-      measure(now);
-      NewtonIteration row;
-      const auto      add_row = [&]() {
+    private:
+      /**
+       * Return an empty text, or why it does not converge.
+       */
+      std::string
+      iterate()
+      {
+        std::string wrong = problem.residual(now.r, now.x);
+        if (wrong.empty() && !std::isfinite(now.r.l2_norm()))
+          wrong = "the initial residual is infinite or NaN";
+        if (!wrong.empty())
+          return wrong;
+        measure(now);
+        add_row();
+        best = now;
+        for (unsigned int k = 0; now.norm > limit(now); ++k)
+          {
+            if (k == parameters.max_iterations)
+              return describe_slowness();
+            wrong = solve_linear_system();
+            if (!wrong.empty())
+              {
+                if (n_free == 0)
+                  return wrong;
+                go_back();
+                continue;
+              }
+            if (!find_trial(wrong))
+              return wrong;
+            if (is_free &&
+                (!wrong.empty() || (norm > best.norm && ++n_free > watch)))
+              go_back();
+            else
+              accept_trial();
+          }
+        return "";
+      }
+
+      /// The norm that counts as zero there.
+      double
+      limit(const Iterate &at) const
+      {
+        return std::max(parameters.tolerance * std::max(at.scale, at.norm),
+                        parameters.absolute_tolerance);
+      }
+
+      void
+      measure(Iterate &at)
+      {
+        at.norm  = at.r.l2_norm();
+        at.scale = problem.scale();
+      }
+
+      void
+      add_row()
+      {
         row.residual = now.norm;
         row.relative = now.relative();
         result.iterations.push_back(row);
-      };
-      add_row();
-      double forcing = parameters.largest_forcing;
+      }
 
-      // Where the residual was smallest, and the steps without a line search
-      // since.
-      best                 = now;
-      unsigned int n_free  = 0;
-      bool         is_free = true;
-      const auto   go_back = [&]() {
+      std::string
+      describe_slowness() const
+      {
+        std::ostringstream text;
+        text << "Newton's method did not converge in "
+             << parameters.max_iterations << " iterations: the residual is "
+             << now.relative() << " of the forces, and 'Newton/Tolerance' is "
+             << parameters.tolerance;
+        return text.str();
+      }
+
+      /// Return an empty text, or why there is no direction.
+      std::string
+      solve_linear_system()
+      {
+        const std::string wrong = problem.linearize(now.x);
+        if (!wrong.empty())
+          return wrong;
+        const SolveResult solve = problem.solve(dx, now.r, forcing);
+        row.linear_iterations   = *solve.iterations;
+        return solve.converged || solve.reduction < 0.5
+                 ? ""
+                 : "the linear solver " + solve.reason;
+      }
+
+      /**
+       * Set the trial to a full step, or with a line search to one that reduces
+       * the residual, and @p wrong to what is wrong there. Return whether there
+       * is such a step; if not, @p wrong says why.
+       */
+      bool
+      find_trial(std::string &wrong)
+      {
+        constexpr double       decrease = 1e-4;
+        constexpr unsigned int max_cuts = 6;
+        row.step                        = 1.;
+        for (unsigned int cut = 0;; ++cut, row.step *= 0.5)
+          {
+            trial = now.x;
+            trial.add(row.step, dx);
+            wrong = problem.residual(trial_r, trial);
+            norm  = trial_r.l2_norm();
+            if (wrong.empty() && !std::isfinite(norm))
+              wrong = "the residual is infinite or NaN";
+            // Round-off does not let it become smaller than 10 limits.
+            if (is_free || (wrong.empty() &&
+                            (norm <= (1. - decrease * row.step) * best.norm ||
+                             norm <= 10. * limit(now))))
+              return true;
+            if (cut < max_cuts)
+              continue;
+            if (wrong.empty())
+              wrong = "Newton's method found no step that reduces the residual";
+            return false;
+          }
+      }
+
+      /// Go back to where the residual was smallest, and search along lines.
+      void
+      go_back()
+      {
         now      = best;
         is_free  = false;
         n_free   = 0;
         forcing  = parameters.largest_forcing;
         row.step = 0.;
         add_row();
-      };
-      for (unsigned int k = 0;; ++k)
-        {
-          if (now.norm <= limit(now))
-            return end_with("");
-          if (k == parameters.max_iterations)
-            {
-              std::ostringstream text;
-              text << "Newton's method did not converge in " << k
-                   << " iterations: the residual is " << now.relative()
-                   << " of the forces, and 'Newton/Tolerance' is "
-                   << parameters.tolerance;
-              return end_with(text.str());
-            }
-          wrong = problem.linearize(now.x);
-          SolveResult solve;
-          if (wrong.empty())
-            {
-              solve                 = problem.solve(dx, now.r, forcing);
-              row.linear_iterations = *solve.iterations;
-              if (!solve.converged && !(solve.reduction < 0.5))
-                wrong = "the linear solver " + solve.reason;
-            }
-          if (!wrong.empty())
-            {
-              if (n_free > 0)
-                {
-                  go_back();
-                  continue;
-                }
-              return end_with(wrong);
-            }
+      }
 
-          constexpr double       decrease = 1e-4;
-          constexpr unsigned int max_cuts = 6;
-          double                 norm     = 0.;
-          row.step                        = 1.;
-          for (unsigned int cut = 0;; ++cut, row.step *= 0.5)
-            {
-              trial = now.x;
-              trial.add(row.step, dx);
-              wrong = problem.residual(trial_r, trial);
-              norm  = trial_r.l2_norm();
-              if (wrong.empty() && !std::isfinite(norm))
-                wrong = "the residual is infinite or NaN";
-              if (is_free || (wrong.empty() &&
-                              norm <= (1. - decrease * row.step) * best.norm))
-                break;
-              // Round-off: it does not get better.
-              if (wrong.empty() && norm <= 10. * limit(now))
-                break;
-              if (cut == max_cuts)
-                return end_with(
-                  wrong.empty() ? "Newton's method found no step that reduces "
-                                  "the residual"
-                                : wrong);
-            }
-          if (is_free &&
-              (!wrong.empty() || (norm > best.norm && ++n_free > watch)))
-            {
-              go_back();
-              continue;
-            }
-          const double ratio = norm / now.norm;
-          now.x.swap(trial);
-          now.r.swap(trial_r);
-          measure(now);
-          add_row();
-          if (norm < best.norm || !is_free)
-            {
-              best   = now;
-              n_free = 0;
-            }
-          forcing =
-            std::min(std::max({0.9 * ratio * ratio,
-                               smallest_forcing,
-                               0.5 * limit(now) / std::max(norm, limit(now))}),
-                     parameters.largest_forcing);
-        }
-    }
+      void
+      accept_trial()
+      {
+        const double ratio = norm / now.norm;
+        now.x.swap(trial);
+        now.r.swap(trial_r);
+        measure(now);
+        add_row();
+        if (norm < best.norm || !is_free)
+          {
+            best   = now;
+            n_free = 0;
+          }
+        forcing =
+          std::min(std::max({0.9 * ratio * ratio,
+                             smallest_forcing,
+                             0.5 * limit(now) / std::max(norm, limit(now))}),
+                   parameters.largest_forcing);
+      }
+
+      NewtonProblem          &problem;
+      const NewtonParameters &parameters;
+      NewtonResult            result;
+      NewtonIteration         row;
+      Iterate                 now, best; // best: the smallest residual
+      VectorType              dx, trial, trial_r;
+      double                  norm = 0.; // of trial_r
+      double                  forcing;
+      bool                    is_free = true; // without a line search
+      unsigned int            n_free  = 0;    // such steps since best
+    };
 
 
 
@@ -210,12 +263,12 @@ namespace greville
                NewtonProblem          &problem,
                const NewtonParameters &parameters)
   {
-    NewtonResult result = solve_from(x, problem, parameters);
+    NewtonResult result = NewtonIterations(x, problem, parameters).run(x);
     if (!result.converged && zero_is_better(result, problem, x))
       {
         x           = 0.;
         auto before = std::move(result.iterations);
-        result      = solve_from(x, problem, parameters);
+        result      = NewtonIterations(x, problem, parameters).run(x);
         before.insert(before.end(),
                       result.iterations.begin(),
                       result.iterations.end());
