@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/geometry/surface_shape.h>
+#include <greville/geometry/closest_surface.h>
 
 #include <algorithm>
 #include <cmath>
@@ -51,38 +51,6 @@ namespace greville
       plane.offset = plane.normal * center_of<dim>(facet);
       return plane;
     }
-
-
-
-    /**
-     * Whether a line along x meets a facet; each line meets one of two
-     * neighbors.
-     */
-    bool
-    is_met(const Facet<2> &facet, const Point<2> &x)
-    {
-      return (facet[0][1] <= x[1]) != (facet[1][1] <= x[1]);
-    }
-
-    bool
-    is_met(const Facet<3> &facet, const Point<3> &x)
-    {
-      bool result = false;
-      for (unsigned int i = 0; i < 3; ++i)
-        {
-          const Point<3> *a = &facet[i], *b = &facet[(i + 1) % 3];
-          if (((*a)[2] <= x[2]) == ((*b)[2] <= x[2]))
-            continue;
-          // The same rounding for both triangles at an edge.
-          if ((*a)[2] > (*b)[2])
-            std::swap(a, b);
-          const double y = (*a)[1] + ((*b)[1] - (*a)[1]) * (x[2] - (*a)[2]) /
-                                       ((*b)[2] - (*a)[2]);
-          if (y > x[1])
-            result = !result;
-        }
-      return result;
-    }
   } // namespace
 
 
@@ -91,11 +59,16 @@ namespace greville
   SurfaceShape<dim>::SurfaceShape(ClosedSurface<dim>  given,
                                   const Lattice<dim> &lattice)
     : surface(std::move(given))
+    , closest(make_closest_surface<dim>(surface))
     , lattice(lattice)
   {
     sort_by_cells();
-    sort_by_rays();
   }
+
+
+
+  template <int dim>
+  SurfaceShape<dim>::~SurfaceShape() = default;
 
 
 
@@ -163,64 +136,10 @@ namespace greville
 
 
   template <int dim>
-  void
-  SurfaceShape<dim>::sort_by_rays()
-  {
-    BoundingBox<dim> whole(surface[0]);
-    for (const auto &facet : surface)
-      whole.merge_with(BoundingBox<dim>(facet));
-    std::tie(lower, upper) = whole.get_boundary_points();
-    n_rays = std::max(1., std::pow(surface.size(), 1. / (dim - 1)));
-    by_ray.resize(dim == 2 ? n_rays : std::size_t(n_rays) * n_rays);
-    for (unsigned int f = 0; f < surface.size(); ++f)
-      {
-        const BoundingBox<dim> box(surface[f]);
-        const auto &[low, high] = box.get_boundary_points();
-        const std::size_t first = ray_key(low), last = ray_key(high);
-        for (std::size_t k = first / n_rays; k <= last / n_rays; ++k)
-          for (std::size_t i = first % n_rays; i <= last % n_rays; ++i)
-            by_ray[k * n_rays + i].push_back(f);
-      }
-  }
-
-
-
-  template <int dim>
-  std::size_t
-  SurfaceShape<dim>::ray_key(const Point<dim> &x) const
-  {
-    std::size_t key = 0;
-    for (unsigned int d = dim - 1; d > 0; --d)
-      {
-        const double part = (x[d] - lower[d]) / (upper[d] - lower[d]) * n_rays;
-        key =
-          key * n_rays + std::size_t(std::min(std::max(0., part), n_rays - 1.));
-      }
-    return key;
-  }
-
-
-
-  template <int dim>
   bool
   SurfaceShape<dim>::contains(const Point<dim> &x) const
   {
-    for (unsigned int d = 0; d < dim; ++d)
-      if (x[d] < lower[d] || x[d] > upper[d])
-        return false;
-    // How often a ray along x leaves the body, less how often it comes in.
-    int sum = 0;
-    for (const unsigned int f : by_ray[ray_key(x)])
-      if (is_met(surface[f], x))
-        {
-          const Tensor<1, dim> normal = normal_of(surface[f]);
-          if (normal[0] == 0.)
-            continue;
-          // The plane of the facet is on the far side.
-          if ((normal * (surface[f][0] - x)) / normal[0] > 0.)
-            sum += normal[0] > 0. ? 1 : -1;
-        }
-    return sum > 0;
+    return closest->contains(x);
   }
 
 

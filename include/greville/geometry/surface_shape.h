@@ -5,11 +5,17 @@
 
 #include <greville/geometry/fitted_shape.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace greville
 {
+  template <int dim>
+  class ClosestSurface;
+
+
+
   /**
    * A closed surface of triangles (in 2D segments), whose normals point
    * outwards: corners are counterclockwise when seen from outside, in 2D the
@@ -43,6 +49,8 @@ namespace greville
   public:
     SurfaceShape(ClosedSurface<dim> surface, const Lattice<dim> &lattice);
 
+    ~SurfaceShape();
+
     CellPart<dim>
     cut(const std::array<int, dim> &position,
         const unsigned int          n) const override;
@@ -61,20 +69,13 @@ namespace greville
     };
 
     /**
-     * Facets by cells of the lattice and of a layer around it, and by squares
-     * (in 2D intervals) across x, for rays along x.
+     * Sort facets by cells of the lattice and of a layer around it.
      */
     void
     sort_by_cells();
 
-    void
-    sort_by_rays();
-
     std::uint64_t
     cell_key(const std::array<int, dim> &position) const;
-
-    std::size_t
-    ray_key(const dealii::Point<dim> &x) const;
 
     /**
      * What is left of a part of a cell that facets cut.
@@ -87,11 +88,9 @@ namespace greville
              std::vector<WeightedPoint<dim>> &points) const;
 
     ClosedSurface<dim>                                  surface;
+    std::unique_ptr<ClosestSurface<dim>>                closest;
     Lattice<dim>                                        lattice;
     std::vector<std::pair<std::uint64_t, unsigned int>> by_cell;
-    dealii::Point<dim>                                  lower, upper;
-    unsigned int                           n_rays = 1; // per direction
-    std::vector<std::vector<unsigned int>> by_ray;
   };
 } // namespace greville
 
