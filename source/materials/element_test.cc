@@ -308,26 +308,28 @@ namespace greville
             Patterns::List(Patterns::Double(), 1, 2),
             "Axial and lateral stress at the start of an element test, "
             "positive in compression; one number: both. Unit: Pa.");
-    declare("Strain",
-            text_of(defaults.strains[0]),
-            Patterns::List(Patterns::Double(), 1),
-            "Where the controlled strain turns, and ends, positive in "
-            "compression: the logarithmic axial or (isotropic) volumetric "
-            "strain, or the shear. Unit: none.");
+    declare(
+      "Strain",
+      text_of(defaults.strains[0]),
+      Patterns::List(Patterns::Double(), 1),
+      "Values of the controlled strain at which it reverses, and at which the "
+      "test ends: the logarithmic axial strain, volumetric strain (isotropic) "
+      "or shear; positive in compression. Unit: none.");
     declare("Steps",
             text_of(defaults.steps),
             Patterns::Integer(1),
-            "Steps from one of these strains to the next. Unit: none.");
+            "Number of steps from one of the values of 'Strain' to the next. "
+            "Unit: none.");
     declare("Strain rate",
             text_of(defaults.strain_rate),
             positive(),
-            "Of the controlled strain, for laws that depend on it, and on "
-            "time. Unit: 1 / s.");
-    declare("Void ratio",
-            text_of(defaults.void_ratio),
-            Patterns::Double(0.),
-            "At the start, of laws without a void ratio of their own. Unit: "
-            "none.");
+            "Rate of the controlled strain, for laws that depend on the rate "
+            "or on time. Unit: 1 / s.");
+    declare(
+      "Void ratio",
+      text_of(defaults.void_ratio),
+      Patterns::Double(0.),
+      "Initial void ratio, for laws that have none of their own. Unit: none.");
     prm.leave_subsection();
   }
 

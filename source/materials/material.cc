@@ -103,20 +103,19 @@ namespace greville
     add_parameter(prm, "Density", density, positive())(
       "Density in the stress-free state. Unit: kg / m^3.");
     add_parameter(prm, "Porosity", porosity)(
-      "With 'Simulation/Pore water': the fraction of the volume that water "
-      "fills in the stress-free state. 'Density' is that of soil and water "
-      "together. Unit: none.");
+      "Fraction of the volume that water fills in the stress-free state, with "
+      "'Simulation/Pore water'. 'Density' is then the density of soil and "
+      "water together. Unit: none.");
     add_parameter(prm, "Hydraulic conductivity", conductivity)(
-      "With 'Simulation/Pore water': the flow of water per area where its "
-      "pressure falls by the weight of 1 m of water (9.81 N / kg) in 1 m. "
-      "Unit: m / s.");
+      "Darcy's coefficient with 'Simulation/Pore water': the flow of water per "
+      "area at a hydraulic gradient of 1, with g = 9.81 m / s^2. Unit: m / s.");
     add_choice<bool>(prm,
                      "Conductivity law",
                      has_kozeny_carman,
                      {{false, "constant"}, {true, "kozeny-carman"}})(
-      "How 'Hydraulic conductivity' follows the void ratio e: not at all "
-      "(constant), or as e^3 / (1 + e) (kozeny-carman), where it is that of "
-      "the stress-free state.");
+      "Dependence of the hydraulic conductivity on the void ratio e: none "
+      "(constant), or e^3 / (1 + e) (kozeny-carman); 'Hydraulic conductivity' "
+      "is then its value in the stress-free state.");
   }
 
 

@@ -29,7 +29,7 @@ namespace greville
                      "Softening",
                      exponential,
                      {{false, "linear"}, {true, "exponential"}})(
-      "How cohesion and friction angle fall.");
+      "Decrease of cohesion and friction angle with plastic strain.");
     add_parameter(prm, "Softening strain", softening_strain, positive())(
       "Equivalent plastic strain at which linear softening ends, or over which "
       "exponential softening falls by the factor e. Unit: none.");

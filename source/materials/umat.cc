@@ -121,33 +121,34 @@ namespace greville
   {
     Material::declare(prm);
     add_parameter(prm, "Library", law.library)(
-      "A shared library with an Abaqus UMAT, relative to the folder of this "
-      "file; scripts/build_umat makes one from Fortran, C or C++.");
+      "Shared library with an Abaqus UMAT, relative to the folder of the "
+      "parameter file. scripts/build_umat makes one from Fortran, C or C++.");
     add_parameter(prm, "Properties", properties)(
-      "PROPS, as many as the UMAT needs. Unit: those of the UMAT; lengths in "
-      "m, stresses in Pa.");
+      "PROPS of the UMAT. Unit: as the UMAT expects; lengths in m, stresses in "
+      "Pa.");
     add_parameter(prm, "State variables", state_variables)(
-      "STATEV: names for the output, each with its unit in brackets if it has "
-      "one, such as 'void_ratio, suction [Pa]'; or their number, for the names "
-      "statev_1, statev_2, ...");
+      "STATEV: names for the output, each with an optional unit in brackets, "
+      "such as 'void_ratio, suction [Pa]'; or their number, which gives the "
+      "names statev_1, statev_2, ...");
     add_formula(prm, "Initial state", initial_state)(
-      "STATEV at the start: formulas of x, y and z (0 in plane strain), "
-      "separated by semicolons; one formula is for all of them, none is 0.");
+      "Initial STATEV: formulas of x, y and z (0 in plane strain), separated "
+      "by semicolons; a single formula is for all of them. Empty: 0.");
     add_choice<bool>(prm,
                      "Tangent",
                      has_tangents_by_differences,
                      {{false, "ddsdde"}, {true, "differences"}})(
-      "Of implicit steps: DDSDDE, converted for finite strain, or differences "
-      "of calls, which take 18 (in plane strain 8) of them, for a UMAT with a "
-      "poor one. greville --check says how far DDSDDE is off.");
+      "Tangent of implicit steps: ddsdde, converted to finite strain, or "
+      "differences between calls (18 per tangent, in plane strain 8), for a "
+      "UMAT with a poor DDSDDE. greville --check measures the error of "
+      "DDSDDE.");
     add_parameter(prm, "Element length", element_length, positive())(
-      "CELENT, for laws that soften by a length. Unit: m.");
+      "CELENT, for laws whose softening depends on a length. Unit: m.");
     add_parameter(prm, "Bulk modulus", bulk, Patterns::Double(0.))(
-      "The elastic bulk modulus, for the first step and waves; it has to be "
-      "given with the shear modulus. 0: both from DDSDDE without stress. "
+      "Elastic bulk modulus, for the first step and for waves; give it "
+      "together with the shear modulus. 0: both from DDSDDE at zero stress. "
       "Unit: Pa.");
     add_parameter(prm, "Shear modulus", shear, Patterns::Double(0.))(
-      "The elastic shear modulus. Unit: Pa.");
+      "Elastic shear modulus. Unit: Pa.");
     add_parameter(prm, "Time limit", law.time_limit, Patterns::Double(0.))(
       "The program ends, with a message, if a call takes longer. 0: no limit. "
       "Unit: s.");

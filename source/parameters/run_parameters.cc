@@ -18,11 +18,12 @@ namespace greville
   ExactParameters::declare(ParameterHandler &prm)
   {
     add_formula(prm, "Displacement", displacement)(
-      "Formulas of the initial positions X, Y (, Z) and t, separated by "
-      "semicolons; empty: unknown. Unit: m.");
+      "Exact displacement: formulas of the initial positions X, Y (, Z) and t, "
+      "separated by semicolons. Empty: unknown. Unit: m.");
     add_formula(prm, "Velocity", velocity)("Likewise. Unit: m / s.");
     add_formula(prm, "Stress", stress)(
-      "Likewise the Cauchy stress xx; yy; zz; xy (; xz; yz). Unit: Pa.");
+      "Exact Cauchy stress: formulas of the same variables for xx; yy; zz; xy "
+      "(; xz; yz). Empty: unknown. Unit: Pa.");
   }
 
 
@@ -31,22 +32,22 @@ namespace greville
   ReferenceParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Surface file", surface_file)(
-      "CSV beside the parameter file with the columns x, y of the free surface "
-      "at the end, from the left to its front. Unit: m.");
+      "CSV file beside the parameter file with the columns x, y of the "
+      "measured final surface, from the left to its front. Unit: m.");
     add_parameter(prm, "Failure line file", failure_line_file)(
-      "CSV beside the parameter file with the columns x, y, in 2D, of a line "
-      "above which the body has failed at the end; x grows. Unit: m.");
+      "CSV file beside the parameter file with the columns x, y (2D) of the "
+      "measured failure line: the part of the body above it has failed at the "
+      "end. x increases. Unit: m.");
     add_parameter(prm,
                   "Failure displacement",
                   failure_displacement,
                   Double(0.))(
-      "Points that have moved by more than this have failed. Unit: m.");
+      "Displacement beyond which a point counts as failed. Unit: m.");
     add_parameter(prm, "Series file", series_file)(
-      "CSV beside the parameter file with two columns: time (s) and a value, "
-      "in "
-      "the unit of the quantity.");
+      "CSV file beside the parameter file with a measured series: time (s) and "
+      "value, in the unit of 'Series quantity'.");
     add_parameter(prm, "Series quantity", series_quantity)(
-      "The column of statistics.csv that the series is compared with.");
+      "Column of statistics.csv for the comparison with 'Series file'.");
   }
 
 
@@ -107,14 +108,14 @@ namespace greville
   OutputParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Directory", directory)(
-      "Where results go. Empty: output/NAME.");
+      "Folder of results. Empty: output/NAME.");
     add_parameter(prm,
                   "Earlier results",
                   earlier_results,
                   Selection("move aside|refuse|remove"))(
-      "What becomes of results of an earlier run in the folder: move aside "
-      "(into its folder earlier_1, earlier_2, ...), refuse (the run ends with "
-      "a message), remove. Other files stay as they are.");
+      "Treatment of results of an earlier run in the folder: move aside (into "
+      "the folder earlier_1, earlier_2, ...), refuse (end with a message), or "
+      "remove. Other files stay.");
     add_parameter(prm, "Fields every", fields_every, Double(0.))(
       "Time between two .pvtu files; 0: initial and last state only. Unit: s.");
     add_parameter(prm, "Points format", points_format, Selection("vtu|vtkhdf"))(
@@ -123,14 +124,14 @@ namespace greville
       "of the points in one file, points.vtkhdf, with points.xdmf for ParaView "
       "5.11. Grid, surfaces and rigid bodies are .vtu files either way.");
     add_parameter(prm, "Statistics every", statistics_every)(
-      "Time between two lines of statistics.csv; auto: a part in 400 of the "
-      "time from the start to the end of the run; 0: each step. Unit: s.");
+      "Time between two rows of statistics.csv. auto: 1 / 400 of the time of "
+      "the run; 0: each step. Unit: s.");
     add_parameter(prm, "Front above", front_above)(
-      "Only points whose y is larger count for the columns front, front_99 and "
-      "front_BODY, so that they are the run-out of what flows over a layer "
-      "which reaches to the far wall. Where there is none, they are 0. Unit: "
-      "m.");
-    add_parameter(prm, "Grid fields", grid_fields)("Write the grid as well.");
+      "Smallest y of the points that count for the columns front, front_99 and "
+      "front_BODY (the run-out), for flows over a layer that reaches the far "
+      "wall. Without such points these columns are 0. Unit: m.");
+    add_parameter(prm, "Grid fields", grid_fields)(
+      "Write fields of the grid, too.");
     add_parameter(prm, "Fields", fields, List(Selection(output_field_names())))(
       "Fields of points in .pvtu files: strain is Green's, size the edge of a "
       "cube of the volume of a point, for glyphs, history what materials keep "
@@ -140,18 +141,17 @@ namespace greville
       "stresses, gravity and loads, per function) and cell_class (as extended "
       "B-splines see cells: 0 empty, 1 cut, 2 well-filled, 3 inside).");
     add_parameter(prm, "Probes", probes)(
-      "Initial positions, 'x, y; x, y; ...' (m): the point nearest to each is "
-      "followed in probes.csv, with position, velocity, stress and what "
-      "'Fields' names. A shape, such as box(0, 0, 1, 1), stands for the mean "
-      "over the points that are in it at the time, weighted by their initial "
-      "volumes.");
+      "Probes of probes.csv: initial positions 'x, y; x, y; ...' (m), whose "
+      "nearest points are followed with position, velocity, stress and the "
+      "fields of 'Fields'; or shapes, such as box(0, 0, 1, 1), for the mean "
+      "over the points inside at that time, weighted by initial volumes.");
     add_parameter(prm, "Load", load)(
-      "Write how the work is shared among the processes to statistics.csv: "
-      "largest_load (the largest work of a process, in units of that of a "
-      "point), imbalance (over the mean), partitions (how often cells were "
-      "shared anew). These columns depend on the number of processes.");
+      "Add the work of processes to statistics.csv: largest_load (the largest "
+      "work of a process, in units of the work of a point), imbalance (the "
+      "largest work over the mean), partitions (number of partitions so far). "
+      "These columns depend on the number of processes.");
     add_parameter(prm, "Print times", print_times)(
-      "Print what differs from run to run: progress and times.");
+      "Print progress and times, which differ from run to run.");
   }
 
 
@@ -160,11 +160,11 @@ namespace greville
   CheckpointParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Every steps", every_steps, Patterns::Integer(0))(
-      "Number of steps between two checkpoints; 0: none for this reason.");
+      "Number of steps between two checkpoints; 0: no limit.");
     add_parameter(prm, "Every minutes", every_minutes, Patterns::Double(0.))(
-      "Wall time between two checkpoints; 0: none for this reason. Unit: min. "
-      "With one of the two there is one at the end of the run, too, for runs "
-      "that start from there or go on beyond it.");
+      "Wall time between two checkpoints; 0: no limit. If one of 'Every "
+      "minutes' and 'Every steps' is set, the end of the run has a checkpoint, "
+      "too. Unit: min.");
   }
 
 
@@ -173,11 +173,10 @@ namespace greville
   LoadBalanceParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Threshold", threshold, Patterns::Double(0.))(
-      "The cells of the grid are shared among the processes anew where the "
-      "largest work of a process is more than this number times the mean. 0: "
-      "never; 1: whenever they are compared. Unit: none.");
+      "Partition the grid anew if the largest work of a process exceeds the "
+      "mean by this factor. 0: never; 1: at each comparison. Unit: none.");
     add_parameter(prm, "Check every", check_every, Patterns::Integer(1))(
-      "Number of steps between two comparisons.");
+      "Number of steps between two comparisons with 'Threshold'.");
   }
 
 

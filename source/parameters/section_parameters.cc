@@ -25,26 +25,25 @@ namespace greville
     add_parameter(prm, "Materials", materials)(
       "Names of materials; each has a section 'Material NAME'.");
     add_parameter(prm, "Surface loads", surface_loads)(
-      "Names of loads on the surfaces of bodies with fitted points; each has a "
-      "section 'Surface load NAME'.");
+      "Names of surface loads on bodies with fitted points; each has a section "
+      "'Surface load NAME'.");
     add_parameter(prm, "Rigid bodies", rigid_bodies)(
       "Names of bodies that do not deform, for contacts; each has a section "
       "'Rigid body NAME'.");
     add_parameter(prm, "Contacts", contacts)(
-      "Names of contacts; each has a section 'Contact NAME'. Bodies that no "
-      "contact names share a velocity field, and stick where they meet.");
+      "Names of contacts; each has a section 'Contact NAME'. Bodies without a "
+      "contact share a velocity field, and stick when they meet.");
     add_parameter(prm, "Stages", stages)(
-      "Names of stages, one after the other; each has a section 'Stage NAME', "
-      "which contains those of the sections Time, Scheme, Walls, Loads, "
-      "Implicit and Newton in which it differs from the sections outside, with "
-      "what differs. Empty: one stage.");
+      "Names of consecutive stages; each has a section 'Stage NAME' with those "
+      "parameters of the sections Time, Scheme, Walls, Loads, Implicit and "
+      "Newton that differ from the outer sections. Empty: one stage.");
     add_parameter(prm, "Additional shared libraries", shared_libraries)(
       "Plugins: shared libraries that add material laws, loads, integrators "
-      "and other parts, relative to the folder of this file.");
+      "and other parts, relative to the folder of the parameter file.");
     add_parameter(prm, "Pore water", pore_water)(
-      "Whether water fills the pores of all bodies, with a pressure of its "
-      "own: stresses are effective ones then. A body of the 'Porosity' 0 that "
-      "a contact names is dry.");
+      "Fill the pores of all bodies with water, which has a pressure of its "
+      "own. Stresses are then effective stresses. A body in a contact is dry "
+      "if its 'Porosity' is 0.");
   }
 
 
@@ -53,33 +52,30 @@ namespace greville
   WaterParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Density", density, Double(1e-3))(
-      "With 'Simulation/Pore water': density of the water. Unit: kg / m^3.");
+      "Density of the pore water. Unit: kg / m^3.");
     add_parameter(prm, "Bulk modulus", bulk_modulus, Double(0.))(
-      "With 'Simulation/Pore water': bulk modulus of the water; 0: it is "
-      "incompressible. Unit: Pa.");
+      "Bulk modulus of the pore water; 0: incompressible. Unit: Pa.");
     add_formula(prm, "Table", table)(
-      "The water table at the start, as the coordinate along gravity's axis: a "
-      "formula of x, y (, z). Bodies begin with the pressure of water at rest, "
-      "and 'K0' with the weight of the soil less that. Empty: the pressure is "
-      "0. Unit: m.");
+      "Initial water table, as the coordinate along the axis of gravity: a "
+      "formula of x, y (, z). Bodies begin with hydrostatic pore pressure, and "
+      "'K0' with the overburden pressure less the pore pressure. Empty: the "
+      "pore pressure is 0. Unit: m.");
     add_parameter(prm, "Capillary height", capillary_height, Double(0.))(
-      "The suction, as a height of water, at which pores are so empty that "
-      "the conductivity is a thousandth; it falls from 0 on. 0: pores stay "
-      "full at any suction. Unit: m.");
+      "Suction, as a height of water, at which the conductivity has fallen to "
+      "a thousandth. 0: pores stay full at any suction. Unit: m.");
     add_formula(prm, "Free surface pressure", free_surface_pressure)(
-      "The pressure of water around all bodies, a formula of x, y (, z) and t: "
-      "that of the pores in the outermost layer of points, wherever it is, and "
-      "a load on the surface, 0 in air. Empty: no water passes the surface but "
-      "at surface loads and walls. Unit: Pa.");
+      "Pressure of the water around all bodies, 0 in air: a formula of x, y (, "
+      "z) and t. It is the pore pressure in the outermost layer of points, "
+      "wherever this layer is, and a load on the surface. Empty: the surface "
+      "is impervious outside of surface loads and walls. Unit: Pa.");
     add_choice<bool>(prm,
                      "Integration",
                      is_second_order,
                      {{false, "backward-euler"}, {true, "BDF2"}})(
-      "The flow of the water in time: backward Euler, of order 1 in the step, "
-      "or BDF2, of order 2. The first step of a stage, and one that is more "
-      "than 2.4 times as long as the last one, are backward Euler all the "
-      "same. "
-      "BDF2 belongs to implicit and quasi-static steps. Unit: none.");
+      "Time integration of the pore water: backward-euler, of order 1, or "
+      "BDF2, of order 2 (implicit and quasi-static steps only). The first step "
+      "of a stage, and a step more than 2.4 times as long as the last one, use "
+      "backward Euler in any case. Unit: none.");
   }
 
 
@@ -101,15 +97,14 @@ namespace greville
                   "Geometry",
                   geometry,
                   Selection("plane strain|axisymmetric"))(
-      "Of 2D files. Axisymmetric: x is the distance r from the axis, along "
-      "which y runs; volumes, masses, forces and energies are those per "
-      "radian. "
-      "A grid that begins at x = 0 begins at the axis, at which 'Walls/Left' "
-      "holds the radial component whatever else it does.");
+      "Geometry of 2D simulations. axisymmetric: x is the distance from the "
+      "axis, and y runs along the axis; volumes, masses, forces and energies "
+      "are per radian. If the grid begins at x = 0, its left side is the axis, "
+      "at which radial velocities are zero.");
     add_parameter(prm, "Per body", per_body)(
-      "With total Lagrangian steps: each body has fields of its own on the "
-      "part of the grid around it, so that bodies may be close to one another. "
-      "It is so, too, where a body has a section 'Grid'.");
+      "Give each body fields of its own on the part of the grid around it, so "
+      "that bodies may be close to one another, in total Lagrangian steps. "
+      "This is always so if a body has a section 'Grid'.");
   }
 
 
@@ -118,17 +113,17 @@ namespace greville
   BodyGridParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Lower corner", lower, List(Double(), 0, 3))(
-      "The grid of this body in total Lagrangian steps, of which the part "
-      "around the body is taken; then each body has a grid of its own. "
-      "Empty: as in the section 'Grid' outside. Walls act on sides that lie "
-      "on those of that grid. Unit: m.");
+      "Smallest corner of the grid of this body in total Lagrangian steps. The "
+      "body uses the part of this grid around it, and each other body has a "
+      "grid of its own, too. Walls act on sides of this grid that lie on sides "
+      "of the outer 'Grid'. Empty: as in the outer section 'Grid'. Unit: m.");
     add_parameter(prm, "Upper corner", upper, List(Double(), 0, 3))(
       "Likewise. Unit: m.");
     add_parameter(prm, "Cells", cells, List(Integer(1), 0, 3))(
-      "Cells between the corners in each direction; they are needed where a "
-      "corner is given. Empty: as in the section 'Grid' outside. Unit: none.");
+      "Cells between the corners in each direction; needed if a corner is "
+      "given. Empty: as in the outer section 'Grid'. Unit: none.");
     add_parameter(prm, "Order", degree, Integer(0, SplineSpace<2>::max_degree))(
-      "Order p of the B-splines. 0: as in the section 'Grid' outside. Unit: "
+      "Order p of the B-splines. 0: as in the outer section 'Grid'. Unit: "
       "none.");
   }
 
@@ -139,10 +134,10 @@ namespace greville
   {
     SolverParameters::declare(prm);
     add_parameter(prm, "Method", method, Selection(mass_solver_methods()))(
-      "The solver of the consistent mass: conjugate gradients for all "
-      "components together, preconditioned by IC(0) (cg-ic0, the fastest for "
-      "mass matrices), by the cycle of 'p-multigrid' (cg-p-multigrid), by the "
-      "diagonal (cg-jacobi), or not at all (cg).");
+      "Solver of the consistent mass: conjugate gradients for all components "
+      "together, preconditioned by IC(0) (cg-ic0, the fastest), by the cycle "
+      "of 'p-multigrid' (cg-p-multigrid), by the diagonal (cg-jacobi), or not "
+      "at all (cg).");
   }
 
 
@@ -150,14 +145,12 @@ namespace greville
   void
   SurfaceLoadParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Body", body)(
-      "The name of the body that bears the load. Its 'Placement' is fitted or "
-      "fitted lattice.");
+    add_parameter(prm, "Body", body)("Name of the loaded body. Its 'Placement' "
+                                     "has to be fitted or fitted lattice.");
     add_formula(prm, "Where", where)(
-      "The part of the surface that bears the load: what is inside this shape "
-      "initially (see Body/Shape; X is called x). It is best to let it end at "
-      "corners and edges of the body, or between two points. Empty: all of it. "
-      "Unit: m.");
+      "Loaded part of the surface: the part that is initially inside of this "
+      "shape (see Body/Shape). Let it end at corners and edges of the body, or "
+      "between two points. Empty: the whole surface. Unit: m.");
     add_parameter(prm, "Kind", kind_name, Selection(surface_load_kinds()))(
       "traction: a force of constant direction per area; pressure: a force "
       "against the normal, which turns with the surface; dashpot: absorbs "
@@ -166,18 +159,18 @@ namespace greville
       "springs -k (x - X - u), which yield by their stress over k. The "
       "parameters of the kind are set in the same section.");
     add_formula(prm, "Pore pressure", pore_pressure)(
-      "With 'Simulation/Pore water': the pressure of the water at this part of "
-      "the surface, a formula of x, y (, z), X, Y (, Z) and t. Tractions and "
-      "pressures of loads are total ones, of soil and water. Empty: no water "
-      "passes. Unit: Pa.");
+      "Pore pressure at the loaded surface, with 'Simulation/Pore water': a "
+      "formula of x, y (, z), X, Y (, Z) and t. Tractions and pressures of "
+      "loads are total stresses, of soil and water. Empty: impervious. Unit: "
+      "Pa.");
     add_parameter(prm, "Seepage face", seepage_face)(
-      "Whether water only leaves where 'Pore pressure' is 0 or less, as in "
-      "air: the pressure is at most the given one there. Where it is above 0, "
-      "as below a water level, water passes both ways.");
+      "Seepage face: where the given 'Pore pressure' is 0 or less, as in air, "
+      "water can only leave, and the pore pressure is at most the given one. "
+      "Where it is above 0, as below a water level, water can enter, too.");
     add_formula(prm, "Flux", flux)(
-      "In place of 'Pore pressure': the water that leaves per area and time "
-      "(negative: that comes, as rain), a formula of the same variables. Unit: "
-      "m / s.");
+      "Outflow of water per area and time (negative: inflow, such as rain), in "
+      "place of 'Pore pressure': a formula of the same variables. Unit: m / "
+      "s.");
     if (kind)
       kind->declare(prm);
   }

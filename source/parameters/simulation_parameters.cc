@@ -99,8 +99,8 @@ namespace greville
                         model,
                         Patterns::Selection(material_names() +
                                             (model.empty() ? "|" : "")),
-                        "The constitutive law; it has to be given. Its "
-                        "parameters stand in the same section.");
+                        "Constitutive law; required. Its parameters are set in "
+                        "the same section.");
       prm.leave_subsection();
     }
 
@@ -156,10 +156,11 @@ namespace greville
       prm.enter_subsection("Formulas");
       for (auto &[name, formula] : formulas)
         add_formula(prm, name, formula)(
-          "A formula of x, y, z, X, Y, Z, t and other names of this section, "
-          "in any order, for which NAME stands in formulas of the whole file "
-          "that have these variables. A variable of that name in a formula, "
-          "such as h in 'Time/Step', is meant there.");
+          "Definition of a name for all formulas of the file: a formula of x, "
+          "y, z, X, Y, Z, t and other names of this section, in any order. A "
+          "formula can use the name if it has these variables. If a formula "
+          "has a variable of the same name, such as h in 'Time/Step', the name "
+          "means this variable.");
       prm.leave_subsection();
     }
 

@@ -25,8 +25,8 @@ namespace greville
   TangentParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Method", method, Patterns::Selection("auto|cg|fgmres"))(
-      "The Krylov method, preconditioned by p-multigrid: cg is for symmetric "
-      "tangents, fgmres for all; auto takes cg where all materials have "
-      "symmetric ones.");
+      "Krylov method, preconditioned by p-multigrid: cg for symmetric "
+      "tangents, fgmres for all tangents. auto: cg if all materials have "
+      "symmetric tangents. Unit: none.");
   }
 } // namespace greville

@@ -21,14 +21,14 @@ namespace greville
       prm.add_parameter(
         "Tolerance",
         tolerance,
-        "Iterations end when the Euclidean norm of the residual has fallen to "
-        "this part of that of the right-hand side. Unit: none.",
+        "Largest Euclidean norm of the residual over the norm of the "
+        "right-hand side at which iterations end. Unit: none.",
         dealii::Patterns::Double(1e-15, 1.));
-      prm.add_parameter(
-        "Maximum iterations",
-        max_iterations,
-        "A solver that needs more has not converged. Unit: iterations.",
-        dealii::Patterns::Integer(1));
+      prm.add_parameter("Maximum iterations",
+                        max_iterations,
+                        "Largest number of iterations; a solver that needs "
+                        "more has not converged. Unit: iterations.",
+                        dealii::Patterns::Integer(1));
     }
 
     double       tolerance      = 1e-8;

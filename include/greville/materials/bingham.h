@@ -37,8 +37,8 @@ namespace greville
         "Growth of the shear stress with the shear rate after yield. Unit: Pa "
         "s.");
       add_parameter(prm, "Regularization", regularization, positive())(
-        "Time m: shear rates below 1 / m see a very viscous fluid instead of a "
-        "rigid one. Unit: s.");
+        "Time m of the regularization: at shear rates below 1 / m the fluid is "
+        "very viscous instead of rigid. Unit: s.");
     }
 
     double

@@ -76,8 +76,8 @@ namespace greville
                     "Overconsolidation ratio",
                     overconsolidation,
                     dealii::Patterns::Double(1.))(
-        "Of the initial state: the size of the yield surface over that of the "
-        "one through the stress. Unit: none.");
+        "Size of the initial yield surface over the size of the surface "
+        "through the initial stress. Unit: none.");
     }
 
     bool

@@ -86,7 +86,7 @@ namespace greville
                          "plane strain associated"},
                         {Cone::outer, "outer"},
                         {Cone::inner, "inner"}})(
-        "Where the cone agrees with Mohr-Coulomb's surface.");
+        "Match of the cone with the surface of Mohr-Coulomb.");
       reduction_of_strength.declare(prm);
     }
 

@@ -67,7 +67,7 @@ namespace greville
         "normal compression: lambda / (1 + e), more than the swelling slope. "
         "Unit: none.");
       add_parameter(prm, "Void ratio", void_ratio_at_reference, positive())(
-        "After normal compression to 1 kPa. Unit: none.");
+        "Void ratio after normal compression to 1 kPa. Unit: none.");
     }
 
     void

@@ -61,18 +61,18 @@ namespace greville
     {
       CriticalStateLaw<NorSand>::declare(prm);
       add_parameter(prm, "Critical void ratio", gamma, positive())(
-        "Of the critical state at 1 kPa. Unit: none.");
+        "Void ratio of the critical state at 1 kPa. Unit: none.");
       add_parameter(prm, "Critical slope", lambda, positive())(
         "Decrease of the critical void ratio with the logarithm of the "
         "pressure. Unit: none.");
       add_parameter(prm, "State parameter", psi)(
-        "Of the initial state: the void ratio less the critical one of the "
-        "same pressure; negative: dense. Unit: none.");
+        "Initial state parameter: void ratio less critical void ratio at the "
+        "same pressure; negative if dense. Unit: none.");
       add_parameter(prm, "Dilatancy factor", chi, dealii::Patterns::Double(0.))(
         "The largest dilatancy over minus the state parameter. Unit: none.");
       add_parameter(prm, "Hardening", hardening, positive())(
-        "Growth of the image pressure per shear strain, over what it lacks. "
-        "Unit: none.");
+        "Rate of the image pressure per plastic shear strain, over its "
+        "distance from its limit. Unit: none.");
     }
 
     void

@@ -29,9 +29,9 @@ namespace greville
     declare(dealii::ParameterHandler &prm)
     {
       add_formula(prm, "Strength reduction", text)(
-        "What cohesion and tan(friction angle) are divided by: a formula of t, "
-        "s, greater than 0, at the end of each step. The dilatancy angle is at "
-        "most the friction angle that is left. Unit: none.");
+        "Divisor of cohesion and tan(friction angle) at the end of each step: "
+        "a positive formula of t (s). The dilatancy angle is at most the "
+        "reduced friction angle. Unit: none.");
     }
 
     /**

@@ -62,8 +62,8 @@ namespace greville
                     "Allow tension",
                     allow_tension,
                     dealii::Patterns::Bool())(
-        "Whether the pressure may be negative; else an expanded fluid has "
-        "none.");
+        "Allow negative pressure. If false, an expanded fluid has no "
+        "pressure.");
     }
 
     bool
