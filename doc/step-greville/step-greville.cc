@@ -354,8 +354,8 @@ namespace StepGreville
     {
       find_velocity();
       GridFields<dim> fields;
-      fields.velocity = &velocity;
-      fields.mass     = &lumped_mass;
+      fields.velocity = velocity;
+      fields.mass     = lumped_mass;
       files.write_points(time, bodies, MPI_COMM_WORLD);
       files.write_grid(time, system->space(), fields);
 

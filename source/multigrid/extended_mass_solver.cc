@@ -78,8 +78,7 @@ namespace greville
       {
         if (factor_alike[c] < c)
           continue;
-        factors.push_back(std::make_shared<Factors>());
-        Factors     &part       = *factors.back();
+        Factors     &part       = factors.emplace_back();
         unsigned int components = 0;
         for (unsigned int d = c; d < dim; ++d)
           if (factor_alike[d] == c)
@@ -139,10 +138,9 @@ namespace greville
   {
     n_holds         = mass.unknowns().n_holds();
     const auto held = mass.unknowns().held_unknowns();
-    for (const auto &shared : factors)
+    for (Factors &part : factors)
       {
-        Factors                   &part = *shared;
-        const unsigned int         n    = part.alike.size();
+        const unsigned int         n = part.alike.size();
         std::vector<unsigned char> of_factors(factor_places.size(), 0);
         for (unsigned int u = 0; u < held.size(); ++u)
           {
@@ -172,16 +170,16 @@ namespace greville
     if (factors.size() == 1 && factor_rows.empty())
       {
         std::copy_n(r.begin(), r.locally_owned_size(), z.begin());
-        factors[0]->cholesky.solve(z.begin(), width);
+        factors[0].cholesky.solve(z.begin(), width);
         return;
       }
-    for (const auto &part : factors)
+    for (const Factors &part : factors)
       {
         std::vector<unsigned int> columns;
         for (unsigned int first = 0; first < n_columns; first += dim)
-          for (const unsigned int c : part->alike)
+          for (const unsigned int c : part.alike)
             columns.push_back(first + c);
-        precondition(*part, z, r, width, columns);
+        precondition(part, z, r, width, columns);
       }
     for (unsigned int u = 0; u < factor_rows.size(); ++u)
       if (factor_rows[u] < 0)

@@ -159,7 +159,8 @@ namespace greville
           },
           comm);
         FieldOutput<dim> output(folder, parameters.output);
-        write_bodies(output, ensemble, parameters, comm);
+        write_bodies(
+          output, ensemble, loaded_states(ensemble), parameters, comm);
         out << "  initial points: " << folder
             << (parameters.output.points_in_one_file() ? "/points.vtkhdf\n"
                                                        : "/points.pvd\n");

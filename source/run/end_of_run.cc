@@ -289,7 +289,6 @@ namespace greville
   std::vector<double>
   SimulationRun<dim>::row_now()
   {
-    const EndOfStep<dim> end_of_step(ensemble);
     probes.forget();
     probes.take(0, ensemble.bodies());
     std::vector<double> values = values_of(begin_row(), ensemble.statistics());

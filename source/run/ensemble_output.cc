@@ -12,7 +12,7 @@ namespace greville
   {
     template <int dim>
     std::vector<SurfaceNumbers>
-    numbers_of_surfaces(const Simulation<dim>      &part,
+    numbers_of_surfaces(const State<dim>           &state,
                         const SimulationParameters &parameters)
     {
       const auto place = [](const std::vector<std::string> &names,
@@ -22,13 +22,13 @@ namespace greville
       };
       const GeneralParameters    &general = parameters.general;
       std::vector<SurfaceNumbers> numbers;
-      for (const Surface<dim> &surface : part.state().surfaces)
+      for (const Surface<dim> &surface : state.surfaces)
         numbers.push_back(
           {!surface.contact.empty()
              ? unsigned(general.surface_loads.size()) +
                  place(general.contacts, surface.contact)
              : place(general.surface_loads, surface.name),
-           place(general.bodies, part.bodies()[surface.body].name)});
+           place(general.bodies, state.bodies[surface.body].name)});
       return numbers;
     }
 
@@ -75,24 +75,39 @@ namespace greville
 
 
   template <int dim>
-  void
-  write_bodies(FieldOutput<dim>           &output,
-               Ensemble<dim>              &ensemble,
-               const SimulationParameters &parameters,
-               const MPI_Comm              comm)
+  std::vector<const State<dim> *>
+  loaded_states(Ensemble<dim> &ensemble)
   {
-    const auto  &state = ensemble.first().state();
-    const double time  = state.time;
-    output.write_points(time, ensemble.bodies(), comm);
+    std::vector<const State<dim> *> states;
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
-        Simulation<dim> &part = ensemble.part(k);
-        output.write_surfaces(time,
-                              part.loaded_surfaces(),
-                              numbers_of_surfaces(part, parameters),
-                              comm,
-                              name_of_part(ensemble, k));
+        ensemble.part(k).loaded_surfaces();
+        states.push_back(&ensemble.part(k).state());
       }
+    return states;
+  }
+
+
+
+  template <int dim>
+  void
+  write_bodies(FieldOutput<dim>                      &output,
+               const Ensemble<dim>                   &ensemble,
+               const std::vector<const State<dim> *> &states,
+               const SimulationParameters            &parameters,
+               const MPI_Comm                         comm)
+  {
+    const double  time = states[0]->time;
+    BodyList<dim> bodies;
+    for (const State<dim> *state : states)
+      bodies.add(state->bodies);
+    output.write_points(time, bodies, comm);
+    for (unsigned int k = 0; k < states.size(); ++k)
+      output.write_surfaces(time,
+                            states[k]->surfaces,
+                            numbers_of_surfaces(*states[k], parameters),
+                            comm,
+                            name_of_part(ensemble, k));
     if (ensemble.rigid_bodies().empty())
       return;
     const BoundingBox<dim> region =
@@ -100,7 +115,7 @@ namespace greville
     for (unsigned int k = 0; k < ensemble.rigid_bodies().size(); ++k)
       output.write_rigid_body(time,
                               ensemble.rigid_bodies()[k],
-                              state.rigid_bodies[k].now,
+                              states[0]->rigid_bodies[k].now,
                               region,
                               comm);
   }
@@ -109,6 +124,9 @@ namespace greville
 
   template decltype(name_of_part<2>) name_of_part<2>;
   template decltype(name_of_part<3>) name_of_part<3>;
+
+  template decltype(loaded_states<2>) loaded_states<2>;
+  template decltype(loaded_states<3>) loaded_states<3>;
 
   template decltype(write_bodies<2>) write_bodies<2>;
   template decltype(write_bodies<3>) write_bodies<3>;

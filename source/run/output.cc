@@ -275,15 +275,15 @@ namespace greville
       GridOut(const SplineSpace<dim> &space, const GridFields<dim> &given)
       {
         std::vector<VectorType> fields;
-        const auto add = [&](const char *name, const VectorField<dim> *field) {
-          if (!field)
+        const auto add = [&](const char *name, const VectorField<dim> &field) {
+          if (field[0].size() == 0)
             return;
           this->add_vector(name);
-          fields.insert(fields.end(), field->begin(), field->end());
+          fields.insert(fields.end(), field.begin(), field.end());
         };
         add("velocity", given.velocity);
         this->names.push_back("mass");
-        fields.push_back(*given.mass);
+        fields.push_back(given.mass);
         add("acceleration", given.acceleration);
         add("force", given.force);
         const bool has_classes = !given.cell_classes.empty();

@@ -257,11 +257,13 @@ namespace greville
           ensemble.fill_grid();
         write_due(false);
       }
-    if (late_row && (ensemble.is_finished() || ends))
-      {
-        const EndOfStep<dim> end_of_step(ensemble);
-        write_statistics();
-      }
+    if (ensemble.is_finished() || ends)
+      at_end_of_step([&]() {
+        if (late_row)
+          write_statistics();
+        if (!late_fields.empty())
+          write_fields();
+      });
     while (!ensemble.is_finished() && !ends)
       {
         if (ensemble.first().keeps_state())
@@ -274,6 +276,7 @@ namespace greville
         catch (const StepGivenUp &error)
           {
             late_row.reset();
+            late_fields.clear();
             notes.write(ensemble.take_newton());
             if (is_terminal && parameters.output.print_times)
               out << "\r\033[K" << std::flush;
@@ -290,7 +293,7 @@ namespace greville
         notes.write(ensemble.take_newton());
         if (!is_taken)
           continue;
-        write_late_row();
+        write_late();
         write_due(ensemble.is_finished() || ends);
         const bool is_last = ensemble.is_finished() || ends;
         for (const std::string &warning : ensemble.take_warnings())
@@ -325,7 +328,8 @@ namespace greville
   {
     RunSummary summary;
     summary.wall_time = seconds_since(begin);
-    double largest    = 0.;
+    ensemble.finish();
+    double largest = 0.;
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
       {
         const EnergyTotals   now     = ensemble.part(k).energy_totals();
@@ -336,13 +340,12 @@ namespace greville
     if (largest > 0.)
       summary.relative_loss = summary.numerical_loss / largest;
     summary.contact_gains = ensemble.contact_gains();
-    const EndOfStep<dim> end_of_step(ensemble);
-    summary.errors   = exact.errors(ensemble.bodies(),
+    summary.errors        = exact.errors(ensemble.bodies(),
                                   common().time,
                                   common().velocity_time,
                                   comm);
-    summary.ramp     = ramp_result;
-    const auto names = columns_of(parameters);
+    summary.ramp          = ramp_result;
+    const auto names      = columns_of(parameters);
     for (unsigned int k = 0; k < last_row.size(); ++k)
       summary.last_row.emplace_back(names[k], last_row[k]);
     summary.front    = largest_front;
@@ -411,35 +414,80 @@ namespace greville
     // The next stage may have other bodies.
     const bool goes_on_in_stage = !ensemble.first().is_stage_finished() ||
                                   common().stage + 1 == parameters.n_stages();
-    if (is_last && goes_on_in_stage && now >= next_statistics &&
-        ensemble.rows_lag())
+    if (is_last && goes_on_in_stage && ensemble.rows_lag())
       {
-        before_last_row             = make_mark();
-        before_last_row->row_is_due = true;
+        before_last                 = make_mark();
+        before_last->row_is_due     = now >= next_statistics;
+        before_last->fields_are_due = now >= next_fields;
       }
     const bool is_late        = !is_stage_end && ensemble.rows_lag();
     const bool are_fields_due = is_stage_end || now >= next_fields;
+    if (are_fields_due)
+      next_fields = next_time_of_fields(now);
     if (is_row_due)
       next_statistics =
         next_time(parameters.output.rows_every(parameters.end_of_run() -
                                                parameters.time.start),
                   now);
-    if (is_row_due && is_late)
-      ask_for_row();
-    if (!are_fields_due && !(is_row_due && !is_late))
+    if (!is_row_due && !are_fields_due)
       return;
-    const EndOfStep<dim> end_of_step(ensemble);
-    // The run may have gone back to a state whose row is there.
-    if (is_row_due && !is_late &&
-        !(ends && last_written_statistics == common().n_steps))
-      write_statistics();
-    // A row may end the run.
-    if ((are_fields_due || ends) &&
-        !(ends && last_written_fields == common().n_steps))
+    if (is_late)
       {
-        write_fields();
-        next_fields = next_time_of_fields(now);
+        ask_for_late(is_row_due, are_fields_due);
+        return;
       }
+    at_end_of_step([&]() {
+      // The run may have gone back to a state whose row is there.
+      if (is_row_due && !(ends && last_written_statistics == common().n_steps))
+        write_statistics();
+      // A row may end the run.
+      if ((are_fields_due || ends) &&
+          !(ends && last_written_fields == common().n_steps))
+        write_fields();
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::at_end_of_step(const std::function<void()> &write)
+  {
+    std::vector<State<dim>> kept;
+    if (ensemble.rows_lag())
+      kept = ensemble.state();
+    ensemble.finish();
+    write();
+    if (!kept.empty())
+      ensemble.set_state(kept);
+  }
+
+
+
+  template <int dim>
+  bool
+  SimulationRun<dim>::wants(const std::string &field) const
+  {
+    const auto &names = parameters.output.fields;
+    return std::find(names.begin(), names.end(), field) != names.end();
+  }
+
+
+
+  template <int dim>
+  GridFields<dim>
+  SimulationRun<dim>::grid_fields(Simulation<dim> &part) const
+  {
+    GridFields<dim> grid;
+    if (!parameters.output.grid_fields)
+      return grid;
+    grid.mass = part.mass().lumped();
+    if (wants("force"))
+      grid.force = part.grid_force();
+    if (wants("cell_class"))
+      grid.cell_classes =
+        part.grid().cell_classes(part.state(), part.is_implicit());
+    return grid;
   }
 
 
@@ -448,36 +496,33 @@ namespace greville
   void
   SimulationRun<dim>::write_fields()
   {
-    const OutputParameters &output = parameters.output;
-    const double            time   = common().time;
-    last_written_fields            = common().n_steps;
-    write_bodies(fields, ensemble, parameters, comm);
-    if (!output.grid_fields)
-      return;
-    const auto wants = [&](const std::string &name) {
-      return std::find(output.fields.begin(), output.fields.end(), name) !=
-             output.fields.end();
-    };
+    std::vector<GridFields<dim>> grids;
     for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      grids.push_back(grid_fields(ensemble.part(k)));
+    write_fields(loaded_states(ensemble), grids);
+    late_fields.clear();
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_fields(
+    const std::vector<const State<dim> *> &states,
+    std::vector<GridFields<dim>>          &grids)
+  {
+    last_written_fields = states[0]->n_steps;
+    write_bodies(fields, ensemble, states, parameters, comm);
+    for (unsigned int k = 0; parameters.output.grid_fields && k < states.size();
+         ++k)
       {
-        Simulation<dim>  &part  = ensemble.part(k);
-        const State<dim> &state = part.state();
-        const std::string body  = name_of_part(ensemble, k);
-        GridFields<dim>   grid;
-        VectorField<dim>  force;
-        grid.velocity = &state.field.velocity;
-        grid.mass     = &part.mass().lumped();
+        grids[k].velocity = states[k]->field.velocity;
         if (wants("acceleration"))
-          grid.acceleration = &state.field.acceleration;
-        if (wants("force"))
-          {
-            force      = part.grid_force();
-            grid.force = &force;
-          }
-        if (wants("cell_class"))
-          grid.cell_classes =
-            part.grid().cell_classes(state, part.is_implicit());
-        fields.write_grid(time, part.space(), grid, body);
+          grids[k].acceleration = states[k]->field.acceleration;
+        fields.write_grid(states[k]->time,
+                          ensemble.part(k).space(),
+                          grids[k],
+                          name_of_part(ensemble, k));
       }
   }
 
@@ -601,31 +646,68 @@ namespace greville
 
   template <int dim>
   void
-  SimulationRun<dim>::ask_for_row()
+  SimulationRun<dim>::ask_for_late(const bool for_row, const bool for_fields)
   {
-    late_row = begin_row_to_write();
-    probes.forget();
-    if (probes.empty())
-      ensemble.ask_for_row();
+    if (for_row)
+      {
+        late_row = begin_row_to_write();
+        probes.forget();
+      }
+    late_fields.resize(for_fields ? ensemble.n_parts() : 0);
+    if (for_fields || !probes.empty())
+      ensemble.ask_for_row(
+        [this](const unsigned int part,
+               const double       weight,
+               const bool is_kicked) { watch(part, weight, is_kicked); });
     else
-      ensemble.ask_for_row([this](const unsigned int            first,
-                                  const std::vector<Body<dim>> &bodies,
-                                  const double                  weight,
-                                  const bool                    is_kicked) {
-        probes.take(first, bodies, weight, is_kicked);
-      });
+      ensemble.ask_for_row();
   }
 
 
 
   template <int dim>
   void
-  SimulationRun<dim>::write_late_row()
+  SimulationRun<dim>::watch(const unsigned int k,
+                            const double       weight,
+                            const bool         is_kicked)
   {
-    if (!late_row)
+    Simulation<dim>  &part  = ensemble.part(k);
+    const State<dim> &state = part.state();
+    if (late_row)
+      {
+        unsigned int first_body = 0;
+        for (unsigned int j = 0; j < k; ++j)
+          first_body += ensemble.part(j).state().bodies.size();
+        probes.take(first_body, state.bodies, weight, is_kicked);
+      }
+    if (late_fields.empty())
       return;
-    write_row(*late_row, ensemble.late_statistics());
+    auto &[late, grid] = late_fields[k];
+    if (!is_kicked)
+      grid = grid_fields(part);
+    late.take(state, part.grid().field(), weight, is_kicked);
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_late()
+  {
+    if (late_row)
+      write_row(*late_row, ensemble.late_statistics());
     late_row.reset();
+    if (late_fields.empty())
+      return;
+    std::vector<const State<dim> *> states;
+    std::vector<GridFields<dim>>    grids;
+    for (const auto &[late, grid] : late_fields)
+      {
+        states.push_back(&late.state);
+        grids.push_back(grid);
+      }
+    write_fields(states, grids);
+    late_fields.clear();
   }
 
 

@@ -27,7 +27,7 @@ namespace greville
                                                   "bytes_of_probes",
                                                   "largest_front",
                                                   "largest_front_99",
-                                                  "row_is_due",
+                                                  "row_and_fields_due",
                                                   "ends",
                                                   "has_ramp_result",
                                                   "ramp_from",
@@ -286,7 +286,7 @@ namespace greville
         if (!warning.empty())
           notes.warn(warning);
         if (numbers[4] != 0.)
-          ask_for_row();
+          ask_for_late(numbers[4] != 2., numbers[4] >= 2.);
         // With other criteria an ended run goes on.
         if (EndOfRun::criteria(content.text("parameters")) ==
             EndOfRun::criteria(parameters.used()))
@@ -329,6 +329,7 @@ namespace greville
             largest_front,
             largest_front_99,
             late_row.has_value(),
+            !late_fields.empty(),
             fields.record(),
             measured.added(),
             late_row ? late_row->intervals : ensemble.contact_intervals()};
@@ -354,7 +355,7 @@ namespace greville
                       double(at.bytes_of_probes),
                       at.front.value,
                       at.front_99.value,
-                      double(at.row_is_due),
+                      double(at.row_is_due + 2 * at.fields_are_due),
                       double(ends),
                       double(ramp_result.has_value()),
                       ramp_result.value_or(RampResult()).from,
@@ -383,16 +384,19 @@ namespace greville
     // Where it cannot be written, the state to go back to and the mark stay
     // those of the same step.
     Mark now = make_mark();
-    if (before_last_row)
+    if (before_last)
       {
-        const std::string written = now.fields;
-        now                       = *before_last_row;
-        now.fields                = written;
+        const std::string written =
+          (before_last->fields_are_due ? *before_last : now).fields;
+        if (before_last->row_is_due)
+          now = *before_last;
+        now.fields         = written;
+        now.fields_are_due = before_last->fields_are_due;
       }
     ensemble.set_from_tables(write_checkpoint(now));
     ensemble.set_contact_intervals(now.intervals);
-    if (late_row)
-      ask_for_row();
+    if (late_row || !late_fields.empty())
+      ask_for_late(late_row.has_value(), !late_fields.empty());
     mark            = now;
     last_checkpoint = std::chrono::steady_clock::now();
   }
@@ -414,8 +418,7 @@ namespace greville
         // Rows of later steps may be there.
         const bool is_row_due = last_written_statistics < step;
         if (is_new || is_row_due)
-          {
-            const EndOfStep<dim> end_of_step(ensemble);
+          at_end_of_step([&]() {
             if (is_new)
               {
                 fields.write_points(common().time, ensemble.bodies(), comm);
@@ -424,7 +427,7 @@ namespace greville
             text = "It is in <" + file + ">";
             if (is_row_due)
               write_statistics();
-          }
+          });
         text = "It is in <" + file + ">";
         if (last_written_statistics == step)
           row = "the last row of <" + statistics_file_in(directory) + ">";
@@ -482,13 +485,11 @@ namespace greville
     if (is_last || signal == 0 || signal == SIGUSR1)
       return;
     // A run that goes on removes what comes behind the checkpoint.
-    {
-      const EndOfStep<dim> end_of_step(ensemble);
-      if (last_written_statistics != common().n_steps)
-        write_statistics();
-      if (last_written_fields != common().n_steps)
-        write_fields();
-    }
+    ensemble.finish();
+    if (last_written_statistics != common().n_steps)
+      write_statistics();
+    if (last_written_fields != common().n_steps)
+      write_fields();
     const RunSummary summary = summarize();
     out << '\n';
     print_summary(summary);

@@ -391,9 +391,7 @@ namespace greville
     // Nothing moves: what is left of the kick acts where the points are.
     if (!velocities_lag(state))
       return;
-    const auto reactions = state.reactions;
-    for (const auto &contact : contacts)
-      contact->begin_trial();
+    const auto reactions   = state.reactions;
     row                    = nullptr; // of a step that has failed
     trial.step             = 0.;
     trial.velocity_step    = 0.5 * state.step;
@@ -410,10 +408,7 @@ namespace greville
     fail_on_all(trial.motion.problem, discretization.communicator());
     state.field.velocity = field.new_velocity;
     state.reactions      = reactions;
-    for (const auto &contact : contacts)
-      contact->end_trial();
-    state.velocity_time += trial.velocity_step;
-    guard.set_swing(swing(state));
+    state.velocity_time  = state.time;
   }
 
 
@@ -482,8 +477,9 @@ namespace greville
   CentralDifferences<dim>::try_step(State<dim> &state, const double dt)
   {
     trial.step             = dt;
-    trial.velocity_step    = half_steps ? 0.5 * (state.step + dt) : dt;
-    trial.deformation_step = half_steps ? state.step : dt;
+    const double last      = velocities_lag(state) ? state.step : 0.;
+    trial.velocity_step    = half_steps ? 0.5 * (last + dt) : dt;
+    trial.deformation_step = half_steps ? last : dt;
     trial.motion           = PointMotion();
     if (state.n_rejections == 0)
       trial.n_iterations = trial.n_all_iterations = 0;

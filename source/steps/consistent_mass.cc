@@ -139,48 +139,6 @@ namespace greville
 
   template <int dim>
   void
-  ConsistentMass<dim>::begin_trial()
-  {
-    GridMass<dim>::begin_trial();
-    is_trial = true;
-  }
-
-
-
-  template <int dim>
-  void
-  ConsistentMass<dim>::keep_memory()
-  {
-    if (!is_trial || memory_before_trial)
-      return;
-    memory_before_trial    = mass_solver->memory();
-    is_behind_before_trial = held_solver_is_behind;
-    if (solver_of_held)
-      memory_of_held_before_trial = solver_of_held->memory();
-  }
-
-
-
-  template <int dim>
-  void
-  ConsistentMass<dim>::end_trial()
-  {
-    GridMass<dim>::end_trial();
-    is_trial = false;
-    if (!memory_before_trial)
-      return;
-    mass_solver->set_memory(*memory_before_trial);
-    held_solver_is_behind = is_behind_before_trial;
-    if (solver_of_held)
-      solver_of_held->set_memory(*memory_of_held_before_trial);
-    memory_before_trial.reset();
-    memory_of_held_before_trial.reset();
-  }
-
-
-
-  template <int dim>
-  void
   ConsistentMass<dim>::solve(const std::vector<VectorField<dim> *>       &x,
                              const std::vector<const VectorField<dim> *> &b,
                              const std::vector<double> &shares)
@@ -188,7 +146,6 @@ namespace greville
     AssertThrow(x.size() == b.size(), ExcDimensionMismatch(x.size(), b.size()));
     if (!is_assembled)
       assemble();
-    keep_memory();
     check(mass_solver->solve(x, b, shares));
   }
 
@@ -216,7 +173,6 @@ namespace greville
                                   const std::vector<unsigned char> &more)
   {
     AssertThrow(solver_of_held, ExcMessage("There are no friction walls."));
-    keep_memory();
     std::vector<unsigned char> all_held = with_ghosts(this->space(), more);
     for (unsigned int f = 0; f < all_held.size(); ++f)
       all_held[f] |= this->held[f];

@@ -256,29 +256,33 @@ namespace greville
 
   template <int dim>
   void
+  Ensemble<dim>::finish()
+  {
+    find_contact();
+    for (const auto &part : parts)
+      part->finish();
+  }
+
+
+
+  template <int dim>
+  void
   Ensemble<dim>::ask_for_row(
-    const std::function<void(const unsigned int,
-                             const std::vector<Body<dim>> &,
-                             const double,
-                             const bool)> &watch)
+    const std::function<void(const unsigned int, const double, const bool)>
+      &watch)
   {
     const double outer_mass =
       1.01 * beyond_front *
       sum([](const Simulation<dim> &part) { return part.state().mass; });
-    unsigned int first_body = 0;
-    for (const auto &part : parts)
-      {
-        if (watch)
-          part->ask_for_row(outer_mass,
-                            [watch, first_body](const auto  &bodies,
-                                                const double weight,
-                                                const bool   is_kicked) {
-                              watch(first_body, bodies, weight, is_kicked);
-                            });
-        else
-          part->ask_for_row(outer_mass);
-        first_body += part->state().bodies.size();
-      }
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      if (watch)
+        parts[k]->ask_for_row(outer_mass,
+                              [watch, k](const double weight,
+                                         const bool   is_kicked) {
+                                watch(k, weight, is_kicked);
+                              });
+      else
+        parts[k]->ask_for_row(outer_mass);
   }
 
 

@@ -30,7 +30,7 @@ namespace greville
 
     const bool watches = row && kick && row->watch;
     if (watches)
-      row->watch(state.bodies, 1. - row->fraction, false);
+      row->watch(1. - row->fraction, false);
     update.acceleration = kick ? &(field.*kick) : nullptr;
     update.velocity     = velocity ? &(field.*velocity) : nullptr;
     update.deformation  = deformation ? &(field.*deformation) : nullptr;
@@ -41,7 +41,7 @@ namespace greville
                                        row);
     update_surfaces(state, update, motion);
     if (watches)
-      row->watch(state.bodies, row->fraction, true);
+      row->watch(row->fraction, true);
     motion.merge(trial.motion);
     trial.motion = std::move(motion);
     // Where values are averaged over domains, masses depend on F.

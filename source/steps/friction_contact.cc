@@ -48,28 +48,6 @@ namespace greville
 
 
   template <int dim>
-  std::vector<Tensor<1, dim>>
-  FrictionContact<dim>::loads() const
-  {
-    std::vector<Tensor<1, dim>> result;
-    for (const Contact &contact : contacts)
-      result.push_back(contact.load);
-    return result;
-  }
-
-
-
-  template <int dim>
-  void
-  FrictionContact<dim>::set_loads(const std::vector<Tensor<1, dim>> &loads)
-  {
-    for (unsigned int k = 0; k < contacts.size(); ++k)
-      contacts[k].load = loads.empty() ? Tensor<1, dim>() : loads[k];
-  }
-
-
-
-  template <int dim>
   double
   FrictionContact<dim>::speed_into_wall(const Contact          &contact,
                                         const VectorField<dim> &v) const

@@ -97,25 +97,6 @@ namespace greville
 
 
   template <int dim>
-  void
-  GridMass<dim>::begin_trial()
-  {
-    held_before_trial    = held;
-    oblique_before_trial = oblique;
-  }
-
-
-
-  template <int dim>
-  void
-  GridMass<dim>::end_trial()
-  {
-    set_held(held_before_trial, oblique_before_trial);
-  }
-
-
-
-  template <int dim>
   std::array<bool, dim>
   GridMass<dim>::held_meet_mass() const
   {

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <sstream>
 
 namespace greville
 {
@@ -126,11 +127,11 @@ namespace greville
 
   template <int dim>
   bool
-  Simulation<dim>::is_stage_finished() const
+  Simulation<dim>::is_end(const double t) const
   {
     const TimeParameters &time = parameters.time;
-    return current.time >= time.end - 1e-12 * std::max(std::abs(time.start),
-                                                       std::abs(time.end));
+    return t >= time.end -
+                  1e-12 * std::max(std::abs(time.start), std::abs(time.end));
   }
 
 
@@ -409,11 +410,31 @@ namespace greville
 
 
   template <int dim>
+  void
+  Simulation<dim>::finish()
+  {
+    try
+      {
+        integrator->finish(current);
+      }
+    catch (const StepFailed &failure)
+      {
+        std::ostringstream message;
+        message << "Velocities at t = " << current.time
+                << " s are those of t = " << current.velocity_time
+                << " s, since the kick to the end of the step has failed: "
+                << without_stop(failure.what()) << ".";
+        log.warnings.push_back(message.str());
+      }
+  }
+
+
+
+  template <int dim>
   EnergyTotals
   Simulation<dim>::energy_totals()
   {
-    const EndOfStep<dim> end_of_step(*this, "energy");
-    const PartTimer      timer(log, "energy");
+    const PartTimer timer(log, "energy");
     return current.energy.totals(
       energy_of_bodies<dim>(current.bodies, discretization.transfer(), comm),
       comm);

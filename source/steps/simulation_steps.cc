@@ -63,8 +63,9 @@ namespace greville
   Simulation<dim>::take_step(const double dt)
   {
     // The guard judges the state before the step, whose energy is then known.
-    const bool is_for_guard = !is_implicit() && !asked.is_wanted &&
-                              guard.looks_at_energy(current.n_steps + 1);
+    const bool is_for_guard =
+      rows_lag() && !asked.is_wanted &&
+      (guard.looks_at_energy(current.n_steps + 1) || is_last_step(dt));
     if (is_for_guard)
       ask_for_row(0.);
     asked.is_known = false;
@@ -87,10 +88,23 @@ namespace greville
 
 
   template <int dim>
+  bool
+  Simulation<dim>::is_last_step(const double dt) const
+  {
+    const TimeParameters &time = parameters.time;
+    return current.n_steps + 1 == time.max_steps ||
+           (current.stage + 1 == parameters.n_stages() &&
+            is_end(current.time + dt));
+  }
+
+
+
+  template <int dim>
   void
   Simulation<dim>::check_energy()
   {
-    const bool is_due = guard.looks_at_energy(current.n_steps);
+    const bool is_due = guard.looks_at_energy(current.n_steps) ||
+                        (is_finished() && guard.looks_at_last_energy(current));
     if (is_due && asked.is_known)
       {
         const PartTimer timer(log, "energy");
@@ -105,8 +119,7 @@ namespace greville
           current,
           asked.energy.totals(Utilities::MPI::sum(energy, comm), comm));
       }
-    if ((is_due && !asked.is_known) ||
-        (is_finished() && guard.looks_at_last_energy(current)))
+    else if (is_due && !rows_lag())
       guard.check_energy(current, energy_totals());
     else if (is_implicit())
       // There may be a few steps only, between which loads come and go.

@@ -137,27 +137,9 @@ namespace greville
 
   template <int dim>
   void
-  WallFriction<dim>::begin_trial()
-  {
-    loads_before_trial = contact.loads();
-  }
-
-
-
-  template <int dim>
-  void
-  WallFriction<dim>::end_trial()
-  {
-    contact.set_loads(loads_before_trial);
-  }
-
-
-
-  template <int dim>
-  void
   WallFriction<dim>::forget()
   {
-    contact.set_loads();
+    contact.forget();
   }
 
 

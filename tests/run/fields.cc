@@ -279,9 +279,9 @@ namespace
         "first");
     Simulated<2> first(text);
     first.run();
-    const EndOfStep<2> as_written(first.simulation);
-    const auto         end   = first->statistics();
-    Text               again = text;
+    first->finish(); // as written
+    const auto end   = first->statistics();
+    Text       again = text;
     for (unsigned int b = 0; b < bodies.size(); ++b)
       {
         const std::string file = "points_" + std::to_string(b) + ".csv";

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 // Rows that a step sums up for the time at which it begins. Where the same
-// forces act before and after this time, they are those of EndOfStep, which
-// takes half of a kick, to round-off. Impacts on walls act within one step:
-// there rows differ by up to two per cent, and leave as much of the balance of
-// energy open. With SHOW in the environment, the columns that differ most.
-#include <greville/steps/end_of_step.h>
+// forces act before and after this time, they are those of finished states,
+// which have half of a kick, to round-off. Impacts on walls act within one
+// step: there rows differ by up to two per cent, and leave as much of the
+// balance of energy open. With SHOW in the environment, the columns that differ
+// most.
 #include <greville/steps/ensemble.h>
 
 #include "simulation.h"
@@ -56,20 +56,19 @@ namespace
     double                        start = 0., energy = 0.;
     for (unsigned int k = 0; k < n_steps; ++k)
       {
+        const auto state = ensemble.state();
+        const bool lags  = ensemble.rows_lag();
+        ensemble.finish();
+        const Columns finished = ensemble.statistics().columns();
+        ensemble.set_state(state);
         ensemble.ask_for_row();
-        Columns finished, late;
-        {
-          const EndOfStep<dim> end(ensemble);
-          finished = ensemble.statistics().columns();
-        }
-        const bool lags = ensemble.rows_lag();
         ensemble.step();
         if (!lags)
           {
             start = open_balance(finished);
             continue;
           }
-        late = ensemble.late_statistics().columns();
+        const Columns late = ensemble.late_statistics().columns();
         for (unsigned int c = 0; c < late.size(); ++c)
           {
             const std::string &name = late[c].first;

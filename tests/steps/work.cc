@@ -3,7 +3,6 @@
 // Columns of statistics.csv: the work of gravity, loads, walls and friction
 // closes the balance of energy, the sums of bodies are those of all, and steps
 // that are done again are counted. With SHOW in the environment, the numbers.
-#include <greville/steps/end_of_step.h>
 
 #include "simulation.h"
 
@@ -160,7 +159,7 @@ namespace
                          .with("Loads", {"Gravity = 0; -min(1, t / 0.1)"})
                          .with("Time", {"End = 0.128", "Step = " + step}));
       run.run();
-      const EndOfStep<2>  end(run.simulation);
+      run->finish();
       const Statistics<2> row = run->statistics();
       return (row.kinetic + row.strain - row.work.gravity) / row.work.gravity;
     };

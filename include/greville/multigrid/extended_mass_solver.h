@@ -25,38 +25,6 @@ namespace greville
 
 
   /**
-   * What solves leave to following ones: factors, and what is known of their
-   * age.
-   */
-  struct MassSolverMemory
-  {
-    /**
-     * For the components @p alike.
-     */
-    struct Factors
-    {
-      std::vector<unsigned int> alike;
-      PartitionedCholesky       cholesky;
-    };
-
-    // Copies share them: which rows are held is set anew.
-    std::vector<std::shared_ptr<Factors>> factors;
-    std::vector<unsigned int>             factor_alike;
-    std::vector<unsigned int> factor_places; // owned, that were factorized
-    std::vector<int>
-               factor_rows; // of owned unknowns, -1: none; empty: the same
-    VectorType diagonal;    // of A, for those with none
-
-    unsigned int factorizations    = 0;
-    bool         is_due            = true;  // to factorize
-    bool         is_fresh          = false; // factorized and not yet used
-    unsigned int fresh_iterations  = 0;     // of the first solve
-    unsigned int excess_iterations = 0;     // beyond them, of the others
-  };
-
-
-
-  /**
    * Conjugate gradients for A x = b with an ExtendedMass, for all components of
    * one or two vector fields together: one pass over matrix and factors serves
    * all of them. The preconditioner is PartitionedCholesky in lexicographic
@@ -73,7 +41,7 @@ namespace greville
    * held functions, so that momentum does not depend on the tolerance.
    */
   template <int dim>
-  class ExtendedMassSolver : private MassSolverMemory
+  class ExtendedMassSolver
   {
   public:
     /**
@@ -122,26 +90,16 @@ namespace greville
       return factorizations;
     }
 
-    using Memory = MassSolverMemory;
-
-    std::shared_ptr<const Memory>
-    memory() const
-    {
-      return std::make_shared<const Memory>(static_cast<const Memory &>(*this));
-    }
-
-    /**
-     * Go on as if nothing had been solved since @p memory was taken. The
-     * unknowns have to be the same.
-     */
-    void
-    set_memory(const Memory &memory)
-    {
-      static_cast<Memory &>(*this) = memory;
-      n_holds                      = 0;
-    }
-
   private:
+    /**
+     * For the components @p alike.
+     */
+    struct Factors
+    {
+      std::vector<unsigned int> alike;
+      PartitionedCholesky       cholesky;
+    };
+
     void
     factorize();
 
@@ -220,6 +178,19 @@ namespace greville
     mutable std::vector<double> work;
 
     unsigned int n_holds = 0; // of the mass, that factors know
+
+    std::vector<Factors>      factors;
+    std::vector<unsigned int> factor_alike;
+    std::vector<unsigned int> factor_places; // owned, that were factorized
+    std::vector<int>
+               factor_rows; // of owned unknowns, -1: none; empty: the same
+    VectorType diagonal;    // of A, for those with none
+
+    unsigned int factorizations    = 0;
+    bool         is_due            = true;  // to factorize
+    bool         is_fresh          = false; // factorized and not yet used
+    unsigned int fresh_iterations  = 0;     // of the first solve
+    unsigned int excess_iterations = 0;     // beyond them, of the others
   };
 } // namespace greville
 

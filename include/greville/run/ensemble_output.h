@@ -17,16 +17,25 @@ namespace greville
   name_of_part(const Ensemble<dim> &ensemble, const unsigned int part);
 
   /**
+   * Collective. The states of the parts as they are, with the loads of
+   * surfaces.
+   */
+  template <int dim>
+  std::vector<const State<dim> *>
+  loaded_states(Ensemble<dim> &ensemble);
+
+  /**
    * Collective. Write the points, the surfaces that carry loads or are in
-   * contact, and the rigid bodies of an ensemble, as they are now. Throws
+   * contact, and the rigid bodies of an ensemble with these @p states. Throws
    * dealii::ExcMessage where a file cannot be written.
    */
   template <int dim>
   void
-  write_bodies(FieldOutput<dim>           &output,
-               Ensemble<dim>              &ensemble,
-               const SimulationParameters &parameters,
-               const MPI_Comm              comm);
+  write_bodies(FieldOutput<dim>                      &output,
+               const Ensemble<dim>                   &ensemble,
+               const std::vector<const State<dim> *> &states,
+               const SimulationParameters            &parameters,
+               const MPI_Comm                         comm);
 } // namespace greville
 
 #endif

@@ -28,18 +28,15 @@ namespace greville
 
 
   /**
-   * What grid_NNNN.pvtu has. Vectors have no ghost values.
+   * What grid_NNNN.pvtu has. Fields of no size are not written.
    */
   template <int dim>
   struct GridFields
   {
-    const VectorField<dim> *velocity = nullptr;
+    VectorField<dim> velocity, acceleration;
     /// Per function.
-    const VectorType *mass = nullptr;
-    /// Null: not written.
-    const VectorField<dim> *acceleration = nullptr;
-    /// Per function; null: not written.
-    const VectorField<dim> *force = nullptr;
+    VectorType       mass;
+    VectorField<dim> force;
     /// Of owned cells, see CellFilling::cell_class(); empty: not written.
     std::vector<unsigned char> cell_classes;
   };

@@ -118,7 +118,7 @@ namespace greville
       unsigned int  n_steps             = 0;
       std::uint64_t bytes_of_statistics = 0, bytes_of_probes = 0;
       Largest       front, front_99;
-      bool          row_is_due = false;
+      bool          row_is_due = false, fields_are_due = false;
       std::string   fields;
       std::pair<std::vector<double>, std::vector<double>> series;
       std::vector<ContactInterval<dim>>                   intervals;
@@ -187,25 +187,55 @@ namespace greville
     write_row(const Row &row, const Statistics<dim> &statistics);
 
     /**
-     * Ask the next step for the row of this time.
+     * Ask the next step for the row, or the fields, of this time.
      */
     void
-    ask_for_row();
+    ask_for_late(const bool for_row, const bool for_fields);
 
     /**
-     * Write the row that the last step was asked for, if there is one.
+     * Take what the step at hand tells of a part, see LateRow::watch.
      */
     void
-    write_late_row();
+    watch(const unsigned int part, const double weight, const bool is_kicked);
 
     /**
-     * Write the row of the state as it is.
+     * Write what the last step was asked for.
+     */
+    void
+    write_late();
+
+    /**
+     * Let @p write see states whose velocities belong to their time, and go
+     * back to those that were there: before a stage or after the end, where
+     * solvers begin anew.
+     */
+    void
+    at_end_of_step(const std::function<void()> &write);
+
+    /**
+     * Write the row, or the fields, of the state as it is.
      */
     void
     write_statistics();
 
     void
     write_fields();
+
+    void
+    write_fields(const std::vector<const State<dim> *> &states,
+                 std::vector<GridFields<dim>>          &grids);
+
+    /**
+     * Return whether 'Output/Fields' names a field.
+     */
+    bool
+    wants(const std::string &field) const;
+
+    /**
+     * Return fields of a grid besides velocity and acceleration.
+     */
+    GridFields<dim>
+    grid_fields(Simulation<dim> &part) const;
 
     /**
      * What is due after a step.
@@ -281,9 +311,11 @@ namespace greville
     std::optional<RampResult>     ramp_result;
     std::vector<double>           last_row;
     double                        next_fields = 0., next_statistics = 0.;
-    std::optional<Row>            late_row; // that the next step sums up
-    Largest                       largest_front, largest_front_99;
-    std::uint64_t                 n_points = 0;
+    // What the next step completes: a row, and fields of each part.
+    std::optional<Row>                                      late_row;
+    std::vector<std::pair<LateState<dim>, GridFields<dim>>> late_fields;
+    Largest       largest_front, largest_front_99;
+    std::uint64_t n_points = 0;
 
     std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
     double                                last_shown_time = 0.;
@@ -291,9 +323,9 @@ namespace greville
     // Steps that the last rows and fields belong to.
     unsigned int last_written_statistics = -1, last_written_fields = -1;
     // What the files had when a state was kept, and the last checkpoint; and
-    // before the last row, which a run that goes on writes late.
+    // before the last row and fields, which a run that goes on writes late.
     Mark                mark;
-    std::optional<Mark> before_last_row;
+    std::optional<Mark> before_last;
     std::string         checkpoint_file;
     unsigned int        checkpoint_step = -1;
     bool                is_resumed      = false;

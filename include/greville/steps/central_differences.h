@@ -70,7 +70,7 @@ namespace greville
     bool
     velocities_lag(const State<dim> &state) const override
     {
-      return half_steps && state.step > 0.;
+      return half_steps && state.velocity_time < state.time;
     }
 
     /**

@@ -127,12 +127,6 @@ namespace greville
     fragment_fraction() const override;
 
     void
-    begin_trial() override;
-
-    void
-    end_trial() override;
-
-    void
     forget() override
     {
       for (auto *const solver : {mass_solver.get(), solver_of_held.get()})
@@ -176,12 +170,6 @@ namespace greville
     assemble();
 
     /**
-     * Before the first solve of a trial: what it is not to change.
-     */
-    void
-    keep_memory();
-
-    /**
      * Throw where a solver did not converge.
      */
     void
@@ -207,12 +195,6 @@ namespace greville
     const std::vector<const MaterialPoints<dim> *> *bodies     = nullptr;
     const PointTransfer<dim>                       *transfer   = nullptr;
     double                                          total_mass = 0.;
-
-    // What solvers had before the first solve of a trial.
-    using SolverMemory =
-      std::shared_ptr<const typename ExtendedMassSolver<dim>::Memory>;
-    bool         is_trial = false, is_behind_before_trial = true;
-    SolverMemory memory_before_trial, memory_of_held_before_trial;
   };
 } // namespace greville
 

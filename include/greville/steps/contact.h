@@ -96,17 +96,6 @@ namespace greville
     }
 
     /**
-     * Between these calls steps leave no trace in what later steps begin with.
-     */
-    virtual void
-    begin_trial()
-    {}
-
-    virtual void
-    end_trial()
-    {}
-
-    /**
      * Forget what earlier steps have left, see TimeIntegrator::forget().
      */
     virtual void

@@ -196,13 +196,18 @@ namespace greville
     }
 
     /**
-     * Collective. Ask the next step for the row of all parts as they are, see
-     * Simulation; @p watch gets the number of the first body of a part besides.
+     * Collective. See Simulation::finish(); contacts are found before it.
      */
     void
-    ask_for_row(const std::function<void(const unsigned int first_body,
-                                         const std::vector<Body<dim>> &bodies,
-                                         const double                  weight,
+    finish();
+
+    /**
+     * Collective. Ask the next step for the row of all parts as they are, see
+     * Simulation; @p watch gets the number of the part besides.
+     */
+    void
+    ask_for_row(const std::function<void(const unsigned int part,
+                                         const double       weight,
                                          const bool is_kicked)> &watch = {});
 
     /**

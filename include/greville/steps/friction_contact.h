@@ -59,16 +59,15 @@ namespace greville
         std::vector<bool> &slid);
 
     /**
-     * Under what contacts slid in the last add(), where the next one begins.
-     */
-    std::vector<dealii::Tensor<1, dim>>
-    loads() const;
-
-    /**
-     * Begin there; without any, at zero.
+     * Forget under what contacts slid in the last add(), where the next one
+     * begins.
      */
     void
-    set_loads(const std::vector<dealii::Tensor<1, dim>> &loads = {});
+    forget()
+    {
+      for (Contact &contact : contacts)
+        contact.load = {};
+    }
 
     /**
      * Iterations of all solves of the last add(), and of the one that needed

@@ -249,18 +249,6 @@ namespace greville
     {}
 
     /**
-     * Collective. Between these calls solves leave no trace: those that follow
-     * have the bits that they would have without. One update() may come before
-     * the first of these solves, and the next update() has to be for the same
-     * points.
-     */
-    virtual void
-    begin_trial();
-
-    virtual void
-    end_trial();
-
-    /**
      * Forget the factorizations of earlier matrices: results then depend on the
      * points alone, to the bit and not only to the tolerance of the solver.
      */
@@ -351,9 +339,6 @@ namespace greville
      */
     std::array<bool, dim>
     held_meet_mass() const;
-
-    std::vector<unsigned char>              held_before_trial;
-    std::vector<ConstrainedDirections<dim>> oblique_before_trial;
   };
 
 

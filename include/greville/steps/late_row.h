@@ -5,6 +5,8 @@
 
 #include <greville/points/row_sums.h>
 #include <greville/steps/energy_balance.h>
+#include <greville/steps/grid_field.h>
+#include <greville/steps/state.h>
 #include <greville/steps/statistics.h>
 
 #include <functional>
@@ -42,10 +44,7 @@ namespace greville
 
     /// Called with points as they are before they are kicked, and after that
     /// before they go to other cells, with the weights of their velocities.
-    std::function<void(const std::vector<Body<dim>> &bodies,
-                       const double                  weight,
-                       const bool                    is_kicked)>
-      watch;
+    std::function<void(const double weight, const bool is_kicked)> watch;
 
     /**
      * The part of a kick's work that is done until t_n. With its impulse I,
@@ -58,6 +57,28 @@ namespace greville
       return fraction *
              ((1. - 0.5 * fraction) * before + 0.5 * fraction * after);
     }
+  };
+
+
+
+  /**
+   * A copy of the state at the time t_n of a LateRow, with the velocities v_n:
+   * two calls from LateRow::watch complete it.
+   */
+  template <int dim>
+  struct LateState
+  {
+    State<dim> state;
+
+    /**
+     * Take the state @p now, which is in the step that sums up the row, and its
+     * @p field of the grid.
+     */
+    void
+    take(const State<dim>     &now,
+         const GridField<dim> &field,
+         const double          weight,
+         const bool            is_kicked);
   };
 } // namespace greville
 

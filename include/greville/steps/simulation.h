@@ -5,7 +5,6 @@
 
 #include <greville/base/step_errors.h>
 #include <greville/base/tables.h>
-#include <greville/steps/end_of_step.h>
 #include <greville/steps/statistics.h>
 #include <greville/steps/step_guard.h>
 #include <greville/steps/time_integrator.h>
@@ -64,7 +63,10 @@ namespace greville
     /// Whether the stage has come to its end: the next step is the first of the
     /// next stage, if there is one.
     bool
-    is_stage_finished() const;
+    is_stage_finished() const
+    {
+      return is_end(current.time);
+    }
 
     /// Whether the next step begins with a copy of the state to go back to.
     bool
@@ -118,6 +120,13 @@ namespace greville
     {
       return integrator->velocities_lag(current);
     }
+
+    /// Collective. Give points the rest of their kick, so that velocities
+    /// belong to State::time: for what is read at the end of a run. Later steps
+    /// go on from there. Where the kick fails, as the next step will do as
+    /// well, velocities stay those of State::velocity_time, with a warning.
+    void
+    finish();
 
     /// Collective. Ask the next step for the row of the state as it is, see
     /// LateRow; late_row() gives it after the step. @p outer_mass is the mass
@@ -186,8 +195,7 @@ namespace greville
       return integrator->is_implicit();
     }
 
-    /// Collective. The balance of energy at the end of the step: velocities
-    /// belong to State::time.
+    /// Collective. The balance of energy of the state as it is.
     EnergyTotals
     energy_totals();
 
@@ -239,7 +247,6 @@ namespace greville
     friend class PassingBodies<dim>;
     friend class CommonStep<dim>;
     friend class TrialContacts<dim>;
-    friend class EndOfStep<dim>;
 
     // Collective. A row before points are summed up, and with the sums.
     LateRow<dim>
@@ -273,6 +280,10 @@ namespace greville
     // Take the step that has been tried, and what is due after all have.
     void
     take_step(const double dt);
+    bool
+    is_end(const double t) const; // of the stage
+    bool
+    is_last_step(const double dt) const;
     void
     check_energy();
     void

@@ -58,9 +58,9 @@ namespace greville
    *   with Cundall's damping.
    * The sums come from the passes over points and grid that a step has anyway.
    *
-   * Every hundred steps it looks at the EnergyBalance of the state, in explicit
-   * steps of that before the last step, and warns or stops the run where energy
-   * has come from nothing.
+   * Every hundred steps, and after the last one, it looks at the EnergyBalance
+   * of the state, in explicit steps of that before this step, and warns or
+   * stops the run where energy has come from nothing.
    */
   template <int dim>
   class StepGuard
@@ -99,10 +99,10 @@ namespace greville
     set(const MomentumBalance<dim> &balance);
 
     /**
-     * For integrators, in finish() and with a LateRow: dt^2 / 8 a^T M a of this
-     * process, J (2D: J / m). In linear vibrations, central differences keep E
-     * less that, with the energy E of finished states: E swings, the more the
-     * closer modes are to their critical step. check() forgets it.
+     * For integrators, with a LateRow: dt^2 / 8 a^T M a of this process, J (2D:
+     * J / m). In linear vibrations, central differences keep E less that, with
+     * the energy E of finished states: E swings, the more the closer modes are
+     * to their critical step. check() forgets it.
      */
     void
     set_swing(const double energy)

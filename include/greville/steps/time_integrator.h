@@ -87,9 +87,9 @@ namespace greville
     }
 
     /**
-     * Collective. The state at the end of a stage, for one with another
-     * integrator, and for output, which takes it back: velocities belong to
-     * State::time, and so do coefficients of the grid. Throws StepFailed.
+     * Collective. Let velocities, and coefficients of the grid, belong to
+     * State::time: for a stage with another integrator, and the last row.
+     * Throws StepFailed.
      */
     virtual void
     finish(State<dim> &)

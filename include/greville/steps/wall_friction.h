@@ -85,12 +85,6 @@ namespace greville
     void
     apply(ContactStep<dim> &step) override;
 
-    void
-    begin_trial() override;
-
-    void
-    end_trial() override;
-
     /**
      * Where contacts slide, solves begin with the loads of the last step.
      */
@@ -98,9 +92,8 @@ namespace greville
     forget() override;
 
   private:
-    FrictionContact<dim>                contact;
-    std::vector<dealii::Tensor<1, dim>> loads_before_trial;
-    StepLog                            &log;
+    FrictionContact<dim> contact;
+    StepLog             &log;
   };
 } // namespace greville
 
