@@ -418,20 +418,16 @@ namespace greville
 
 
   template <int dim>
-  WallSums<dim>
-  Walls<dim>::stop(VectorField<dim> &v, const VectorType &lumped_mass) const
+  void
+  Walls<dim>::stop(VectorField<dim> &v) const
   {
-    WallSums<dim> impulses;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       if (is_friction(w))
         for (const unsigned int i : coefficients[w])
           {
-            double      &v_n = v[w / 2].local_element(i);
-            const double old = v_n;
-            v_n = w % 2 == 0 ? std::max(0., v_n) : std::min(0., v_n);
-            impulses[w][w / 2] += lumped_mass.local_element(i) * (v_n - old);
+            double &v_n = v[w / 2].local_element(i);
+            v_n         = w % 2 == 0 ? std::max(0., v_n) : std::min(0., v_n);
           }
-    return impulses;
   }
 
 

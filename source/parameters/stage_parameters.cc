@@ -42,7 +42,7 @@ namespace greville
       "after up to eight times as many while it changes by less than 2 %; 0: "
       "in the first step only. It is estimated again, too, where the largest "
       "wave speed has grown by 10 %, and, for automatic steps with consistent "
-      "mass (not with USF), where accelerations show them to be too long. "
+      "mass, where accelerations show them to be too long. "
       "Unit: steps.");
     add_parameter(prm,
                   "Velocities at",
@@ -109,8 +109,8 @@ namespace greville
                   "Stress update",
                   stress_update,
                   Selection(time_integrator_names()))(
-      "When stresses are updated: last (USL), first (USF), or last with "
-      "velocities of the grid made anew from the points (MUSL).");
+      "When stresses are updated: last (USL), or last with velocities of the "
+      "grid made anew from the points (MUSL).");
     add_parameter(prm, "Transfer", transfer, Selection("FLIP|PIC|APIC"))(
       "Transfer of velocities from the grid to the points.");
     add_parameter(prm, "FLIP share", flip, Double(0., 1.))(

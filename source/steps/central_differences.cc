@@ -318,17 +318,11 @@ namespace greville
 
 
   template <int dim>
-  WallSums<dim>
+  void
   CentralDifferences<dim>::stop(VectorField<dim> &velocity) const
   {
-    WallSums<dim> sums;
     for (const auto &contact : contacts)
-      {
-        const WallSums<dim> given = contact->stop(velocity);
-        for (unsigned int w = 0; w < 2 * dim; ++w)
-          sums[w] += given[w];
-      }
-    return sums;
+      contact->stop(velocity);
   }
 
 
@@ -393,10 +387,9 @@ namespace greville
       return;
     const auto reactions   = state.reactions;
     row                    = nullptr; // of a step that has failed
-    trial.step             = 0.;
-    trial.velocity_step    = 0.5 * state.step;
-    trial.deformation_step = state.step;
-    trial.motion           = PointMotion();
+    trial.step          = 0.;
+    trial.velocity_step = 0.5 * state.step;
+    trial.motion        = PointMotion();
     find_acceleration(state);
     find_new_velocity(state);
     update(state,
@@ -466,8 +459,7 @@ namespace greville
   bool
   CentralDifferences<dim>::may_reject() const
   {
-    return field.mass->is_exact() && parameters.time.step.empty() &&
-           !deforms_first();
+    return field.mass->is_exact() && parameters.time.step.empty();
   }
 
 
@@ -476,11 +468,10 @@ namespace greville
   void
   CentralDifferences<dim>::try_step(State<dim> &state, const double dt)
   {
-    trial.step             = dt;
-    const double last      = velocities_lag(state) ? state.step : 0.;
-    trial.velocity_step    = half_steps ? 0.5 * (last + dt) : dt;
-    trial.deformation_step = half_steps ? last : dt;
-    trial.motion           = PointMotion();
+    const double last   = velocities_lag(state) ? state.step : 0.;
+    trial.step          = dt;
+    trial.velocity_step = half_steps ? 0.5 * (last + dt) : dt;
+    trial.motion        = PointMotion();
     if (state.n_rejections == 0)
       trial.n_iterations = trial.n_all_iterations = 0;
     if (!may_reject())

@@ -23,7 +23,7 @@ namespace greville
     PointUpdate<dim> update;
     update.move          = move;
     update.velocity_step = trial.velocity_step;
-    update.step          = move ? trial.step : trial.deformation_step;
+    update.step          = trial.step;
     update.flip          = flip_share(state, trial.velocity_step);
     update.apic          = apic;
     update.projection    = discretization.volume_projection();
@@ -44,10 +44,7 @@ namespace greville
       row->watch(row->fraction, true);
     motion.merge(trial.motion);
     trial.motion = std::move(motion);
-    // Where values are averaged over domains, masses depend on F.
-    const CellWindows<dim> *const windows = discretization.cell_windows();
-    if (kick || move || (deformation && windows && windows->averages_values()))
-      state.points_have_changed();
+    state.points_have_changed();
   }
 
 

@@ -39,7 +39,6 @@ namespace greville
     explicit_integrators()
     {
       return {explicit_steps<dim, USL<dim>>("USL"),
-              explicit_steps<dim, USF<dim>>("USF"),
               explicit_steps<dim, MUSL<dim>>("MUSL")};
     }
 

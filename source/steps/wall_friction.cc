@@ -32,10 +32,10 @@ namespace greville
 
 
   template <int dim>
-  WallSums<dim>
+  void
   FrictionWalls<dim>::stop(VectorField<dim> &velocity) const
   {
-    return walls.stop(velocity, field.lumped_mass);
+    walls.stop(velocity);
   }
 
 

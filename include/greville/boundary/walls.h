@@ -210,11 +210,10 @@ namespace greville
                 const VectorType &lumped_mass) const;
 
     /**
-     * Friction walls: stop what goes into them, without friction. Returns the
-     * changes of momentum on this process.
+     * Friction walls: stop what goes into them, without friction.
      */
-    WallSums<dim>
-    stop(VectorField<dim> &velocity, const VectorType &lumped_mass) const;
+    void
+    stop(VectorField<dim> &velocity) const;
 
   private:
     bool

@@ -13,7 +13,7 @@
 namespace greville
 {
   /**
-   * Explicit steps, of which USL, USF and MUSL are three. A step from t_n to
+   * Explicit steps, of which USL and MUSL are two. A step from t_n to
    * t_(n+1) = t_n + dt, with the sums of PointTransfer at the positions x_n, is
    * for each GridField
    *
@@ -36,10 +36,9 @@ namespace greville
    * v belongs to t_(n-1/2), v' to t_(n+1/2). With full steps dt' = dt:
    * symplectic Euler, of first order.
    *
-   * Automatic steps with consistent mass (not those of schemes that have
-   * deformed the points by then) are rejected where they show a mode that they
-   * are too long for: the critical step can fall from one step to the next,
-   * where points have left a hole.
+   * Automatic steps with consistent mass are rejected where they show a mode
+   * that they are too long for: the critical step can fall from one step to the
+   * next, where points have left a hole.
    *
    * The references are
    * @ref Sulsky1994 "Sulsky, Chen and Schreyer, 1994", and
@@ -74,48 +73,21 @@ namespace greville
     }
 
     /**
-     * Velocities at half steps get the other half of their kick; schemes that
-     * deform first deform the points to the end of the last step. Reactions
+     * Velocities at half steps get the other half of their kick. Reactions
      * stay.
      */
     void
     finish(State<dim> &state) override;
 
   protected:
-    /// Whether the points are deformed, by the velocity v, before the force is
-    /// summed up.
-    virtual bool
-    deforms_first() const
-    {
-      return false;
-    }
-
     /// Whether w comes from the velocities of the points by the inverse of the
     /// mass, and not from v'.
     virtual bool
     deforms_by_mapped_velocity() const = 0;
 
-    /// Collective. Sum up the points, and solve for velocity and
-    /// acceleration: here by one solve for both.
-    virtual void
-    find_fields(State<dim> &state);
-
     /// Collective. Kick, deform and move the points.
     virtual void
     take_points(State<dim> &state) = 0;
-
-    /// Guesses of velocity and acceleration with the values at walls, and the
-    /// momentum of the points. Accelerations are those of the state, which gets
-    /// others in exchange.
-    void
-    set_guesses(State<dim> &state);
-
-    /// Hold what contacts constrain, see Contact::constrain().
-    void
-    constrain(State<dim> &state);
-
-    void
-    add_gravity(const double t);
 
     /// M x = sum for pairs of them; the x hold guesses and the values at walls.
     void
@@ -123,17 +95,9 @@ namespace greville
           const std::vector<const VectorField<dim> *> &sums,
           const std::vector<double>                   &shares = {});
 
-    /// The momentum that walls give in the step: @p factor times what they
-    /// add to the sum of the pair @p k of the last solve().
-    void
-    add_momentum_of_walls(const VectorField<dim> &x,
-                          const VectorField<dim> &b,
-                          const unsigned int      k,
-                          const double            factor);
-
     /// Take from a velocity that has been found from the points what contacts
-    /// do not let through. Returns what walls give.
-    WallSums<dim>
+    /// do not let through.
+    void
     stop(VectorField<dim> &velocity) const;
 
     /// A member of GridField.
@@ -152,11 +116,6 @@ namespace greville
     WallTime
     wall_time(const State<dim> &state) const;
 
-    /// The fraction of the velocity that points keep in the step at hand; none
-    /// with APIC.
-    double
-    kept_share(const State<dim> &state) const;
-
     const SimulationParameters &parameters;
     Discretization<dim>        &discretization;
     GridField<dim>             &field;
@@ -172,7 +131,7 @@ namespace greville
     /// The step that is being tried.
     struct Trial
     {
-      double               step = 0., velocity_step = 0., deformation_step = 0.;
+      double               step = 0., velocity_step = 0.;
       PointMotion          motion;
       MomentumBalance<dim> momentum;
       unsigned int         n_iterations = 0, n_all_iterations = 0;
@@ -192,9 +151,39 @@ namespace greville
     ContactStep<dim>
     contact_step(State<dim> &state);
 
-    /// Points to grid, and the solves for velocity and acceleration.
+    /// Guesses of velocity and acceleration with the values at walls, and the
+    /// momentum of the points. Accelerations are those of the state, which gets
+    /// others in exchange.
+    void
+    set_guesses(State<dim> &state);
+
+    /// Hold what contacts constrain, see Contact::constrain().
+    void
+    constrain(State<dim> &state);
+
+    void
+    add_gravity(const double t);
+
+    /// Points to grid, and one solve for velocity and acceleration.
+    void
+    find_fields(State<dim> &state);
+
+    /// The momentum that walls give in the step: @p factor times what they
+    /// add to the sum of the pair @p k of the last solve().
+    void
+    add_momentum_of_walls(const VectorField<dim> &x,
+                          const VectorField<dim> &b,
+                          const unsigned int      k,
+                          const double            factor);
+
+    /// The acceleration at the start of the step.
     void
     find_acceleration(State<dim> &state);
+
+    /// The fraction of the velocity that points keep in the step at hand; none
+    /// with APIC.
+    double
+    kept_share(const State<dim> &state) const;
 
     /// Collective. Add what the pressure of pore water gives.
     void

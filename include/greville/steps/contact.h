@@ -58,8 +58,7 @@ namespace greville
 
     /**
      * Collective. Add to GridField::constraints, and set the velocity and the
-     * acceleration that is given there. Called once for each solve, in steps
-     * that solve for the velocity before the force is known twice.
+     * acceleration that is given there.
      */
     virtual void
     constrain(ContactStep<dim> &)
@@ -77,13 +76,11 @@ namespace greville
 
     /**
      * Take from a velocity that has been found from the points what this
-     * contact does not let through. Returns the momentum that walls give.
+     * contact does not let through.
      */
-    virtual WallSums<dim>
+    virtual void
     stop(VectorField<dim> &) const
-    {
-      return {};
-    }
+    {}
 
     /**
      * Whether constrain() may constrain something. What that gives to the

@@ -14,7 +14,7 @@ namespace greville
   struct StepScheme
   {
     /// Whether the velocity whose gradient deforms the points comes from
-    /// theirs by the inverse of the mass (USF, MUSL), or is the new one (USL).
+    /// theirs by the inverse of the mass (MUSL), or is the new one (USL).
     bool deforms_by_mapped_velocity = false;
     /// 1: FLIP, 0: PIC.
     double flip = 1.;
@@ -45,17 +45,17 @@ namespace greville
    * @f{align*}{
    *   & z^2 - (1 + \sigma - k) z + \sigma - k (\sigma - s) && \text{(USL)},
    *   \\
-   *   & z^2 - (1 + \sigma - k s) z + \sigma && \text{(USF, MUSL)},
+   *   & z^2 - (1 + \sigma - k s) z + \sigma && \text{(MUSL)},
    * @f}
    * which is stable for k (1 + sigma - s) <= 2 (1 + sigma) and k s <= 2 (1 +
    * sigma). B is a polynomial in s, times A, that is not below the 4 / k of
    * these, and equal to it for f = 1 and at s = 0 and 1:
    * @f[
    *   (2 - s) A \quad \text{(USL)}, \qquad
-   *   \frac{2 s - (1 - f) s^2}{1 + f} A \quad \text{(USF, MUSL)}.
+   *   \frac{2 s - (1 - f) s^2}{1 + f} A \quad \text{(MUSL)}.
    * @f]
-   * APIC is PIC with an s that is nearer to one: (2 - s) A (USL), A (USF,
-   * MUSL). Lumped USL, with s near 0 for the highest frequency, has a step that
+   * APIC is PIC with an s that is nearer to one: (2 - s) A (USL), A (MUSL).
+   * Lumped USL, with s near 0 for the highest frequency, has a step that
    * is shorter by up to the root of 2 than that of A K, lumped MUSL a longer
    * one. Cundall's damping multiplies
    * forces by 1 + alpha at most, and the step is that of stiffness times

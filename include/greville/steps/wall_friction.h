@@ -18,7 +18,7 @@ namespace greville
     /**
      * By Walls::stop().
      */
-    WallSums<dim>
+    void
     stop(VectorField<dim> &velocity) const override;
 
   protected:
