@@ -160,8 +160,7 @@ namespace greville
     std::vector<ImplicitSteps<dim> *>             steps;
     for (Simulation<dim> *simulation : simulations)
       {
-        steps.push_back(
-          dynamic_cast<ImplicitSteps<dim> *>(simulation->integrator.get()));
+        steps.push_back(simulation->integrator->implicit_steps());
         if (!steps.back())
           throw StepFailed(
             "'Scheme/Stress update' = " +

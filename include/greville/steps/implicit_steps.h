@@ -78,6 +78,12 @@ namespace greville
       return true;
     }
 
+    ImplicitSteps<dim> *
+    implicit_steps() override
+    {
+      return this;
+    }
+
   private:
     friend class CoupledSteps<dim>;
     friend class TrialContacts<dim>;

@@ -11,6 +11,9 @@
 
 namespace greville
 {
+  template <int dim>
+  class ImplicitSteps;
+
   /**
    * A level of the solver of an integrator.
    */
@@ -106,6 +109,16 @@ namespace greville
     is_implicit() const
     {
       return false;
+    }
+
+    /**
+     * Return it as the steps that 'Simulation/Contacts' can couple by one
+     * Newton's method; null otherwise.
+     */
+    virtual ImplicitSteps<dim> *
+    implicit_steps()
+    {
+      return nullptr;
     }
 
     /**
