@@ -8,10 +8,10 @@
 #include <greville/base/memory.h>
 #include <greville/base/parameters.h>
 #include <greville/run/check_materials.h>
-#include <greville/run/ensemble_output.h>
 #include <greville/run/run.h>
 #include <greville/run/run_header.h>
 #include <greville/run/simulation_run.h>
+#include <greville/run/state_output.h>
 #include <greville/run/sweep.h>
 
 #include <algorithm>
@@ -83,12 +83,12 @@ namespace greville
         , comm(comm)
         , memory_before(allocated_memory())
         , begin(Clock::now())
-        , ensemble(parameters, comm)
+        , simulations(parameters, comm)
       {
         // Files and formulas that are wanted later.
         const double end = parameters.end_of_run();
         ExactSolution<dim>(parameters.exact)
-          .errors(ensemble.bodies(), end, end, comm);
+          .errors(simulations.bodies(), end, end, comm);
         const MeasuredData<dim> measured(parameters.reference);
         if (options.resumes)
           {
@@ -96,7 +96,7 @@ namespace greville
             try
               {
                 check_changes(checkpoint.content, parameters);
-                ensemble.set_from_tables(checkpoint.content);
+                simulations.set_from_tables(checkpoint.content);
                 check_stages(checkpoint.content,
                              parameters,
                              common().stage,
@@ -115,10 +115,10 @@ namespace greville
         else if (!options.from.empty())
           {
             const Checkpoint other = read_checkpoint(options.from, comm);
-            begin_with(ensemble, other, parameters);
+            begin_with(simulations, other, parameters);
             out << "It would begin with <" << other.file << ">.\n\n";
           }
-        const auto        all = ensemble.bodies_of_all_stages();
+        const auto        all = simulations.bodies_of_all_stages();
         const Probes<dim> probes(parameters.output.probes,
                                  parameters.output.fields,
                                  all.list,
@@ -126,21 +126,21 @@ namespace greville
         EndOfRun(parameters,
                  SimulationRun<dim>::columns_of(parameters, probes));
         set_up = seconds_since(begin, comm);
-        print_header(out, ensemble, parameters, comm);
+        print_header(out, simulations, parameters, comm);
         const std::string imbalance =
-          print_imbalance(out, ensemble, parameters, comm);
+          print_imbalance(out, simulations, parameters, comm);
         print_materials(out, all.list);
         print_tangents(out, all.list, comm);
         print_bodies(all.list);
         print_surface_loads();
-        auto notes = input_notes(ensemble.bodies(), parameters, comm);
+        auto notes = input_notes(simulations.bodies(), parameters, comm);
         if (!imbalance.empty())
           notes.insert(notes.begin(), imbalance);
-        for (const std::string &note : ensemble.notes())
+        for (const std::string &note : simulations.notes())
           notes.push_back(note);
         for (const std::string &note : notes)
           out << "  Note: " << note << '\n';
-        print_warnings(ensemble);
+        print_warnings(simulations);
       }
 
       void
@@ -160,7 +160,7 @@ namespace greville
           comm);
         FieldOutput<dim> output(folder, parameters.output);
         write_bodies(
-          output, ensemble, loaded_states(ensemble), parameters, comm);
+          output, simulations, loaded_states(simulations), parameters, comm);
         out << "  initial points: " << folder
             << (parameters.output.points_in_one_file() ? "/points.vtkhdf\n"
                                                        : "/points.pvd\n");
@@ -174,20 +174,20 @@ namespace greville
       report()
       {
         std::uint64_t cells = 0, functions = 0, points = 0;
-        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+        for (unsigned int k = 0; k < simulations.n_parts(); ++k)
           {
-            const SplineSpace<dim> &space = ensemble.part(k).space();
+            const SplineSpace<dim> &space = simulations.part(k).space();
             cells += space.triangulation().n_global_active_cells();
             functions += space.n_dofs();
           }
-        for (const Body<dim> &body : ensemble.bodies())
+        for (const Body<dim> &body : simulations.bodies())
           points += body.n_points;
         out << "  cells: " << cells << ", B-splines: " << functions
             << " for each component, points: " << points << '\n';
 
         const unsigned int stage    = common().stage;
         const unsigned int n_stages = parameters.n_stages();
-        double             total    = report_stage(ensemble, stage, set_up);
+        double             total    = report_stage(simulations, stage, set_up);
         for (unsigned int k = stage + 1; k < n_stages; ++k)
           total += report_later_stage(k);
         if (n_stages > stage + 1)
@@ -200,7 +200,7 @@ namespace greville
       const State<dim> &
       common() const
       {
-        return ensemble.first().state();
+        return simulations.first().state();
       }
 
       bool
@@ -258,9 +258,9 @@ namespace greville
                 : is_axisymmetric() ? "   force, N/rad"
                                     : "   force, N/m")
             << '\n';
-        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+        for (unsigned int k = 0; k < simulations.n_parts(); ++k)
           {
-            const Simulation<dim>  &part = ensemble.part(k);
+            const Simulation<dim>  &part = simulations.part(k);
             const SurfaceLoads<dim> loads(part.stage_parameters());
             const auto             &surfaces = part.state().surfaces;
             const double            t        = common().time;
@@ -291,7 +291,7 @@ namespace greville
       }
 
       void
-      print_warnings(Ensemble<dim> &trial)
+      print_warnings(CoupledSimulations<dim> &trial)
       {
         for (const std::string &warning : trial.take_warnings())
           out << "Warning: " << warning << std::endl;
@@ -303,9 +303,9 @@ namespace greville
        * a part.
        */
       double
-      report_stage(Ensemble<dim>     &trial,
-                   const unsigned int stage,
-                   const double       set_up)
+      report_stage(CoupledSimulations<dim> &trial,
+                   const unsigned int       stage,
+                   const double             set_up)
       {
         const auto state = [&]() -> const State<dim> & {
           return trial.first().state();
@@ -379,8 +379,8 @@ namespace greville
         later.time.start           = later.stages[0].time.start;
         try
           {
-            const auto    start = Clock::now();
-            Ensemble<dim> trial(later, comm);
+            const auto              start = Clock::now();
+            CoupledSimulations<dim> trial(later, comm);
             return report_stage(trial, stage, seconds_since(start, comm));
           }
         catch (const std::exception &error)
@@ -394,7 +394,7 @@ namespace greville
       }
 
       void
-      print_critical_step(const Ensemble<dim> &trial)
+      print_critical_step(const CoupledSimulations<dim> &trial)
       {
         double critical = 0.;
         for (unsigned int k = 0; k < trial.n_parts(); ++k)
@@ -413,7 +413,7 @@ namespace greville
       print_memory()
       {
         const double points =
-          Utilities::MPI::sum(double(ensemble.points_memory()), comm);
+          Utilities::MPI::sum(double(simulations.points_memory()), comm);
         Utilities::System::MemoryStats process;
         Utilities::System::get_memory_stats(process);
         const double resident =
@@ -445,7 +445,7 @@ namespace greville
       MPI_Comm                           comm;
       const std::optional<unsigned long> memory_before;
       const Clock::time_point            begin;
-      Ensemble<dim>                      ensemble;
+      CoupledSimulations<dim>            simulations;
       double                             set_up = 0.; // s
     };
 

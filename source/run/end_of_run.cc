@@ -119,12 +119,12 @@ namespace greville
      */
     template <int dim>
     double
-    given_step(const Ensemble<dim> &ensemble)
+    given_step(const CoupledSimulations<dim> &simulations)
     {
       double shortest = std::numeric_limits<double>::infinity();
-      for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+      for (unsigned int k = 0; k < simulations.n_parts(); ++k)
         {
-          const Simulation<dim> &part = ensemble.part(k);
+          const Simulation<dim> &part = simulations.part(k);
           const TimeParameters  &time = part.stage_parameters().time;
           shortest                    = std::min(
             shortest,
@@ -290,9 +290,10 @@ namespace greville
   SimulationRun<dim>::row_now()
   {
     probes.forget();
-    probes.take(0, ensemble.bodies());
-    std::vector<double> values = values_of(begin_row(), ensemble.statistics());
-    const auto         &more   = probes.finish(common().time);
+    probes.take(0, simulations.bodies());
+    std::vector<double> values =
+      values_of(begin_row(), simulations.statistics());
+    const auto &more = probes.finish(common().time);
     values.insert(values.end(), more.begin(), more.end());
     return values;
   }
@@ -303,7 +304,8 @@ namespace greville
   bool
   SimulationRun<dim>::is_in_ramp() const
   {
-    return ensemble.first().is_implicit() && end_of_run.is_ramp(common().stage);
+    return simulations.first().is_implicit() &&
+           end_of_run.is_ramp(common().stage);
   }
 
 
@@ -313,28 +315,28 @@ namespace greville
   SimulationRun<dim>::take_step()
   {
     const bool is_new_stage =
-      common().n_steps == 0 || ensemble.first().is_stage_finished();
+      common().n_steps == 0 || simulations.first().is_stage_finished();
     if (is_new_stage || !is_in_ramp())
       {
-        ensemble.step();
+        simulations.step();
         if (is_in_ramp() && holds_now())
           {
             // Where a stage begins there is no state to go back to.
             ramp.failed_at = common().time;
-            end_ramp(ensemble.first().stage_parameters().time.start);
+            end_ramp(simulations.first().stage_parameters().time.start);
           }
         return true;
       }
 
-    const double step = given_step(ensemble);
+    const double step = given_step(simulations);
     const double smallest =
-      ensemble.first().stage_parameters().implicit.smallest_step;
+      simulations.first().stage_parameters().implicit.smallest_step;
     const double time      = common().time;
-    auto         before    = ensemble.state();
-    const auto   intervals = ensemble.contact_intervals();
+    auto         before    = simulations.state();
+    const auto   intervals = simulations.contact_intervals();
     const auto   go_back   = [&]() {
-      ensemble.set_state(before);
-      ensemble.set_contact_intervals(intervals);
+      simulations.set_state(before);
+      simulations.set_contact_intervals(intervals);
     };
     // The bracket is halved as far as steps go.
     const auto halve = [&]() {
@@ -351,7 +353,7 @@ namespace greville
     };
     try
       {
-        ensemble.step();
+        simulations.step();
       }
     catch (const StepGivenUp &error)
       {
@@ -375,7 +377,7 @@ namespace greville
         return true;
       }
     ramp.failed_at = common().time;
-    ramp.failed    = ensemble.state();
+    ramp.failed    = simulations.state();
     for (State<dim> &state : before)
       ++state.n_all_rejections;
     if (is_narrow(time))
@@ -394,7 +396,7 @@ namespace greville
   bool
   SimulationRun<dim>::holds_now()
   {
-    return ensemble.exceeds_displacement() ||
+    return simulations.exceeds_displacement() ||
            criterion_holds(common().stage, row_now());
   }
 
@@ -430,7 +432,7 @@ namespace greville
       notes.note("The ramp ends where no equilibrium is found. " +
                  ramp.message);
     // Increments of displacement are the differences of two states.
-    const auto last = ensemble.state();
+    const auto last = simulations.state();
     const auto from = bodies_of(ramp.failed.empty() ? ramp.before : last);
     const auto to   = bodies_of(ramp.failed.empty() ? last : ramp.failed);
     if (from.size() == 0)

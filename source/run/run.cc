@@ -4,9 +4,9 @@
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
 #include <greville/run/check_materials.h>
-#include <greville/run/ensemble_output.h>
 #include <greville/run/run_header.h>
 #include <greville/run/simulation_run.h>
+#include <greville/run/state_output.h>
 #include <greville/steps/load_balance.h>
 
 #include <algorithm>
@@ -147,13 +147,13 @@ namespace greville
     , out(out)
     , comm(comm)
     , is_first(Utilities::MPI::this_mpi_process(comm) == 0)
-    , ensemble(parameters, comm)
+    , simulations(parameters, comm)
     , exact(parameters.exact)
     , measured(parameters.reference)
     , fields(directory, parameters.output)
     , probes(parameters.output.probes,
              parameters.output.fields,
-             ensemble.bodies_of_all_stages().list,
+             simulations.bodies_of_all_stages().list,
              comm)
     , notes(directory, out, comm)
     , reactions(reactions_of<dim>(parameters))
@@ -163,7 +163,7 @@ namespace greville
   {
     // A formula that fails is better found now than at the end.
     const double end = parameters.end_of_run();
-    exact.errors(ensemble.bodies(), end, end, comm);
+    exact.errors(simulations.bodies(), end, end, comm);
     begin_run(options);
   }
 
@@ -237,36 +237,36 @@ namespace greville
   RunSummary
   SimulationRun<dim>::run_to_end()
   {
-    print_header(out, ensemble, parameters, comm);
+    print_header(out, simulations, parameters, comm);
     if (!is_resumed)
       {
         const std::string imbalance =
-          print_imbalance(out, ensemble, parameters, comm);
+          print_imbalance(out, simulations, parameters, comm);
         if (!imbalance.empty())
           notes.note(imbalance);
         for (const std::string &note :
-             input_notes(ensemble.bodies(), parameters, comm))
+             input_notes(simulations.bodies(), parameters, comm))
           notes.note(note);
-        for (const std::string &note : ensemble.notes())
+        for (const std::string &note : simulations.notes())
           notes.note(note);
       }
     begin = last_shown = last_checkpoint = std::chrono::steady_clock::now();
     if (!is_resumed)
       {
         if (parameters.output.grid_fields)
-          ensemble.fill_grid();
+          simulations.fill_grid();
         write_due(false);
       }
-    if (ensemble.is_finished() || ends)
+    if (simulations.is_finished() || ends)
       at_end_of_step([&]() {
         if (late_row)
           write_statistics();
         if (!late_fields.empty())
           write_fields();
       });
-    while (!ensemble.is_finished() && !ends)
+    while (!simulations.is_finished() && !ends)
       {
-        if (ensemble.first().keeps_state())
+        if (simulations.first().keeps_state())
           mark = make_mark();
         bool is_taken = true;
         try
@@ -277,7 +277,7 @@ namespace greville
           {
             late_row.reset();
             late_fields.clear();
-            notes.write(ensemble.take_newton());
+            notes.write(simulations.take_newton());
             if (is_terminal && parameters.output.print_times)
               out << "\r\033[K" << std::flush;
             AssertThrow(false,
@@ -288,15 +288,15 @@ namespace greville
           {
             last_stage = common().stage;
             out << '\n';
-            print_stage(out, ensemble, parameters);
+            print_stage(out, simulations, parameters);
           }
-        notes.write(ensemble.take_newton());
+        notes.write(simulations.take_newton());
         if (!is_taken)
           continue;
         write_late();
-        write_due(ensemble.is_finished() || ends);
-        const bool is_last = ensemble.is_finished() || ends;
-        for (const std::string &warning : ensemble.take_warnings())
+        write_due(simulations.is_finished() || ends);
+        const bool is_last = simulations.is_finished() || ends;
+        for (const std::string &warning : simulations.take_warnings())
           notes.warn(warning);
         print_progress(is_last);
         look_for_checkpoint(is_last);
@@ -308,7 +308,7 @@ namespace greville
         };
         ramp_result.emplace();
         ramp_result->from = factor(common().time);
-        if (ensemble.exceeds_displacement())
+        if (simulations.exceeds_displacement())
           ramp_result = {factor(common().time - common().step),
                          factor(common().time)};
       }
@@ -328,19 +328,19 @@ namespace greville
   {
     RunSummary summary;
     summary.wall_time = seconds_since(begin);
-    ensemble.finish();
+    simulations.finish();
     double largest = 0.;
-    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+    for (unsigned int k = 0; k < simulations.n_parts(); ++k)
       {
-        const EnergyTotals   now     = ensemble.part(k).energy_totals();
-        const EnergyBalance &balance = ensemble.part(k).state().energy;
+        const EnergyTotals   now     = simulations.part(k).energy_totals();
+        const EnergyBalance &balance = simulations.part(k).state().energy;
         summary.numerical_loss += balance.loss(now);
         largest += balance.largest_with(now);
       }
     if (largest > 0.)
       summary.relative_loss = summary.numerical_loss / largest;
-    summary.contact_gains = ensemble.contact_gains();
-    summary.errors        = exact.errors(ensemble.bodies(),
+    summary.contact_gains = simulations.contact_gains();
+    summary.errors        = exact.errors(simulations.bodies(),
                                   common().time,
                                   common().velocity_time,
                                   comm);
@@ -351,16 +351,19 @@ namespace greville
     summary.front    = largest_front;
     summary.front_99 = largest_front_99;
     if (measured.has_surface())
-      summary.surface = measured.surface_distance(
-        ensemble.bodies(),
-        (parameters.grid.upper[0] - parameters.grid.lower[0]) /
-          parameters.grid.cells[0],
-        parameters.grid.lower[1],
-        front_quantile(ensemble.bodies(), comm, parameters.output.front_above),
-        comm);
+      summary.surface =
+        measured.surface_distance(simulations.bodies(),
+                                  (parameters.grid.upper[0] -
+                                   parameters.grid.lower[0]) /
+                                    parameters.grid.cells[0],
+                                  parameters.grid.lower[1],
+                                  front_quantile(simulations.bodies(),
+                                                 comm,
+                                                 parameters.output.front_above),
+                                  comm);
     if (measured.has_failure_line())
       summary.failure_line =
-        measured.failure_line_distance(ensemble.bodies(), comm);
+        measured.failure_line_distance(simulations.bodies(), comm);
     if (measured.has_series())
       summary.series = measured.series_distance();
     return summary;
@@ -407,20 +410,21 @@ namespace greville
   SimulationRun<dim>::write_due(const bool is_last)
   {
     // The last state of a stage is the first one of the next.
-    const double now          = rounded_up_time();
-    const bool   is_stage_end = is_last || ensemble.first().is_stage_finished();
-    const bool   is_row_due =
+    const double now = rounded_up_time();
+    const bool   is_stage_end =
+      is_last || simulations.first().is_stage_finished();
+    const bool is_row_due =
       is_stage_end || now >= next_statistics || is_in_ramp();
     // The next stage may have other bodies.
-    const bool goes_on_in_stage = !ensemble.first().is_stage_finished() ||
+    const bool goes_on_in_stage = !simulations.first().is_stage_finished() ||
                                   common().stage + 1 == parameters.n_stages();
-    if (is_last && goes_on_in_stage && ensemble.rows_lag())
+    if (is_last && goes_on_in_stage && simulations.rows_lag())
       {
         before_last                 = make_mark();
         before_last->row_is_due     = now >= next_statistics;
         before_last->fields_are_due = now >= next_fields;
       }
-    const bool is_late        = !is_stage_end && ensemble.rows_lag();
+    const bool is_late        = !is_stage_end && simulations.rows_lag();
     const bool are_fields_due = is_stage_end || now >= next_fields;
     if (are_fields_due)
       next_fields = next_time_of_fields(now);
@@ -454,12 +458,12 @@ namespace greville
   SimulationRun<dim>::at_end_of_step(const std::function<void()> &write)
   {
     std::vector<State<dim>> kept;
-    if (ensemble.rows_lag())
-      kept = ensemble.state();
-    ensemble.finish();
+    if (simulations.rows_lag())
+      kept = simulations.state();
+    simulations.finish();
     write();
     if (!kept.empty())
-      ensemble.set_state(kept);
+      simulations.set_state(kept);
   }
 
 
@@ -497,9 +501,9 @@ namespace greville
   SimulationRun<dim>::write_fields()
   {
     std::vector<GridFields<dim>> grids;
-    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
-      grids.push_back(grid_fields(ensemble.part(k)));
-    write_fields(loaded_states(ensemble), grids);
+    for (unsigned int k = 0; k < simulations.n_parts(); ++k)
+      grids.push_back(grid_fields(simulations.part(k)));
+    write_fields(loaded_states(simulations), grids);
     late_fields.clear();
   }
 
@@ -512,7 +516,7 @@ namespace greville
     std::vector<GridFields<dim>>          &grids)
   {
     last_written_fields = states[0]->n_steps;
-    write_bodies(fields, ensemble, states, parameters, comm);
+    write_bodies(fields, simulations, states, parameters, comm);
     for (unsigned int k = 0; parameters.output.grid_fields && k < states.size();
          ++k)
       {
@@ -520,9 +524,9 @@ namespace greville
         if (wants("acceleration"))
           grids[k].acceleration = states[k]->field.acceleration;
         fields.write_grid(states[k]->time,
-                          ensemble.part(k).space(),
+                          simulations.part(k).space(),
                           grids[k],
-                          name_of_part(ensemble, k));
+                          name_of_part(simulations, k));
       }
   }
 
@@ -536,7 +540,7 @@ namespace greville
             common().time,
             {},
             common().stage,
-            ensemble.contact_intervals()};
+            simulations.contact_intervals()};
     if (!parameters.stages.empty())
       row.more.push_back(common().stage + 1);
     if (end_of_run.has_ramp())
@@ -554,20 +558,20 @@ namespace greville
         for (const auto &outflow : outflows)
           numbers.push_back(outflow.first);
         for (const unsigned int k : numbers)
-          row.more.push_back(
-            Utilities::MPI::sum(ensemble.sum([&](const Simulation<dim> &part) {
+          row.more.push_back(Utilities::MPI::sum(
+            simulations.sum([&](const Simulation<dim> &part) {
               return water_of(part, parameters.general.surface_loads, k);
             }),
-                                comm));
+            comm));
       }
     if (parameters.output.load)
       {
         // Of all parts, which go in common steps.
-        const double work =
-          ensemble.sum([](const Simulation<dim> &part) { return part.work(); });
+        const double work = simulations.sum(
+          [](const Simulation<dim> &part) { return part.work(); });
         row.more.push_back(Utilities::MPI::max(work, comm));
         row.more.push_back(imbalance(work, comm));
-        row.more.push_back(ensemble.sum([](const Simulation<dim> &part) {
+        row.more.push_back(simulations.sum([](const Simulation<dim> &part) {
           return part.state().n_partitions;
         }));
       }
@@ -581,7 +585,7 @@ namespace greville
   SimulationRun<dim>::begin_row_to_write()
   {
     Row row = begin_row();
-    ensemble.set_contact_intervals({});
+    simulations.set_contact_intervals({});
     return row;
   }
 
@@ -638,8 +642,8 @@ namespace greville
   {
     late_row.reset();
     probes.forget();
-    probes.take(0, ensemble.bodies());
-    write_row(begin_row_to_write(), ensemble.statistics());
+    probes.take(0, simulations.bodies());
+    write_row(begin_row_to_write(), simulations.statistics());
   }
 
 
@@ -653,14 +657,14 @@ namespace greville
         late_row = begin_row_to_write();
         probes.forget();
       }
-    late_fields.resize(for_fields ? ensemble.n_parts() : 0);
+    late_fields.resize(for_fields ? simulations.n_parts() : 0);
     if (for_fields || !probes.empty())
-      ensemble.ask_for_row(
+      simulations.ask_for_row(
         [this](const unsigned int part,
                const double       weight,
                const bool is_kicked) { watch(part, weight, is_kicked); });
     else
-      ensemble.ask_for_row();
+      simulations.ask_for_row();
   }
 
 
@@ -671,13 +675,13 @@ namespace greville
                             const double       weight,
                             const bool         is_kicked)
   {
-    Simulation<dim>  &part  = ensemble.part(k);
+    Simulation<dim>  &part  = simulations.part(k);
     const State<dim> &state = part.state();
     if (late_row)
       {
         unsigned int first_body = 0;
         for (unsigned int j = 0; j < k; ++j)
-          first_body += ensemble.part(j).state().bodies.size();
+          first_body += simulations.part(j).state().bodies.size();
         probes.take(first_body, state.bodies, weight, is_kicked);
       }
     if (late_fields.empty())
@@ -695,7 +699,7 @@ namespace greville
   SimulationRun<dim>::write_late()
   {
     if (late_row)
-      write_row(*late_row, ensemble.late_statistics());
+      write_row(*late_row, simulations.late_statistics());
     late_row.reset();
     if (late_fields.empty())
       return;

@@ -70,26 +70,26 @@ namespace greville
 
   template <int dim>
   void
-  print_header(std::ostream               &out,
-               const Ensemble<dim>        &ensemble,
-               const SimulationParameters &parameters,
-               const MPI_Comm              comm)
+  print_header(std::ostream                  &out,
+               const CoupledSimulations<dim> &simulations,
+               const SimulationParameters    &parameters,
+               const MPI_Comm                 comm)
   {
     out << "Greville, " << dim << "D, " << Utilities::MPI::n_mpi_processes(comm)
         << " process(es)\n\n"
         << "  body             material         points\n";
-    for (const Body<dim> &body : ensemble.bodies())
+    for (const Body<dim> &body : simulations.bodies())
       out << "  " << std::left << std::setw(16) << body.name << " "
           << std::setw(16) << body.parameters->material << std::right
           << std::setw(7)
           << (body.n_points == 0 ? "later" : std::to_string(body.n_points))
           << '\n';
-    if (parameters.has_body_grids() || ensemble.n_parts() > 1)
+    if (parameters.has_body_grids() || simulations.n_parts() > 1)
       {
         out << "\n  grid of          cells            order\n";
-        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+        for (unsigned int k = 0; k < simulations.n_parts(); ++k)
           {
-            const Simulation<dim> &part = ensemble.part(k);
+            const Simulation<dim> &part = simulations.part(k);
             const GridParameters  &grid = part.stage_parameters().grid;
             out << "  " << std::left << std::setw(16) << part.bodies()[0].name
                 << " " << std::setw(16) << cells_text(grid.cells) << std::right
@@ -112,38 +112,39 @@ namespace greville
             << '\n';
       }
     if (parameters.scheme.is_total_lagrangian() &&
-        ensemble.bodies().size() > 1 && parameters.contacts.empty())
+        simulations.bodies().size() > 1 && parameters.contacts.empty())
       out << "  Bodies do not see one another in total Lagrangian steps.\n";
     for (unsigned int k = 0;
-         k < ensemble.n_parts() && !parameters.scheme.is_total_lagrangian();
+         k < simulations.n_parts() && !parameters.scheme.is_total_lagrangian();
          ++k)
-      if (const auto &bodies = ensemble.part(k).bodies(); bodies.size() > 1)
+      if (const auto &bodies = simulations.part(k).bodies(); bodies.size() > 1)
         {
           out << "  bodies that stick where they meet: ";
           for (const Body<dim> &body : bodies)
             out << (&body == &bodies.front() ? "" : ", ") << body.name;
           out << '\n';
         }
-    print_stage(out, ensemble, parameters);
+    print_stage(out, simulations, parameters);
   }
 
 
 
   template <int dim>
   void
-  print_stage(std::ostream               &out,
-              const Ensemble<dim>        &ensemble,
-              const SimulationParameters &parameters)
+  print_stage(std::ostream                  &out,
+              const CoupledSimulations<dim> &simulations,
+              const SimulationParameters    &parameters)
   {
-    const SchemeParameters &scheme = ensemble.first().stage_parameters().scheme;
-    const TimeParameters   &time   = ensemble.first().stage_parameters().time;
+    const SchemeParameters &scheme =
+      simulations.first().stage_parameters().scheme;
+    const TimeParameters &time = simulations.first().stage_parameters().time;
     if (!parameters.stages.empty())
-      out << "  " << parameters.stage_text(ensemble.first().state().stage)
+      out << "  " << parameters.stage_text(simulations.first().state().stage)
           << "t = " << time.start << " to " << time.end << " s\n";
     if (!parameters.stages.empty())
       {
         const StageParameters &stage =
-          parameters.stages[ensemble.first().state().stage];
+          parameters.stages[simulations.first().state().stage];
         if (!stage.has_all_bodies())
           out << "  bodies: " << boost::algorithm::join(stage.bodies, ", ")
               << '\n';
@@ -152,15 +153,15 @@ namespace greville
               << boost::algorithm::join(stage.materials, ", ") << '\n';
       }
     out << "  mass: " << scheme.mass;
-    const std::string &solver = ensemble.first().mass().solver();
+    const std::string &solver = simulations.first().mass().solver();
     if (solver != scheme.mass)
       out << " (" << solver << ")";
     out << ", " << scheme.stress_update << ", " << scheme.transfer << "\n\n";
-    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+    for (unsigned int k = 0; k < simulations.n_parts(); ++k)
       {
-        if (parameters.has_body_grids() || ensemble.n_parts() > 1)
-          out << "  grid of " << ensemble.part(k).bodies()[0].name << ":\n";
-        print_levels(out, ensemble.part(k), parameters);
+        if (parameters.has_body_grids() || simulations.n_parts() > 1)
+          out << "  grid of " << simulations.part(k).bodies()[0].name << ":\n";
+        print_levels(out, simulations.part(k), parameters);
       }
   }
 
@@ -169,14 +170,14 @@ namespace greville
   template <int dim>
   std::string
   print_imbalance(std::ostream               &out,
-                  Ensemble<dim>              &ensemble,
+                  CoupledSimulations<dim>    &simulations,
                   const SimulationParameters &parameters,
                   const MPI_Comm              comm)
   {
     const auto has_stress = [](const auto &body) {
       return body.second.K0 >= 0. || !body.second.stress.empty();
     };
-    const auto &first = ensemble.first();
+    const auto &first = simulations.first();
     if ((std::none_of(parameters.bodies.begin(),
                       parameters.bodies.end(),
                       has_stress) &&
@@ -185,9 +186,9 @@ namespace greville
         !parameters.water.free_surface_pressure.empty())
       return "";
     double force = 0., mass = 0.;
-    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+    for (unsigned int k = 0; k < simulations.n_parts(); ++k)
       {
-        Simulation<dim> &part = ensemble.part(k);
+        Simulation<dim> &part = simulations.part(k);
         VectorField<dim> sums = part.grid_force();
         for (unsigned int d = 0; d < dim; ++d)
           for (const unsigned int i :

@@ -128,7 +128,7 @@ namespace greville
   double
   SimulationRun<dim>::iterations_per_step()
   {
-    return double(ensemble.sum([](const Simulation<dim> &part) {
+    return double(simulations.sum([](const Simulation<dim> &part) {
              return part.state().n_all_iterations;
            })) /
            std::max(1u, common().n_steps);
@@ -156,14 +156,14 @@ namespace greville
   SimulationRun<dim>::print_summary(const RunSummary &summary)
   {
     const State<dim>   &state     = common();
-    const std::uint64_t n_removed = ensemble.sum(
+    const std::uint64_t n_removed = simulations.sum(
       [](const Simulation<dim> &part) { return part.state().n_removed; });
     out << "\n  " << state.n_steps << " steps to t = " << std::setprecision(6)
         << state.time << " s, " << n_points << " points";
     if (n_removed > 0)
       out << ", of which " << n_removed << " have left the grid";
     const std::uint64_t n_redone =
-      ensemble.sum([](const Simulation<dim> &part) {
+      simulations.sum([](const Simulation<dim> &part) {
         return part.state().n_all_rejections;
       });
     if (n_redone > 0)
@@ -179,17 +179,17 @@ namespace greville
           << summary.ramp->from << '\n';
     else if (ends)
       out << "  ended early: 'Time/End when' holds\n";
-    if (ensemble.exceeds_displacement())
+    if (simulations.exceeds_displacement())
       out << "  ended early: a point has moved further than 'Time/Largest "
              "displacement'\n";
     // A resumed run may be at its end, without a mass matrix.
-    if (ensemble.first().mass().is_exact() && state.n_steps > first_step)
+    if (simulations.first().mass().is_exact() && state.n_steps > first_step)
       {
         typename Extension<dim>::Counts functions;
         std::uint64_t                   n_factorizations = 0, n_fragments = 0;
-        for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+        for (unsigned int k = 0; k < simulations.n_parts(); ++k)
           {
-            const GridMass<dim> &mass   = ensemble.part(k).mass();
+            const GridMass<dim> &mass   = simulations.part(k).mass();
             const auto           counts = mass.counts();
             functions.stable += counts.stable;
             functions.extended += counts.extended;
@@ -197,7 +197,7 @@ namespace greville
             n_factorizations += mass.n_factorizations();
             n_fragments += mass.n_fragments();
           }
-        const bool is_implicit = ensemble.first().is_implicit();
+        const bool is_implicit = simulations.first().is_implicit();
         out << (is_implicit ? "  linear systems of Newton's method: "
                             : "  mass: ")
             << std::setprecision(3) << iterations_per_step()
@@ -229,7 +229,7 @@ namespace greville
               << std::defaultfloat;
         };
         double rest = summary.wall_time;
-        for (const auto &part : ensemble.part_times())
+        for (const auto &part : simulations.part_times())
           {
             print(part.first, part.second);
             rest -= part.second;
@@ -242,7 +242,7 @@ namespace greville
           << " % of the largest energy or work (" << summary.numerical_loss
           << ' ' << unit_of_sums("J", dim, parameters.grid) << "): "
           << judgement_of_loss(summary.relative_loss,
-                               ensemble.first().stage_parameters().scheme)
+                               simulations.first().stage_parameters().scheme)
           << '\n';
     for (const auto &[name, gain] : summary.contact_gains)
       if (gain > noted_gain)
@@ -283,9 +283,9 @@ namespace greville
   {
     const State<dim> &state    = common();
     double            critical = state.estimates.critical, n_cells = 0.;
-    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+    for (unsigned int k = 0; k < simulations.n_parts(); ++k)
       {
-        const Simulation<dim> &part = ensemble.part(k);
+        const Simulation<dim> &part = simulations.part(k);
         critical         = std::min(critical, part.state().estimates.critical);
         double n_of_part = 1.;
         for (const unsigned int n : part.stage_parameters().grid.cells)
@@ -295,7 +295,7 @@ namespace greville
     JsonWriter json;
     json.add("dimension", dim)
       .add("points", n_points)
-      .add("removed_points", ensemble.sum([](const Simulation<dim> &part) {
+      .add("removed_points", simulations.sum([](const Simulation<dim> &part) {
         return part.state().n_removed;
       }))
       .add("cells", n_cells)
@@ -303,7 +303,7 @@ namespace greville
       .add("mass", parameters.scheme.mass)
       .add("processes", Utilities::MPI::n_mpi_processes(comm))
       .add("steps", state.n_steps)
-      .add("redone_steps", ensemble.sum([](const Simulation<dim> &part) {
+      .add("redone_steps", simulations.sum([](const Simulation<dim> &part) {
         return part.state().n_all_rejections;
       }))
       .add("time", state.time)
@@ -312,7 +312,7 @@ namespace greville
            double(n_points) * (state.n_steps - first_step) / summary.wall_time)
       .add("bytes_per_point", bytes_per_point())
       .add("points_sent",
-           Utilities::MPI::sum(ensemble.sum([](const Simulation<dim> &part) {
+           Utilities::MPI::sum(simulations.sum([](const Simulation<dim> &part) {
              return part.state().n_sent;
            }),
                                comm));
@@ -341,7 +341,7 @@ namespace greville
       .add("relative_loss", summary.relative_loss)
       .add("judgement",
            judgement_of_loss(summary.relative_loss,
-                             ensemble.first().stage_parameters().scheme));
+                             simulations.first().stage_parameters().scheme));
     if (!summary.contact_gains.empty())
       {
         json.begin("contact_gains");
@@ -350,7 +350,7 @@ namespace greville
         json.end();
       }
     json.end().begin("parts");
-    for (const auto &part : ensemble.part_times())
+    for (const auto &part : simulations.part_times())
       json.add(part.first, part.second);
     json.end().begin("errors");
     const auto errors = [&](const std::string           &name,
@@ -393,7 +393,7 @@ namespace greville
   double
   SimulationRun<dim>::bytes_per_point() const
   {
-    return Utilities::MPI::sum(double(ensemble.points_memory()), comm) /
+    return Utilities::MPI::sum(double(simulations.points_memory()), comm) /
            n_points;
   }
 

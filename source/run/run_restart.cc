@@ -19,7 +19,7 @@ namespace greville
 
   namespace
   {
-    // Names of what a run adds to the state of its ensemble.
+    // Names of what a run adds to its simulations.
     constexpr const char *run_name = "run", *series_name = "series of the run",
                          *intervals_name = "contacts of the run";
 
@@ -143,7 +143,7 @@ namespace greville
 
   template <int dim>
   void
-  begin_with(Ensemble<dim>              &ensemble,
+  begin_with(CoupledSimulations<dim>    &simulations,
              const Checkpoint           &checkpoint,
              const SimulationParameters &parameters)
   {
@@ -151,7 +151,7 @@ namespace greville
       {
         check_points_fit(checkpoint.content.text("parameters"),
                          parameters.used());
-        ensemble.begin_with(checkpoint.content);
+        simulations.begin_with(checkpoint.content);
       }
     catch (const std::exception &error)
       {
@@ -182,12 +182,12 @@ namespace greville
             const Checkpoint other = read_checkpoint(options.from, comm);
             for (const auto &refused : other.refused)
               warnings.push_back(refused.second);
-            begin_with(ensemble, other, parameters);
+            begin_with(simulations, other, parameters);
           }
         // Those of the other run, perhaps.
         probes = Probes<dim>(parameters.output.probes,
                              parameters.output.fields,
-                             ensemble.bodies_of_all_stages().list,
+                             simulations.bodies_of_all_stages().list,
                              comm);
         if (options.prepare_folder)
           options.prepare_folder();
@@ -203,7 +203,7 @@ namespace greville
       }
     std::vector<std::string> fields;
     for (const OutputField<dim> &field :
-         point_fields(parameters.output.fields, ensemble.bodies(), 0))
+         point_fields(parameters.output.fields, simulations.bodies(), 0))
       if (field.is_vector)
         fields.push_back(field.name);
       else
@@ -211,7 +211,7 @@ namespace greville
                       field.components.begin(),
                       field.components.end());
     std::map<std::string, std::string> history;
-    for (const Body<dim> &body : ensemble.bodies())
+    for (const Body<dim> &body : simulations.bodies())
       for (const std::string &name : body.material->state_names())
         if (!body.material->state_unit(name).empty())
           history[name] = body.material->state_unit(name);
@@ -221,7 +221,7 @@ namespace greville
                       probes.columns(),
                       fields,
                       history);
-    for (const Body<dim> &body : ensemble.bodies())
+    for (const Body<dim> &body : simulations.bodies())
       n_points += body.n_points;
     first_step = common().n_steps;
     first_time = common().time;
@@ -248,7 +248,7 @@ namespace greville
     try
       {
         check_changes(content, parameters);
-        ensemble.set_from_tables(content);
+        simulations.set_from_tables(content);
         check_stages(content, parameters, common().stage, common().time);
         const auto numbers = content.table(run_name).gather(comm);
         AssertThrow(numbers.size() == run_columns.size(),
@@ -264,7 +264,7 @@ namespace greville
           }
         measured.set_added(added);
         if (!parameters.contacts.empty())
-          ensemble.set_contact_intervals(
+          simulations.set_contact_intervals(
             intervals_of<dim>(content.table(intervals_name).gather(comm)));
         const auto warn_if_new = [&](const std::string &file,
                                      const bool         is_there) {
@@ -332,7 +332,7 @@ namespace greville
             !late_fields.empty(),
             fields.record(),
             measured.added(),
-            late_row ? late_row->intervals : ensemble.contact_intervals()};
+            late_row ? late_row->intervals : simulations.contact_intervals()};
   }
 
 
@@ -343,7 +343,7 @@ namespace greville
   {
     TablesFile content;
     content.texts = {{"parameters", parameters.used()}, {"written", at.fields}};
-    content.tables = ensemble.tables();
+    content.tables = simulations.tables();
 
     DistributedTable run{run_name, run_columns, {}};
     DistributedTable series{series_name, {"time", "value"}, {}};
@@ -393,8 +393,8 @@ namespace greville
         now.fields         = written;
         now.fields_are_due = before_last->fields_are_due;
       }
-    ensemble.set_from_tables(write_checkpoint(now));
-    ensemble.set_contact_intervals(now.intervals);
+    simulations.set_from_tables(write_checkpoint(now));
+    simulations.set_contact_intervals(now.intervals);
     if (late_row || !late_fields.empty())
       ask_for_late(late_row.has_value(), !late_fields.empty());
     mark            = now;
@@ -421,7 +421,7 @@ namespace greville
           at_end_of_step([&]() {
             if (is_new)
               {
-                fields.write_points(common().time, ensemble.bodies(), comm);
+                fields.write_points(common().time, simulations.bodies(), comm);
                 file = fields.points_file(common().time);
               }
             text = "It is in <" + file + ">";
@@ -485,7 +485,7 @@ namespace greville
     if (is_last || signal == 0 || signal == SIGUSR1)
       return;
     // A run that goes on removes what comes behind the checkpoint.
-    ensemble.finish();
+    simulations.finish();
     if (last_written_statistics != common().n_steps)
       write_statistics();
     if (last_written_fields != common().n_steps)

@@ -145,9 +145,10 @@ namespace greville
   Simulation<dim>::step()
   {
     AssertThrow(parameters.contacts.empty(),
-                ExcMessage("There are 'Simulation/Contacts': "
-                           "greville::Ensemble takes the steps of bodies "
-                           "that meet."));
+                ExcMessage(
+                  "There are 'Simulation/Contacts': "
+                  "greville::CoupledSimulations takes the steps of bodies "
+                  "that meet."));
     CommonStep<dim>({this}).take();
   }
 

@@ -209,10 +209,10 @@ namespace
    * All numbers that a checkpoint would have.
    */
   std::vector<double>
-  numbers(const Ensemble<2> &ensemble)
+  numbers(const CoupledSimulations<2> &simulations)
   {
     std::vector<double> result;
-    for (const DistributedTable &table : ensemble.tables())
+    for (const DistributedTable &table : simulations.tables())
       result.insert(result.end(), table.values.begin(), table.values.end());
     return result;
   }
@@ -247,20 +247,20 @@ namespace
     std::vector<double> none;
     for (const unsigned int every : {0, 1, 7})
       {
-        Ensemble<2> ensemble(parameters);
-        bool        same = true, changes = false;
-        for (unsigned int k = 0; k < 60 && !ensemble.is_finished(); ++k)
+        CoupledSimulations<2> simulations(parameters);
+        bool                  same = true, changes = false;
+        for (unsigned int k = 0; k < 60 && !simulations.is_finished(); ++k)
           {
-            if (every == 0 || k % every != 0 || !ensemble.rows_lag())
+            if (every == 0 || k % every != 0 || !simulations.rows_lag())
               {
-                ensemble.step();
+                simulations.step();
                 continue;
               }
-            std::vector<LateState<2>> late(ensemble.n_parts());
-            ensemble.ask_for_row([&](const unsigned int part,
-                                     const double       weight,
-                                     const bool         is_kicked) {
-              auto &of_part = ensemble.part(part);
+            std::vector<LateState<2>> late(simulations.n_parts());
+            simulations.ask_for_row([&](const unsigned int part,
+                                        const double       weight,
+                                        const bool         is_kicked) {
+              auto &of_part = simulations.part(part);
               if (is_kicked && part == 0)
                 changes = true;
               late[part].take(of_part.state(),
@@ -268,20 +268,20 @@ namespace
                               weight,
                               is_kicked);
             });
-            const auto before = ensemble.state();
-            ensemble.step();
+            const auto before = simulations.state();
+            simulations.step();
             for (unsigned int part = 0; part < late.size(); ++part)
               same = same && same_positions(late[part].state, before[part]);
           }
         // Output finds the contact of the next step, too.
-        ensemble.find_contact();
+        simulations.find_contact();
         check(name + ": there is output", changes == (every > 0));
         check(name + ": of the state before the step", on_all(same));
         if (every == 0)
-          none = numbers(ensemble);
+          none = numbers(simulations);
         else
           check(name + ": steps do not see output",
-                on_all(numbers(ensemble) == none));
+                on_all(numbers(simulations) == none));
       }
   }
 
@@ -421,20 +421,20 @@ namespace
   void
   check_copy(const Text &text)
   {
-    Ensemble<2> ensemble(text.parse());
+    CoupledSimulations<2> simulations(text.parse());
     for (unsigned int k = 0; k < 30; ++k)
-      ensemble.step();
-    const auto          copy = ensemble.state();
+      simulations.step();
+    const auto          copy = simulations.state();
     std::vector<double> first;
     for (unsigned int n = 0; n < 2; ++n)
       {
-        ensemble.set_state(copy);
+        simulations.set_state(copy);
         for (unsigned int k = 0; k < 20; ++k)
-          ensemble.step();
+          simulations.step();
         if (n == 0)
-          first = numbers(ensemble);
+          first = numbers(simulations);
       }
-    check("sliding, from a copy", on_all(numbers(ensemble) == first));
+    check("sliding, from a copy", on_all(numbers(simulations) == first));
   }
 } // namespace
 

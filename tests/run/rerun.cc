@@ -8,7 +8,7 @@
 // sets of parameters live side by side.
 #include <greville/benchmark/benchmark.h>
 #include <greville/run/run.h>
-#include <greville/steps/ensemble.h>
+#include <greville/steps/coupled_simulations.h>
 
 #include "../shipped_files.h"
 #include "simulation.h"
@@ -73,7 +73,7 @@ namespace
   void
   step(const SimulationParameters &parameters)
   {
-    Ensemble<dim> simulation(parameters);
+    CoupledSimulations<dim> simulation(parameters);
     if (simulation.bodies()[0].n_points < 20000)
       simulation.step();
   }

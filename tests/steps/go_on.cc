@@ -3,7 +3,7 @@
 // A program that catches the error of a step and goes on gets what it had got
 // without the error: all that a step hands to the next one goes back to the
 // last good state.
-#include <greville/steps/ensemble.h>
+#include <greville/steps/coupled_simulations.h>
 
 #include "simulation.h"
 
@@ -166,14 +166,14 @@ namespace
     std::vector<Statistics<2>> ends;
     for (const bool fails : {false, true})
       {
-        Ensemble<2>                 ensemble(parameters, MPI_COMM_WORLD);
-        const std::vector<State<2>> begin  = ensemble.state();
+        CoupledSimulations<2>       simulations(parameters, MPI_COMM_WORLD);
+        const std::vector<State<2>> begin  = simulations.state();
         const auto                  are_at = [&](const unsigned int n_steps,
                                 const unsigned int stage) {
           bool result = true;
           for (unsigned int k = 0; k < 2; ++k)
-            result = result && ensemble.part(k).state().n_steps == n_steps &&
-                     ensemble.part(k).state().stage == stage;
+            result = result && simulations.part(k).state().n_steps == n_steps &&
+                     simulations.part(k).state().stage == stage;
           return result;
         };
         const auto message_of_action = [&](const auto &action) {
@@ -190,28 +190,28 @@ namespace
           n_makes = 1000;
           return message;
         };
-        while (!ensemble.first().is_stage_finished())
-          ensemble.step();
+        while (!simulations.first().is_stage_finished())
+          simulations.step();
         if (fails)
           check("a stage that cannot be entered",
                 message_of_action([&]() {
-                  ensemble.step();
+                  simulations.step();
                 }).find("no integrator now") != std::string::npos &&
                   are_at(10, 0));
-        while (!ensemble.is_finished())
-          ensemble.step();
-        ends.push_back(ensemble.statistics());
+        while (!simulations.is_finished())
+          simulations.step();
+        ends.push_back(simulations.statistics());
         if (!fails)
           continue;
-        const std::vector<State<2>> end = ensemble.state();
-        ensemble.set_state(begin);
+        const std::vector<State<2>> end = simulations.state();
+        simulations.set_state(begin);
         check("a state of another stage", are_at(0, 0));
         check("a state whose stage cannot be entered",
               message_of_action([&]() {
-                ensemble.set_state(end);
+                simulations.set_state(end);
               }).find("no integrator now") != std::string::npos &&
                 are_at(0, 0));
-        ensemble.set_state(end);
+        simulations.set_state(end);
         check("another stage again", are_at(20, 1));
       }
     const auto a = ends[0].values(), b = ends[1].values();

@@ -12,25 +12,25 @@
 namespace
 {
   /**
-   * An ensemble, with its parameters.
+   * Simulations with their parameters.
    */
   struct Together
   {
     explicit Together(const Text &text)
       : parameters(text.parse())
-      , ensemble(parameters)
+      , simulations(parameters)
     {}
 
-    Ensemble<2> &
+    CoupledSimulations<2> &
     run()
     {
-      while (!ensemble.is_finished())
-        ensemble.step();
-      return ensemble;
+      while (!simulations.is_finished())
+        simulations.step();
+      return simulations;
     }
 
-    SimulationParameters parameters;
-    Ensemble<2>          ensemble;
+    SimulationParameters  parameters;
+    CoupledSimulations<2> simulations;
   };
 
 
@@ -189,10 +189,10 @@ namespace
                                                   "Order = 3"}),
                             "box",
                             {"Cells = 20, 20"}));
-    const Statistics<2> begin = both.ensemble.statistics();
+    const Statistics<2> begin = both.simulations.statistics();
     both.run();
     check(name + ": grid of the ball is cut out",
-          both.ensemble.part(0).space().n_dofs() < 21 * 19);
+          both.simulations.part(0).space().n_dofs() < 21 * 19);
 
     std::vector<Statistics<2>> parts, begins;
     for (const std::string body : {"ball", "box"})
@@ -202,13 +202,13 @@ namespace
         run(simulation);
         check(name + ": steps of the " + body,
               simulation.state().n_steps ==
-                both.ensemble.first().state().n_steps);
+                both.simulations.first().state().n_steps);
         check(name + ": points of the " + body,
-              difference(both.ensemble.bodies(), simulation.bodies(), body),
+              difference(both.simulations.bodies(), simulation.bodies(), body),
               mass == "consistent" || is_implicit_scheme(scheme) ? 1e-7 : 1e-9);
         parts.push_back(simulation.statistics());
       }
-    const Statistics<2> sums = both.ensemble.statistics();
+    const Statistics<2> sums = both.simulations.statistics();
     const auto          close =
       [&](const std::string &what, const double value, const double expected) {
         check(name + ": " + what,
@@ -274,14 +274,16 @@ namespace
     Together shared(text), own(text.with("Grid", {"Per body = true"}));
     shared.run();
     own.run();
-    check(name + ": one part", shared.ensemble.n_parts() == 1);
-    check(name + ": two parts", own.ensemble.n_parts() == 2);
+    check(name + ": one part", shared.simulations.n_parts() == 1);
+    check(name + ": two parts", own.simulations.n_parts() == 2);
     for (const std::string body : {"ball", "box"})
       check(name + ": points of the " + body,
-            difference(own.ensemble.bodies(), shared.ensemble.bodies(), body),
+            difference(own.simulations.bodies(),
+                       shared.simulations.bodies(),
+                       body),
             1e-7);
-    const Statistics<2> a = own.ensemble.statistics(),
-                        b = shared.ensemble.statistics();
+    const Statistics<2> a = own.simulations.statistics(),
+                        b = shared.simulations.statistics();
     check(name + ": gravitational energy",
           std::abs(a.gravitational - b.gravitational),
           1e-7 * std::abs(b.gravitational));
@@ -295,7 +297,7 @@ namespace
       check(name + ": reactions",
             (a.reactions[w] - b.reactions[w]).norm(),
             1e-6 * (1e-2 + b.reactions[w].norm()));
-    const auto &parts = own.ensemble;
+    const auto &parts = own.simulations;
     check(name + ": walls of the ball",
           parts.part(0).stage_parameters().walls.type[0] == "fixed" &&
             parts.part(0).stage_parameters().walls.type[2] == "sliding" &&
@@ -330,20 +332,20 @@ namespace
     const auto run_alone = [](const Together &together, const auto &body) {
       SimulationParameters parameters = together.parameters;
       parameters.general.bodies       = {body};
-      auto ensemble = std::make_unique<Ensemble<2>>(parameters);
-      while (!ensemble->is_finished())
-        ensemble->step();
-      return ensemble;
+      auto simulations = std::make_unique<CoupledSimulations<2>>(parameters);
+      while (!simulations->is_finished())
+        simulations->step();
+      return simulations;
     };
     const auto box_alone  = run_alone(both, "box");
     const auto ball_alone = run_alone(both, "ball");
     check("automatic steps: the stiffer body sets them",
-          both.ensemble.first().state().n_steps ==
+          both.simulations.first().state().n_steps ==
               box_alone->first().state().n_steps &&
             ball_alone->first().state().n_steps <
               box_alone->first().state().n_steps);
     check("automatic steps: points of the stiffer body",
-          difference(both.ensemble.bodies(), box_alone->bodies(), "box"),
+          difference(both.simulations.bodies(), box_alone->bodies(), "box"),
           1e-12);
 
     // Newton's method of the ball needs shorter steps than the given one.
@@ -357,16 +359,16 @@ namespace
     Simulation<2> rejected(alone(rejecting.parameters, "ball"));
     rejecting.run();
     run(rejected);
-    const State<2> &state = rejecting.ensemble.first().state();
+    const State<2> &state = rejecting.simulations.first().state();
     check("rejected steps", state.n_steps > 2);
     check("rejected steps: number",
           state.n_steps == rejected.state().n_steps &&
-            state.n_steps == rejecting.ensemble.part(1).state().n_steps);
+            state.n_steps == rejecting.simulations.part(1).state().n_steps);
     check("rejected steps: points of the ball",
-          difference(rejecting.ensemble.bodies(), rejected.bodies(), "ball"),
+          difference(rejecting.simulations.bodies(), rejected.bodies(), "ball"),
           1e-7);
     check("rejected steps: same time",
-          state.time == rejecting.ensemble.part(1).state().time);
+          state.time == rejecting.simulations.part(1).state().time);
   }
 
 
@@ -379,32 +381,32 @@ namespace
   {
     Together both(
       ball_and_box("USL", "lumped").with("Grid", {"Per body = true"}));
-    Ensemble<2> &ensemble = both.ensemble;
-    ensemble.step();
-    const std::vector<State<2>> states = ensemble.state();
+    CoupledSimulations<2> &simulations = both.simulations;
+    simulations.step();
+    const std::vector<State<2>> states = simulations.state();
     const auto                  go_on  = [&]() {
       for (unsigned int k = 0; k < 5; ++k)
-        ensemble.step();
-      auto numbers = points_of(ensemble.bodies(), "ball");
-      for (const auto &row : points_of(ensemble.bodies(), "box"))
+        simulations.step();
+      auto numbers = points_of(simulations.bodies(), "ball");
+      for (const auto &row : points_of(simulations.bodies(), "box"))
         numbers.push_back(row);
       return numbers;
     };
     const auto first = go_on();
-    ensemble.set_state(states);
+    simulations.set_state(states);
     check("a state to go back to: the same bits", go_on() == first);
 
     // A body that is turned inside out.
-    const unsigned int n_good = ensemble.first().state().n_steps;
-    ensemble.set_state(ensemble.state());
-    for (Body<2> &body : ensemble.part(1).bodies())
+    const unsigned int n_good = simulations.first().state().n_steps;
+    simulations.set_state(simulations.state());
+    for (Body<2> &body : simulations.part(1).bodies())
       body.points.for_each([](const unsigned int, PointRef<2> p) {
         p.velocity(0) = -1e5 * p.position(0);
       });
     std::string message;
     try
       {
-        ensemble.step();
+        simulations.step();
       }
     catch (const std::exception &error)
       {
@@ -415,7 +417,8 @@ namespace
     if (message.find("Step 7 of 'Body box'") == std::string::npos)
       print() << message << std::endl;
     for (unsigned int k = 0; k < 2; ++k)
-      check("failure: all go back", ensemble.part(k).state().n_steps == n_good);
+      check("failure: all go back",
+            simulations.part(k).state().n_steps == n_good);
   }
 
 
@@ -447,10 +450,12 @@ namespace
     Together shared(text), own(text.with("Grid", {"Per body = true"}));
     shared.run();
     own.run();
-    check("stages: the last one", own.ensemble.part(1).state().stage == 1);
+    check("stages: the last one", own.simulations.part(1).state().stage == 1);
     for (const std::string body : {"ball", "box"})
       check("stages: points of the " + body,
-            difference(own.ensemble.bodies(), shared.ensemble.bodies(), body),
+            difference(own.simulations.bodies(),
+                       shared.simulations.bodies(),
+                       body),
             1e-7);
   }
 
@@ -575,7 +580,7 @@ namespace
             "'Grid/Per body' = true");
     check_refused("a simulation of its own",
                   good.with("Grid", {"Per body = true"}),
-                  "greville::Ensemble takes");
+                  "greville::CoupledSimulations takes");
   }
 } // namespace
 

@@ -6,7 +6,7 @@
 // step: there rows differ by up to two per cent, and leave as much of the
 // balance of energy open. With SHOW in the environment, the columns that differ
 // most.
-#include <greville/steps/ensemble.h>
+#include <greville/steps/coupled_simulations.h>
 
 #include "simulation.h"
 
@@ -50,25 +50,25 @@ namespace
   Differences
   compare(const Text &text, const unsigned int n_steps)
   {
-    Ensemble<dim>                 ensemble(text.parse());
+    CoupledSimulations<dim>       simulations(text.parse());
     std::map<std::string, double> sizes;
     Differences                   result;
     double                        start = 0., energy = 0.;
     for (unsigned int k = 0; k < n_steps; ++k)
       {
-        const auto state = ensemble.state();
-        const bool lags  = ensemble.rows_lag();
-        ensemble.finish();
-        const Columns finished = ensemble.statistics().columns();
-        ensemble.set_state(state);
-        ensemble.ask_for_row();
-        ensemble.step();
+        const auto state = simulations.state();
+        const bool lags  = simulations.rows_lag();
+        simulations.finish();
+        const Columns finished = simulations.statistics().columns();
+        simulations.set_state(state);
+        simulations.ask_for_row();
+        simulations.step();
         if (!lags)
           {
             start = open_balance(finished);
             continue;
           }
-        const Columns late = ensemble.late_statistics().columns();
+        const Columns late = simulations.late_statistics().columns();
         for (unsigned int c = 0; c < late.size(); ++c)
           {
             const std::string &name = late[c].first;

@@ -5,7 +5,7 @@
 // balanced, and the results are those without, for the main ways through the
 // code; states are those to go back to, and to go on from with the same bits.
 #include <greville/run/simulation_run.h>
-#include <greville/steps/ensemble.h>
+#include <greville/steps/coupled_simulations.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/state_tables.h>
 

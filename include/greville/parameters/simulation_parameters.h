@@ -82,7 +82,7 @@ namespace greville
     std::map<std::string, ContactParameters>               contacts;
 
     /**
-     * Whether bodies have grids of their own, see Ensemble.
+     * Whether bodies have grids of their own, see CoupledSimulations.
      */
     bool
     has_body_grids() const;

@@ -3,7 +3,7 @@
 #ifndef greville_run_run_header_h
 #define greville_run_run_header_h
 
-#include <greville/steps/ensemble.h>
+#include <greville/steps/coupled_simulations.h>
 
 #include <ostream>
 
@@ -14,19 +14,19 @@ namespace greville
    */
   template <int dim>
   void
-  print_header(std::ostream               &out,
-               const Ensemble<dim>        &ensemble,
-               const SimulationParameters &parameters,
-               const MPI_Comm              comm);
+  print_header(std::ostream                  &out,
+               const CoupledSimulations<dim> &simulations,
+               const SimulationParameters    &parameters,
+               const MPI_Comm                 comm);
 
   /**
    * Write how the stage at hand goes on, and its solvers.
    */
   template <int dim>
   void
-  print_stage(std::ostream               &out,
-              const Ensemble<dim>        &ensemble,
-              const SimulationParameters &parameters);
+  print_stage(std::ostream                  &out,
+              const CoupledSimulations<dim> &simulations,
+              const SimulationParameters    &parameters);
 
   /**
    * Collective. How much of the initial state of bodies with an initial stress
@@ -39,7 +39,7 @@ namespace greville
   template <int dim>
   std::string
   print_imbalance(std::ostream               &out,
-                  Ensemble<dim>              &ensemble,
+                  CoupledSimulations<dim>    &simulations,
                   const SimulationParameters &parameters,
                   const MPI_Comm              comm);
 } // namespace greville

@@ -11,15 +11,15 @@
 #include <greville/run/probes.h>
 #include <greville/run/run_notes.h>
 #include <greville/run/run_options.h>
-#include <greville/steps/ensemble.h>
+#include <greville/steps/coupled_simulations.h>
 
 #include <chrono>
 
 namespace greville
 {
   /**
-   * Runs an Ensemble to its end, and shows and writes what a parameter file
-   * asks for:
+   * Runs CoupledSimulations to its end, and shows and writes what a parameter
+   * file asks for:
    * - statistics.csv, probes.csv, points.pvd and grid.pvd (grid_BODY.pvd where
    *   bodies have grids of their own) with their files, summary.json, and
    *   RunNotes;
@@ -286,7 +286,7 @@ namespace greville
     const State<dim> &
     common() const
     {
-      return ensemble.first().state();
+      return simulations.first().state();
     }
 
     const SimulationParameters parameters;
@@ -294,7 +294,7 @@ namespace greville
     std::ostream              &out;
     MPI_Comm                   comm;
     bool                       is_first;
-    Ensemble<dim>              ensemble;
+    CoupledSimulations<dim>    simulations;
     ExactSolution<dim>         exact;
     MeasuredData<dim>          measured;
     FieldOutput<dim>           fields;

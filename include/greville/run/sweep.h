@@ -84,12 +84,12 @@ namespace greville
                const double                time);
 
   /**
-   * Collective. Let an ensemble begin with the points of another run. Throws
+   * Collective. Let simulations begin with the points of another run. Throws
    * dealii::ExcMessage, which names the checkpoint, where they do not fit.
    */
   template <int dim>
   void
-  begin_with(Ensemble<dim>              &ensemble,
+  begin_with(CoupledSimulations<dim>    &simulations,
              const Checkpoint           &checkpoint,
              const SimulationParameters &parameters);
 } // namespace greville

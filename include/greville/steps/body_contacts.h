@@ -23,13 +23,13 @@ namespace greville
   class TrialContacts;
 
   /**
-   * The contacts of bodies that are parts of an Ensemble, and the rigid bodies
-   * that they meet. At the start of each explicit step, with all parts at the
-   * same time, a contact gives forces to the points of its surfaces, as loads
-   * that the parts sum up; and it remembers what it has to know of the step
-   * there (ContactPoint::slip). See AveragedContact and SurfaceSearch. Implicit
-   * steps have TrialContacts, which leave the loads of the end of the step at
-   * the points, and the slip there.
+   * The contacts of bodies that are parts of CoupledSimulations, and the rigid
+   * bodies that they meet. At the start of each explicit step, with all parts
+   * at the same time, a contact gives forces to the points of its surfaces, as
+   * loads that the parts sum up; and it remembers what it has to know of the
+   * step there (ContactPoint::slip). See AveragedContact and SurfaceSearch.
+   * Implicit steps have TrialContacts, which leave the loads of the end of the
+   * step at the points, and the slip there.
    */
   template <int dim>
   class BodyContacts

@@ -8,8 +8,9 @@
 namespace greville
 {
   /**
-   * Collective. The simulations that an Ensemble consists of: one of each body
-   * where bodies have grids of their own, and otherwise the one that is given.
+   * Collective. The simulations that CoupledSimulations consists of: one of
+   * each body where bodies have grids of their own, and otherwise the one that
+   * is given.
    *
    * A body gets the part around it of the grid that is meant for it: the cells
    * that hold points and p more on each side. All functions that reach the body

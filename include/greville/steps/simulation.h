@@ -25,7 +25,7 @@ namespace greville
    * Discretization, which a TimeIntegrator takes from step to step. Each stage
    * of the parameters has its own integrator, walls, mass and loads; State and
    * mesh stay. All bodies share the grid. Those with a grid each are the
-   * simulations of an Ensemble.
+   * simulations of CoupledSimulations.
    */
   template <int dim>
   class Simulation

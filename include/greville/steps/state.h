@@ -149,7 +149,7 @@ namespace greville
     FieldState<dim> field;
 
     /// Those of GeneralParameters::rigid_bodies, the same in all simulations of
-    /// an Ensemble.
+    /// CoupledSimulations.
     std::vector<RigidBodyState<dim>> rigid_bodies;
 
     Signals       signals;

@@ -3,7 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/steps/body_grids.h>
 #include <greville/steps/common_step.h>
-#include <greville/steps/ensemble.h>
+#include <greville/steps/coupled_simulations.h>
 #include <greville/steps/state_tables.h>
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  Ensemble<dim>::Ensemble(const SimulationParameters &parameters,
-                          const MPI_Comm              comm)
+  CoupledSimulations<dim>::CoupledSimulations(
+    const SimulationParameters &parameters, const MPI_Comm comm)
     : comm(comm)
     , front_above(parameters.output.front_above)
     , load_names(parameters.general.surface_loads)
@@ -33,7 +33,7 @@ namespace greville
 
   template <int dim>
   std::vector<Simulation<dim> *>
-  Ensemble<dim>::pointers() const
+  CoupledSimulations<dim>::pointers() const
   {
     std::vector<Simulation<dim> *> result;
     for (const auto &part : parts)
@@ -45,7 +45,7 @@ namespace greville
 
   template <int dim>
   void
-  Ensemble<dim>::find_contact()
+  CoupledSimulations<dim>::find_contact()
   {
     if (contacts)
       contacts->act();
@@ -55,7 +55,7 @@ namespace greville
 
   template <int dim>
   const std::vector<RigidBody<dim>> &
-  Ensemble<dim>::rigid_bodies() const
+  CoupledSimulations<dim>::rigid_bodies() const
   {
     static const std::vector<RigidBody<dim>> none;
     return contacts ? contacts->all_rigid_bodies() : none;
@@ -65,7 +65,7 @@ namespace greville
 
   template <int dim>
   void
-  Ensemble<dim>::fill_grid()
+  CoupledSimulations<dim>::fill_grid()
   {
     for (const auto &part : parts)
       part->fill_grid();
@@ -75,7 +75,7 @@ namespace greville
 
   template <int dim>
   void
-  Ensemble<dim>::step()
+  CoupledSimulations<dim>::step()
   {
     CommonStep<dim>(pointers(), contacts.get()).take();
   }
@@ -84,7 +84,7 @@ namespace greville
 
   template <int dim>
   bool
-  Ensemble<dim>::is_finished() const
+  CoupledSimulations<dim>::is_finished() const
   {
     return exceeds_displacement() ||
            std::all_of(parts.begin(), parts.end(), [](const auto &part) {
@@ -96,7 +96,7 @@ namespace greville
 
   template <int dim>
   bool
-  Ensemble<dim>::exceeds_displacement() const
+  CoupledSimulations<dim>::exceeds_displacement() const
   {
     return std::any_of(parts.begin(), parts.end(), [](const auto &part) {
       return part->exceeds_displacement();
@@ -107,7 +107,7 @@ namespace greville
 
   template <int dim>
   std::vector<State<dim>>
-  Ensemble<dim>::state() const
+  CoupledSimulations<dim>::state() const
   {
     std::vector<State<dim>> states;
     for (const auto &part : parts)
@@ -119,7 +119,7 @@ namespace greville
 
   template <int dim>
   void
-  Ensemble<dim>::set_state(const std::vector<State<dim>> &states)
+  CoupledSimulations<dim>::set_state(const std::vector<State<dim>> &states)
   {
     AssertThrow(states.size() == parts.size(),
                 ExcDimensionMismatch(states.size(), parts.size()));
@@ -145,7 +145,7 @@ namespace greville
 
   template <int dim>
   std::string
-  Ensemble<dim>::prefix(const unsigned int k) const
+  CoupledSimulations<dim>::prefix(const unsigned int k) const
   {
     return parts.size() == 1 ? "" : part(k).bodies()[0].name + ": ";
   }
@@ -154,7 +154,7 @@ namespace greville
 
   template <int dim>
   std::vector<DistributedTable>
-  Ensemble<dim>::tables() const
+  CoupledSimulations<dim>::tables() const
   {
     std::vector<DistributedTable> tables;
     for (unsigned int k = 0; k < parts.size(); ++k)
@@ -168,7 +168,7 @@ namespace greville
 
   template <int dim>
   void
-  Ensemble<dim>::set_from_tables(const TablesFile &content)
+  CoupledSimulations<dim>::set_from_tables(const TablesFile &content)
   {
     std::vector<State<dim>> states;
     for (unsigned int k = 0; k < parts.size(); ++k)
@@ -187,7 +187,7 @@ namespace greville
 
   template <int dim>
   void
-  Ensemble<dim>::begin_with(const TablesFile &content)
+  CoupledSimulations<dim>::begin_with(const TablesFile &content)
   {
     for (const auto &part : parts)
       part->begin_with(content);
@@ -197,7 +197,7 @@ namespace greville
 
   template <int dim>
   BodyList<dim>
-  Ensemble<dim>::bodies() const
+  CoupledSimulations<dim>::bodies() const
   {
     BodyList<dim> list;
     for (const auto &part : parts)
@@ -208,8 +208,8 @@ namespace greville
 
 
   template <int dim>
-  typename Ensemble<dim>::AllBodies
-  Ensemble<dim>::bodies_of_all_stages()
+  typename CoupledSimulations<dim>::AllBodies
+  CoupledSimulations<dim>::bodies_of_all_stages()
   {
     AllBodies                   all;
     const SimulationParameters &parameters = first().stage_parameters();
@@ -238,7 +238,7 @@ namespace greville
 
   template <int dim>
   Statistics<dim>
-  Ensemble<dim>::statistics()
+  CoupledSimulations<dim>::statistics()
   {
     find_contact();
     Statistics<dim> result = first().statistics();
@@ -256,7 +256,7 @@ namespace greville
 
   template <int dim>
   void
-  Ensemble<dim>::finish()
+  CoupledSimulations<dim>::finish()
   {
     find_contact();
     for (const auto &part : parts)
@@ -267,7 +267,7 @@ namespace greville
 
   template <int dim>
   void
-  Ensemble<dim>::ask_for_row(
+  CoupledSimulations<dim>::ask_for_row(
     const std::function<void(const unsigned int, const double, const bool)>
       &watch)
   {
@@ -289,7 +289,7 @@ namespace greville
 
   template <int dim>
   Statistics<dim>
-  Ensemble<dim>::late_statistics() const
+  CoupledSimulations<dim>::late_statistics() const
   {
     for (const auto &part : parts)
       AssertThrow(part->late_row().is_known,
@@ -317,7 +317,7 @@ namespace greville
 
   template <int dim>
   void
-  Ensemble<dim>::sort_loads(Statistics<dim> &row) const
+  CoupledSimulations<dim>::sort_loads(Statistics<dim> &row) const
   {
     const auto loads = row.loads;
     const auto work  = row.work.surfaces;
@@ -336,7 +336,7 @@ namespace greville
 
   template <int dim>
   std::vector<std::string>
-  Ensemble<dim>::take_warnings()
+  CoupledSimulations<dim>::take_warnings()
   {
     std::vector<std::string> result;
     for (const auto &part : parts)
@@ -352,7 +352,7 @@ namespace greville
 
   template <int dim>
   std::vector<NewtonRecord>
-  Ensemble<dim>::take_newton()
+  CoupledSimulations<dim>::take_newton()
   {
     std::vector<NewtonRecord> result;
     for (unsigned int k = 0; k < parts.size(); ++k)
@@ -368,7 +368,7 @@ namespace greville
 
   template <int dim>
   std::map<std::string, double>
-  Ensemble<dim>::part_times() const
+  CoupledSimulations<dim>::part_times() const
   {
     std::map<std::string, double> result;
     for (const auto &part : parts)
@@ -381,13 +381,13 @@ namespace greville
 
   template <int dim>
   std::size_t
-  Ensemble<dim>::points_memory() const
+  CoupledSimulations<dim>::points_memory() const
   {
     return sum([](const auto &part) { return part.points_memory(); });
   }
 
 
 
-  template class Ensemble<2>;
-  template class Ensemble<3>;
+  template class CoupledSimulations<2>;
+  template class CoupledSimulations<3>;
 } // namespace greville

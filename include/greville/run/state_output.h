@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_ensemble_output_h
-#define greville_run_ensemble_output_h
+#ifndef greville_run_state_output_h
+#define greville_run_state_output_h
 
 #include <greville/run/output.h>
-#include <greville/steps/ensemble.h>
+#include <greville/steps/coupled_simulations.h>
 
 namespace greville
 {
   /**
-   * What the files of an ensemble call a part of it: its body where there are
+   * What files call one of the @p simulations: its body where there are
    * several parts, and nothing else.
    */
   template <int dim>
   std::string
-  name_of_part(const Ensemble<dim> &ensemble, const unsigned int part);
+  name_of_part(const CoupledSimulations<dim> &simulations,
+               const unsigned int             part);
 
   /**
    * Collective. The states of the parts as they are, with the loads of
@@ -22,17 +23,17 @@ namespace greville
    */
   template <int dim>
   std::vector<const State<dim> *>
-  loaded_states(Ensemble<dim> &ensemble);
+  loaded_states(CoupledSimulations<dim> &simulations);
 
   /**
    * Collective. Write the points, the surfaces that carry loads or are in
-   * contact, and the rigid bodies of an ensemble with these @p states. Throws
-   * dealii::ExcMessage where a file cannot be written.
+   * contact, and the rigid bodies of the @p simulations with these @p states.
+   * Throws dealii::ExcMessage where a file cannot be written.
    */
   template <int dim>
   void
   write_bodies(FieldOutput<dim>                      &output,
-               const Ensemble<dim>                   &ensemble,
+               const CoupledSimulations<dim>         &simulations,
                const std::vector<const State<dim> *> &states,
                const SimulationParameters            &parameters,
                const MPI_Comm                         comm);

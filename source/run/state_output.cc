@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/run/ensemble_output.h>
+#include <greville/run/state_output.h>
 
 #include <algorithm>
 
@@ -39,8 +39,8 @@ namespace greville
      */
     template <int dim>
     BoundingBox<dim>
-    region_of_rigid_bodies(const Ensemble<dim>  &ensemble,
-                           const GridParameters &grid)
+    region_of_rigid_bodies(const CoupledSimulations<dim> &simulations,
+                           const GridParameters          &grid)
     {
       std::vector<Point<dim>> corners(2);
       for (unsigned int d = 0; d < dim; ++d)
@@ -49,9 +49,9 @@ namespace greville
           corners[1][d] = grid.upper[d];
           const double h =
             (corners[1][d] - corners[0][d]) / double(grid.cells[d]);
-          for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+          for (unsigned int k = 0; k < simulations.n_parts(); ++k)
             {
-              const auto &lattice = ensemble.part(k).space().lattice();
+              const auto &lattice = simulations.part(k).space().lattice();
               corners[0][d]       = std::min(corners[0][d], lattice.lower(d));
               corners[1][d]       = std::max(corners[1][d], lattice.upper(d));
             }
@@ -66,23 +66,25 @@ namespace greville
 
   template <int dim>
   std::string
-  name_of_part(const Ensemble<dim> &ensemble, const unsigned int part)
+  name_of_part(const CoupledSimulations<dim> &simulations,
+               const unsigned int             part)
   {
-    return ensemble.n_parts() > 1 ? ensemble.part(part).state().bodies[0].name
-                                  : "";
+    return simulations.n_parts() > 1
+             ? simulations.part(part).state().bodies[0].name
+             : "";
   }
 
 
 
   template <int dim>
   std::vector<const State<dim> *>
-  loaded_states(Ensemble<dim> &ensemble)
+  loaded_states(CoupledSimulations<dim> &simulations)
   {
     std::vector<const State<dim> *> states;
-    for (unsigned int k = 0; k < ensemble.n_parts(); ++k)
+    for (unsigned int k = 0; k < simulations.n_parts(); ++k)
       {
-        ensemble.part(k).loaded_surfaces();
-        states.push_back(&ensemble.part(k).state());
+        simulations.part(k).loaded_surfaces();
+        states.push_back(&simulations.part(k).state());
       }
     return states;
   }
@@ -92,7 +94,7 @@ namespace greville
   template <int dim>
   void
   write_bodies(FieldOutput<dim>                      &output,
-               const Ensemble<dim>                   &ensemble,
+               const CoupledSimulations<dim>         &simulations,
                const std::vector<const State<dim> *> &states,
                const SimulationParameters            &parameters,
                const MPI_Comm                         comm)
@@ -107,14 +109,14 @@ namespace greville
                             states[k]->surfaces,
                             numbers_of_surfaces(*states[k], parameters),
                             comm,
-                            name_of_part(ensemble, k));
-    if (ensemble.rigid_bodies().empty())
+                            name_of_part(simulations, k));
+    if (simulations.rigid_bodies().empty())
       return;
     const BoundingBox<dim> region =
-      region_of_rigid_bodies(ensemble, parameters.grid);
-    for (unsigned int k = 0; k < ensemble.rigid_bodies().size(); ++k)
+      region_of_rigid_bodies(simulations, parameters.grid);
+    for (unsigned int k = 0; k < simulations.rigid_bodies().size(); ++k)
       output.write_rigid_body(time,
-                              ensemble.rigid_bodies()[k],
+                              simulations.rigid_bodies()[k],
                               states[0]->rigid_bodies[k].now,
                               region,
                               comm);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_ensemble_h
-#define greville_steps_ensemble_h
+#ifndef greville_steps_coupled_simulations_h
+#define greville_steps_coupled_simulations_h
 
 #include <greville/points/body_list.h>
 #include <greville/steps/body_contacts.h>
@@ -11,20 +11,19 @@
 namespace greville
 {
   /**
-   * What a parameter file describes: one Simulation, or one of each group of
-   * bodies that share a velocity field, where bodies have grids of their own or
-   * there are contacts. These see one another by contacts only, and go in
-   * common steps.
+   * The simulations of a parameter file: one, or one for each group of bodies
+   * that share a velocity field, if bodies have grids of their own or there are
+   * contacts. Contacts couple them, and they take common steps.
    */
   template <int dim>
-  class Ensemble
+  class CoupledSimulations
   {
   public:
     /**
      * Collective. Throws dealii::ExcMessage where parameters are wrong.
      */
-    Ensemble(const SimulationParameters &parameters,
-             const MPI_Comm              comm = MPI_COMM_WORLD);
+    CoupledSimulations(const SimulationParameters &parameters,
+                       const MPI_Comm              comm = MPI_COMM_WORLD);
 
     /**
      * Collective. See Simulation::fill_grid().
@@ -132,7 +131,7 @@ namespace greville
     tables() const;
 
     /**
-     * Collective. Go on from tables() of an ensemble with the same parameters.
+     * Collective. Go on from tables() of others with the same parameters.
      * What follows has the same bits on the same number of processes.
      */
     void
