@@ -188,6 +188,23 @@ namespace greville
 
 
 
+    /**
+     * Return what to take in place of words that older files have.
+     */
+    std::string
+    in_place_of(const std::string &word)
+    {
+      if (word == "USF")
+        return " MUSL deforms points by their mapped velocity, too.";
+      if (word == "contact")
+        return " A floor that contacts name is a rigid body, such as "
+               "'Rigid body NAME/Shape' = half_space(0, 1, 0) for y < 0, in a "
+               "grid that goes on behind it.";
+      return "";
+    }
+
+
+
     void
     check_line(const ParameterLine                  &line,
                const std::map<std::string, Entries> &sections)
@@ -230,7 +247,7 @@ namespace greville
       const auto pattern = Patterns::pattern_factory(description);
       if (!pattern->match(line.value))
         {
-          std::string hint;
+          std::string hint = in_place_of(line.value);
           for (const std::string &word :
                Utilities::split_string_list(line.value, ','))
             if (hint.empty())

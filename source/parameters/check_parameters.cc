@@ -155,15 +155,13 @@ namespace greville
             SimulationParameters first = *this;
             first.enter_stage(0);
             AssertThrow(parameters.walls.is_periodic(w) ==
-                            first.walls.is_periodic(w) &&
-                          parameters.walls.is_contact(w) ==
-                            first.walls.is_contact(w),
+                          first.walls.is_periodic(w),
                         ExcMessage(stage_text(k) + "the wall '" +
                                    WallParameters::names[w] + "' is " +
                                    parameters.walls.type[w] + ", but it is " +
                                    first.walls.type[w] +
-                                   " in the first stage: a wall is periodic, "
-                                   "or contact, in all stages or in none."));
+                                   " in the first stage: a wall is periodic "
+                                   "in all stages or in none."));
           }
         try
           {
@@ -202,16 +200,9 @@ namespace greville
         const auto is_met = [&name = name](const auto &contact) {
           return contact.second.sides()[1] == std::vector<std::string>{name};
         };
-        std::string wall;
-        for (unsigned int w = 6; w-- > 0;)
-          if (walls.is_contact(w))
-            wall = WallParameters::names[w];
         AssertThrow(std::any_of(contacts.begin(), contacts.end(), is_met),
-                    ExcMessage((name == ContactParameters::walls
-                                  ? "The parameter 'Walls/" + wall +
-                                      "' is contact, but <" + name + ">"
-                                  : "'Rigid body " + name + "'") +
-                               " is in no contact: nothing meets it. Name it "
+                    ExcMessage("'Rigid body " + name +
+                               "' is in no contact: nothing meets it. Name it "
                                "as the second one of 'Contact NAME/Bodies'."));
       }
     // Its pressure and friction would count twice.

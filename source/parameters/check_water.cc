@@ -324,10 +324,6 @@ namespace greville
         refuse_with_water(grid.has_axis() && w == 0,
                           given,
                           "the wall is the axis, through which nothing flows.");
-        refuse_with_water(walls.is_contact(w),
-                          given,
-                          "the wall is contact, so that it is not one of the "
-                          "grid. Give that of a 'Surface load'.");
         refuse_with_water(walls.is_periodic(w),
                           given,
                           "the wall is periodic, so that it has no end there.");

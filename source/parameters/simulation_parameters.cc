@@ -496,7 +496,6 @@ namespace greville
       if (mass == "auto")
         mass = default_mass(scheme);
     make_axis();
-    make_rigid_walls();
     check();
     if (stages.empty())
       check_friction(walls, lines, "");
@@ -568,38 +567,6 @@ namespace greville
         stage.walls.type[0] = "sliding";
     if (walls.type[0] == "free")
       walls.type[0] = "sliding";
-  }
-
-
-
-  void
-  SimulationParameters::make_rigid_walls()
-  {
-    std::ostringstream shape;
-    shape << std::setprecision(17);
-    unsigned int n_planes = 0;
-    for (unsigned int w = 0; w < 2 * general.dimension; ++w)
-      {
-        const unsigned int d     = w / 2;
-        const auto        &sides = w % 2 == 0 ? grid.lower : grid.upper;
-        if (!walls.is_contact(w) || d >= sides.size())
-          continue;
-        const double sign = w % 2 == 0 ? 1. : -1.;
-        shape << (n_planes++ == 0 ? "" : ", ") << "half_space(";
-        for (unsigned int e = 0; e < general.dimension; ++e)
-          shape << (e == d ? sign : 0.) << ", ";
-        shape << sign * sides[d] << ")";
-      }
-    AssertThrow(rigid_bodies.count(ContactParameters::walls) == 0,
-                ExcMessage(std::string("The name <") +
-                           ContactParameters::walls +
-                           "> of a rigid body is that of the 'Walls' that are "
-                           "contact: it needs another one."));
-    if (n_planes == 0)
-      return;
-    general.rigid_bodies.push_back(ContactParameters::walls);
-    rigid_bodies[ContactParameters::walls].shape =
-      n_planes == 1 ? shape.str() : "union(" + shape.str() + ")";
   }
 
 

@@ -218,39 +218,6 @@ namespace greville
               set_free(part, 2 * d + side);
         }
     }
-
-
-
-    /**
-     * Walls that are contact are places in the grid of the part, which its
-     * points may pass by the depth of a contact: in updated Lagrangian steps
-     * there are cells behind them.
-     */
-    template <int dim>
-    void
-    free_contact_walls(SimulationParameters &part)
-    {
-      std::vector<unsigned int> &cells = part.grid.cells;
-      unsigned int               factor =
-        common_factor(*std::min_element(cells.begin(), cells.end()));
-      for (const unsigned int n : cells)
-        while (n % factor != 0)
-          factor /= 2;
-      factor = std::max(factor, least_factor(part));
-      for (unsigned int w = 0; w < 2 * dim; ++w)
-        {
-          const unsigned int d = w / 2;
-          if (!part.walls.is_contact(w))
-            continue;
-          set_free(part, w);
-          if (part.scheme.is_total_lagrangian())
-            continue;
-          double      &lower = part.grid.lower[d], &upper = part.grid.upper[d];
-          const double way = factor * (upper - lower) / cells[d];
-          (w % 2 == 0 ? lower : upper) += w % 2 == 0 ? -way : way;
-          cells[d] += factor;
-        }
-    }
   } // namespace
 
 
@@ -432,7 +399,6 @@ namespace greville
           }
         else
           part.grid = grid;
-        free_contact_walls<dim>(part);
         part.grid.per_body = false;
         part.body_grids.clear();
 

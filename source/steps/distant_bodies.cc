@@ -73,8 +73,6 @@ namespace greville
     for (unsigned int k = 0; k < rigid_bodies.size(); ++k)
       {
         const RigidBody<dim> &body = rigid_bodies[k];
-        if (body.name() == ContactParameters::walls)
-          continue;
         // The grids of bodies that meet it.
         std::vector<Point<dim>> corners;
         for (const Contact &contact : contacts)

@@ -232,13 +232,10 @@ namespace greville
 
   /**
    * Contact of two sides, each of which is a body, several bodies that stick to
-   * one another, or (the second one) a rigid body or the walls.
+   * one another, or (the second one) a rigid body.
    */
   struct ContactParameters
   {
-    /// The name of the rigid body that consists of walls.
-    static constexpr const char *walls = "walls";
-
     void
     declare(dealii::ParameterHandler &prm);
 

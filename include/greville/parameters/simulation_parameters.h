@@ -202,13 +202,6 @@ namespace greville
     find_materials();
 
     /**
-     * Let the walls that are contact be a rigid body, which is the outside of
-     * the grid.
-     */
-    void
-    make_rigid_walls();
-
-    /**
      * check() of the grids of bodies.
      */
     void

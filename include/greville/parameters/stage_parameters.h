@@ -204,13 +204,6 @@ namespace greville
     {
       return type[wall] == "periodic";
     }
-
-    /// Whether it is one of the walls that contacts name.
-    bool
-    is_contact(const unsigned int wall) const
-    {
-      return type[wall] == "contact";
-    }
   };
 
 
