@@ -82,7 +82,7 @@ void
 test_main()
 {
   for (const std::string mass : {"lumped", "fmpm-3", "consistent"})
-    for (const std::string order : {"USL", "MUSL", "USF"})
+    for (const std::string order : {"USL", "MUSL"})
       for (const std::string transfer : {"FLIP share = 1",
                                          "FLIP share = 0.8",
                                          "Transfer = PIC",

@@ -116,7 +116,7 @@ namespace
   {
     for (const std::string &formulation : {total, updated})
       for (const std::string scheme :
-           {"USL", "USF", "MUSL", "newmark", "backward-euler"})
+           {"USL", "MUSL", "newmark", "backward-euler"})
         for (const std::string mass : {"lumped", "consistent"})
           {
             const bool is_implicit =

@@ -77,10 +77,10 @@ test_main()
       check_order("both ends fixed", fixed, p, "consistent", 6, p + 1.);
       check_order("one end fixed", open, p, "consistent", 6, p + 1.);
     }
-  // The time steps of USF, which deforms first, are of second order, too.
-  const Text usf = fixed.with("Scheme", {"Stress update = USF"});
+  // The time steps of MUSL are of second order, too.
+  const Text musl = fixed.with("Scheme", {"Stress update = MUSL"});
   for (const unsigned int p : {2, 3})
-    check_order("both ends fixed, USF", usf, p, "consistent", 6, p + 1.);
+    check_order("both ends fixed, MUSL", musl, p, "consistent", 6, p + 1.);
   // In a larger grid, whose cells the free lateral surfaces cut.
   const Text free =
     fixed.with("Grid", {"Lower corner = 0, -12.5", "Upper corner = 25, 12.5"})

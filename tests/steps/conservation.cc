@@ -80,8 +80,8 @@ test_main()
       test<2>("order " + std::to_string(p) + ", FLIP, MUSL",
               order.with("Scheme", {"Stress update = MUSL"}),
               false);
-      test<2>("order " + std::to_string(p) + ", APIC, USF",
-              order.with("Scheme", {"Transfer = APIC", "Stress update = USF"}),
+      test<2>("order " + std::to_string(p) + ", APIC, MUSL",
+              order.with("Scheme", {"Transfer = APIC", "Stress update = MUSL"}),
               true);
     }
   test<2>("fmpm-2", disk.with("Scheme", {"Mass = fmpm-2"}), false);

@@ -57,7 +57,7 @@ test_main()
       const Text order = point.with("Grid", {"Order = " + std::to_string(p)});
       test<2>("one point, order " + std::to_string(p), order);
     }
-  for (const std::string scheme : {"USL", "USF", "MUSL"})
+  for (const std::string scheme : {"USL", "MUSL"})
     for (const std::string transfer : {"FLIP", "PIC", "APIC"})
       {
         const Text text =

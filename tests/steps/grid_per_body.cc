@@ -131,7 +131,7 @@ namespace
       .add("Solver", {"Tolerance = 1e-13"})
       .add("Time",
            {"End = 0.1",
-            scheme == "USL" || scheme == "USF" || scheme == "MUSL"
+            scheme == "USL" || scheme == "MUSL"
               ? "Step = 0.001"
               : "Step = 0.01"});
   }
@@ -589,7 +589,7 @@ namespace
 void
 test_main()
 {
-  for (const std::string scheme : {"USL", "USF", "MUSL"})
+  for (const std::string scheme : {"USL", "MUSL"})
     check_alone(scheme, "consistent");
   check_alone("USL", "lumped");
   check_alone("newmark", "consistent");

@@ -34,7 +34,7 @@ test_main()
     {"friction",
      block.with("Walls", {"Bottom = friction", "Bottom friction = 0.3"})}};
   for (const auto &entry : cases)
-    for (const std::string order : {"USL", "USF", "MUSL"})
+    for (const std::string order : {"USL", "MUSL"})
       {
         const Text text =
           entry.second.with("Scheme", {"Stress update = " + order});

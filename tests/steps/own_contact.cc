@@ -156,7 +156,7 @@ test_main()
                        .with("Body body", {"Velocity = 0; -1"})
                        .with("Time", {"End = 0.1", "Step = 0.002"});
   Rail::normal = Point<2>(std::sin(angle), std::cos(angle));
-  for (const std::string order : {"USL", "USF", "MUSL"})
+  for (const std::string order : {"USL", "MUSL"})
     {
       Simulation<2> sliding(
         falls.with("Scheme", {"Stress update = " + order}).parse());

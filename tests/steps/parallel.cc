@@ -59,7 +59,7 @@ test_main()
              "Jitter = 0.3",
              "Velocity = -1; -1"})
       .with("Time", {"End = 1e3", "Maximum steps = 100", "CFL number = 0.3"});
-  for (const std::string scheme : {"USL", "USF", "MUSL"})
+  for (const std::string scheme : {"USL", "MUSL"})
     test<2>(scheme, disks.with("Scheme", {"Stress update = " + scheme}), 1e-10);
   test<2>("APIC, order 3",
           disks.with("Scheme", {"Transfer = APIC"}).with("Grid", {"Order = 3"}),
