@@ -328,6 +328,7 @@ namespace greville
   {
     RunSummary summary;
     summary.wall_time = seconds_since(begin);
+    summary.contact_gains = simulations.contact_gains();
     simulations.finish();
     double largest = 0.;
     for (unsigned int k = 0; k < simulations.n_parts(); ++k)
@@ -339,7 +340,6 @@ namespace greville
       }
     if (largest > 0.)
       summary.relative_loss = summary.numerical_loss / largest;
-    summary.contact_gains = simulations.contact_gains();
     summary.errors        = exact.errors(simulations.bodies(),
                                   common().time,
                                   common().velocity_time,
