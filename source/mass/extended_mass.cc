@@ -155,8 +155,7 @@ namespace greville
   template <int dim>
   void
   ExtendedMass<dim>::multiply_field(VectorField<dim>       &rows,
-                                    const VectorField<dim> &field,
-                                    const bool              without_held) const
+                                    const VectorField<dim> &field) const
   {
     VectorType y;
     E->initialize_vector(y, 1);
@@ -164,10 +163,9 @@ namespace greville
       {
         E->to_places(field[c]);
         points_mass.vmult(E->place_y.data(), E->place_x.data(), 1);
-        if (without_held)
-          for (const auto &[place, components] : E->held_places)
-            if ((components >> c) & 1)
-              E->place_y[place] = 0.;
+        for (const auto &[place, components] : E->held_places)
+          if ((components >> c) & 1)
+            E->place_y[place] = 0.;
         E->collect(y.begin(), 1);
         y.compress(VectorOperation::add);
         rows[c] = 0.;

@@ -306,6 +306,7 @@ namespace greville
       check_axisymmetry_of_stage();
     if (scheme.is_total_lagrangian())
       check_total_lagrangian();
+    check_friction_walls();
     if (scheme.averages_over_domains())
       check_domains();
     check_water_of_stage();
@@ -370,6 +371,21 @@ namespace greville
              "'Walls/" + WallParameters::names[w] + "' = friction",
              "walls act on the initial configuration, which does not slide "
              "along them.");
+  }
+
+
+
+  void
+  SimulationParameters::check_friction_walls() const
+  {
+    for (unsigned int w = 0; w < 2 * general.dimension; ++w)
+      AssertThrow(walls.type[w] != "friction" ||
+                    !scheme.has_consistent_mass() ||
+                    is_implicit_scheme(scheme.stress_update),
+                  ExcMessage("'Walls/" + WallParameters::names[w] +
+                             "' = friction does not go with 'Scheme/Mass' = "
+                             "consistent: take lumped, or a rigid body that "
+                             "'Contacts' name, such as half_space(0, 1, 0)."));
   }
 
 

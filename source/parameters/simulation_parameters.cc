@@ -485,16 +485,16 @@ namespace greville
                      "Maximum steps",
                      stage.time.max_steps);
         if (stage.scheme.mass == "auto")
-          stage.scheme.mass = default_mass(stage.scheme);
+          stage.scheme.mass = default_mass(stage.scheme, stage.walls);
       }
     find_materials();
     if (!stages.empty())
       enter_stage(0);
     if (scheme.mass == "auto")
-      scheme.mass = default_mass(scheme);
+      scheme.mass = default_mass(scheme, walls);
     for (std::string &mass : sweep.masses)
       if (mass == "auto")
-        mass = default_mass(scheme);
+        mass = default_mass(scheme, walls);
     make_axis();
     check();
     if (stages.empty())
@@ -679,7 +679,8 @@ namespace greville
 
 
   std::string
-  SimulationParameters::default_mass(const SchemeParameters &scheme) const
+  SimulationParameters::default_mass(const SchemeParameters &scheme,
+                                     const WallParameters   &walls) const
   {
     if (scheme.transfer == "APIC")
       return "lumped";
@@ -687,6 +688,9 @@ namespace greville
       return "consistent";
     for (const auto &material : materials)
       if (material.second->spreads())
+        return "lumped";
+    for (const std::string &type : walls.type)
+      if (type == "friction")
         return "lumped";
     return "consistent";
   }

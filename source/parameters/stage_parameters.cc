@@ -91,7 +91,8 @@ namespace greville
       "another.");
     add_parameter(prm, "Mass", mass)(
       "The mass M of M a = F: auto (lumped for fluids, Drucker-Prager and "
-      "Mohr-Coulomb materials and with APIC, consistent otherwise and in total "
+      "Mohr-Coulomb materials, with friction walls and with APIC, consistent "
+      "otherwise and in total "
       "Lagrangian steps), consistent "
       "(the exact mass matrix on extended B-splines), lumped, or "
       "approximations of the exact one by K terms of a series: " +
@@ -173,7 +174,8 @@ namespace greville
           "(Bottom), largest y (Top), smallest z (Back) and largest z (Front): "
           "free, fixed (sticks), sliding (without friction), moving (with the "
           "velocity or displacement below), friction (sliding with the "
-          "coefficient below) or periodic (what leaves the grid here comes in "
+          "coefficient below, not with the consistent mass) or periodic (what "
+          "leaves the grid here comes in "
           "at the wall on the other side, which is periodic, too; in all "
           "stages). A floor that contacts name is a rigid body.");
         add_formula(prm, names[w] + " region", region[w])(

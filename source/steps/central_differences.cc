@@ -311,8 +311,6 @@ namespace greville
     ContactStep<dim> step = contact_step(state);
     for (const auto &contact : contacts)
       contact->apply(step);
-    trial.n_iterations = std::max(trial.n_iterations, step.most_iterations);
-    trial.n_all_iterations += step.n_iterations;
   }
 
 
@@ -385,11 +383,11 @@ namespace greville
     // Nothing moves: what is left of the kick acts where the points are.
     if (!velocities_lag(state))
       return;
-    const auto reactions   = state.reactions;
-    row                    = nullptr; // of a step that has failed
-    trial.step          = 0.;
-    trial.velocity_step = 0.5 * state.step;
-    trial.motion        = PointMotion();
+    const auto reactions = state.reactions;
+    row                  = nullptr; // of a step that has failed
+    trial.step           = 0.;
+    trial.velocity_step  = 0.5 * state.step;
+    trial.motion         = PointMotion();
     find_acceleration(state);
     find_new_velocity(state);
     update(state,

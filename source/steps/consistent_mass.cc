@@ -16,21 +16,14 @@ namespace greville
     , parameters(parameters)
     , walls(walls)
   {
-    typename CellFilling<dim>::Walls contact_walls;
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      contact_walls[w] = walls.is_friction(w);
     filling.reinit(this->space(),
-                   contact_walls,
+                   {},
                    parameters.scheme.averages_over_domains());
-    const auto make_solver = [&]() {
-      return std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
-                                                       parameters.solver,
-                                                       parameters.smoother,
-                                                       make_preconditioner());
-    };
-    mass_solver = make_solver();
-    if (walls.have_friction())
-      solver_of_held = make_solver();
+    mass_solver =
+      std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
+                                                parameters.solver,
+                                                parameters.smoother,
+                                                make_preconditioner());
   }
 
 
@@ -115,7 +108,6 @@ namespace greville
     extended_mass.begin(spline_extension, has_new_unknowns);
     if (has_new_unknowns)
       extended_mass.unknowns().hold(this->held);
-    held_solver_is_behind = held_solver_is_behind || has_new_unknowns;
     transfer->add_mass_matrix(*bodies, extended_mass.matrix());
     extended_mass.finish();
     total_mass = 0.;
@@ -146,15 +138,7 @@ namespace greville
     AssertThrow(x.size() == b.size(), ExcDimensionMismatch(x.size(), b.size()));
     if (!is_assembled)
       assemble();
-    check(mass_solver->solve(x, b, shares));
-  }
-
-
-
-  template <int dim>
-  void
-  ConsistentMass<dim>::check(const SolveResult &result)
-  {
+    const SolveResult result = mass_solver->solve(x, b, shares);
     AssertThrow(result.converged,
                 ErrorOnAll("The solver <" + solver() +
                            "> of the mass matrix failed: it " + result.reason +
@@ -162,27 +146,6 @@ namespace greville
                            "points across it than functions of 'Grid/Order' "
                            "see it: look at 'Points per direction'."));
     this->iterations = *result.iterations;
-  }
-
-
-
-  template <int dim>
-  void
-  ConsistentMass<dim>::solve_held(VectorField<dim>                 &x,
-                                  const VectorField<dim>           &b,
-                                  const std::vector<unsigned char> &more)
-  {
-    AssertThrow(solver_of_held, ExcMessage("There are no friction walls."));
-    std::vector<unsigned char> all_held = with_ghosts(this->space(), more);
-    for (unsigned int f = 0; f < all_held.size(); ++f)
-      all_held[f] |= this->held[f];
-
-    extended_mass.unknowns().hold(all_held);
-    solver_of_held->update(held_solver_is_behind, total_mass);
-    held_solver_is_behind    = false;
-    const SolveResult result = solver_of_held->solve({&x}, {&b});
-    extended_mass.unknowns().hold(this->held);
-    check(result);
   }
 
 

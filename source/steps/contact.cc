@@ -13,8 +13,7 @@ namespace greville
     std::vector<MakeContact<dim>> &
     contacts()
     {
-      static std::vector<MakeContact<dim>> list = {
-        LumpedWallFriction<dim>::make, WallFriction<dim>::make};
+      static std::vector<MakeContact<dim>> list = {WallFriction<dim>::make};
       return list;
     }
   } // namespace

@@ -205,7 +205,6 @@ namespace greville
     for_all_points(state, [&](auto &points) {
       move_with_cells(points, old_cells, discretization);
     });
-    state.field.slid.clear();
     state.partition = discretization.partition();
     state.points_have_changed();
   }

@@ -388,7 +388,6 @@ namespace greville
       });
     state.estimates.last =
       content.table(prefix + "step_estimates").gather(comm);
-    state.field.slid.clear();
 
     if (discretization.repartition(std::make_shared<const Partition>(
           content.table(prefix + "partition").values, comm)))

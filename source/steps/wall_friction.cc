@@ -1,30 +1,27 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/step_errors.h>
 #include <greville/steps/wall_friction.h>
-
-#include <algorithm>
 
 namespace greville
 {
   using namespace dealii;
 
-  namespace
+  template <int dim>
+  std::unique_ptr<Contact<dim>>
+  WallFriction<dim>::make(const IntegratorParts<dim> &parts)
   {
-    template <int dim>
-    void
-    add_to(WallSums<dim> &sums, const WallSums<dim> &more)
-    {
-      for (unsigned int w = 0; w < 2 * dim; ++w)
-        sums[w] += more[w];
-    }
-  } // namespace
+    const Walls<dim> &walls = parts.discretization.walls();
+    if (!walls.have_friction())
+      return nullptr;
+    return std::make_unique<WallFriction<dim>>(walls,
+                                               parts.discretization.field());
+  }
 
 
 
   template <int dim>
-  FrictionWalls<dim>::FrictionWalls(const Walls<dim> &walls,
-                                    GridField<dim>   &field)
+  WallFriction<dim>::WallFriction(const Walls<dim> &walls,
+                                  GridField<dim>   &field)
     : walls(walls)
     , field(field)
   {}
@@ -33,45 +30,15 @@ namespace greville
 
   template <int dim>
   void
-  FrictionWalls<dim>::stop(VectorField<dim> &velocity) const
+  WallFriction<dim>::apply(ContactStep<dim> &step)
   {
-    walls.stop(velocity);
-  }
-
-
-
-  template <int dim>
-  std::unique_ptr<Contact<dim>>
-  LumpedWallFriction<dim>::make(const IntegratorParts<dim> &parts)
-  {
-    const Walls<dim> &walls = parts.discretization.walls();
-    GridField<dim>   &field = parts.discretization.field();
-    if (!walls.have_friction() || field.mass->is_exact())
-      return nullptr;
-    return std::make_unique<LumpedWallFriction<dim>>(walls, field);
-  }
-
-
-
-  template <int dim>
-  LumpedWallFriction<dim>::LumpedWallFriction(const Walls<dim> &walls,
-                                              GridField<dim>   &field)
-    : FrictionWalls<dim>(walls, field)
-  {}
-
-
-
-  template <int dim>
-  void
-  LumpedWallFriction<dim>::apply(ContactStep<dim> &step)
-  {
-    GridField<dim> &field = this->field;
-    before                = field.new_velocity;
-    add_to<dim>(field.momentum_of_walls,
-                this->walls.add_contact(field.new_velocity,
-                                        field.acceleration,
-                                        step.dt,
-                                        field.lumped_mass));
+    before                    = field.new_velocity;
+    const WallSums<dim> given = walls.add_contact(field.new_velocity,
+                                                  field.acceleration,
+                                                  step.dt,
+                                                  field.lumped_mass);
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      field.momentum_of_walls[w] += given[w];
     // The impulses change the kinetic energy.
     const VectorType &lumped      = field.lumped_mass;
     double            work_before = 0., work_after = 0.;
@@ -89,65 +56,6 @@ namespace greville
 
 
 
-  template <int dim>
-  std::unique_ptr<Contact<dim>>
-  WallFriction<dim>::make(const IntegratorParts<dim> &parts)
-  {
-    const Walls<dim> &walls = parts.discretization.walls();
-    GridField<dim>   &field = parts.discretization.field();
-    if (!walls.have_friction() || !field.mass->is_exact())
-      return nullptr;
-    return std::make_unique<WallFriction<dim>>(walls, field, parts.log);
-  }
-
-
-
-  template <int dim>
-  WallFriction<dim>::WallFriction(const Walls<dim> &walls,
-                                  GridField<dim>   &field,
-                                  StepLog          &log)
-    : FrictionWalls<dim>(walls, field)
-    , contact(walls, *field.mass)
-    , log(log)
-  {}
-
-
-
-  template <int dim>
-  void
-  WallFriction<dim>::apply(ContactStep<dim> &step)
-  {
-    const PartTimer timer(log, "contact");
-    GridField<dim> &field = this->field;
-    fail_with([&]() {
-      add_to<dim>(field.momentum_of_walls,
-                  contact.add(field.new_velocity,
-                              field.acceleration,
-                              step.dt,
-                              step.state.field.slid));
-    });
-    step.most_iterations =
-      std::max(step.most_iterations, contact.most_iterations());
-    step.n_iterations += contact.n_iterations();
-    step.add_work(contact.work(field.velocity, field.velocity),
-                  contact.work(field.new_velocity, field.new_velocity));
-  }
-
-
-
-  template <int dim>
-  void
-  WallFriction<dim>::forget()
-  {
-    contact.forget();
-  }
-
-
-
-  template class FrictionWalls<2>;
-  template class FrictionWalls<3>;
-  template class LumpedWallFriction<2>;
-  template class LumpedWallFriction<3>;
   template class WallFriction<2>;
   template class WallFriction<3>;
 } // namespace greville

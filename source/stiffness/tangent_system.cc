@@ -510,7 +510,7 @@ namespace greville
         VectorField<dim> products;
         for (unsigned int c = 0; c < dim; ++c)
           products[c].reinit(force[c], true);
-        mass.multiply_field(products, *field, true);
+        mass.multiply_field(products, *field);
         const auto &functions = mass.unknowns().unknown_functions();
         for (unsigned int u = 0; u < functions.size(); ++u)
           for (unsigned int c = 0; c < dim; ++c)

@@ -33,9 +33,10 @@ test_main()
       check(mass + ", free", std::abs(velocity("free") - 1.), 1e-10);
       check(mass + ", sliding", std::abs(velocity("sliding") - 1.), 1e-10);
       check(mass + ", fixed", velocity("fixed"), 0.98);
-      check(mass + ", friction without force is sliding",
-            std::abs(velocity("friction") - 1.),
-            1e-10);
+      if (mass == "lumped")
+        check("friction without force is sliding",
+              std::abs(velocity("friction") - 1.),
+              1e-10);
     }
 
   // Between a fixed and a moving wall: in the end a linear velocity. Viscous

@@ -238,6 +238,9 @@ test_main()
     test(order, text.with("Scheme", {"Stress update = " + order}), false);
   test("FMPM", text.with("Scheme", {"Mass = fmpm-3"}), false);
   test("APIC", text.with("Scheme", {"Transfer = APIC"}), false);
-  test("consistent", text.with("Scheme", {"Mass = consistent"}), true);
+  test("consistent",
+       text.with("Scheme", {"Mass = consistent"})
+         .with("Walls", {"Bottom = sliding", "Bottom friction = 0"}),
+       true);
   test_stages();
 }

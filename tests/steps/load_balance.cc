@@ -165,6 +165,7 @@ namespace
     const Text text =
       flying.with("Load balance", {"Threshold = 1", "Check every = 7"})
         .with("Scheme", {"Mass = consistent"})
+        .with("Walls", {"Bottom = sliding", "Bottom friction = 0"})
         .with("Time", {"Maximum steps = 1000"});
     const auto run_steps = [](Simulation<2> &simulation, const unsigned int n) {
       for (unsigned int k = 0; k < n; ++k)
@@ -251,6 +252,7 @@ test_main()
   test<2>("fmpm", flying.with("Scheme", {"Mass = fmpm-2"}));
   test<2>("consistent",
           flying.with("Scheme", {"Mass = consistent"})
+            .with("Walls", {"Bottom = sliding", "Bottom friction = 0"})
             .with("Solver", {"Tolerance = 1e-13"}),
           1e-8);
   test<2>("two bodies",

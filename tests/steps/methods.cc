@@ -2,8 +2,8 @@
 // Processes: 1
 // All: 2 4
 
-// Every solver of the consistent mass matrix gives the same steps: on a sliding
-// floor and on a floor with friction, in each order of a step.
+// Every solver of the consistent mass matrix gives the same steps on a sliding
+// floor, in each order of a step.
 
 #include "simulation.h"
 
@@ -28,27 +28,21 @@ test_main()
       .with("Scheme", {"Mass = consistent"})
       .with("Solver", {"Tolerance = 1e-10"})
       .with("Loads", {"Gravity = 0; -10"})
+      .with("Walls", {"Bottom = sliding"})
       .with("Time", {"End = 1", "Maximum steps = 30"});
-  const std::vector<std::pair<std::string, Text>> cases = {
-    {"sliding", block.with("Walls", {"Bottom = sliding"})},
-    {"friction",
-     block.with("Walls", {"Bottom = friction", "Bottom friction = 0.3"})}};
-  for (const auto &entry : cases)
-    for (const std::string order : {"USL", "MUSL"})
-      {
-        const Text text =
-          entry.second.with("Scheme", {"Stress update = " + order});
-        const auto expected = energies(text);
-        check(entry.first + ", " + order + ": the floor is met",
-              expected[1] > 1e-3 * expected[0]);
-        for (const std::string method : {"cg-p-multigrid", "cg-jacobi", "cg"})
-          {
-            const auto found =
-              energies(text.with("Solver", {"Method = " + method}));
-            for (unsigned int k = 0; k < 2; ++k)
-              check(entry.first + ", " + order + ", " + method,
-                    std::abs(found[k] / expected[k] - 1.),
-                    1e-6);
-          }
-      }
+  for (const std::string order : {"USL", "MUSL"})
+    {
+      const Text text     = block.with("Scheme", {"Stress update = " + order});
+      const auto expected = energies(text);
+      check(order + ": the floor is met", expected[1] > 1e-3 * expected[0]);
+      for (const std::string method : {"cg-p-multigrid", "cg-jacobi", "cg"})
+        {
+          const auto found =
+            energies(text.with("Solver", {"Method = " + method}));
+          for (unsigned int k = 0; k < 2; ++k)
+            check(order + ", " + method,
+                  std::abs(found[k] / expected[k] - 1.),
+                  1e-6);
+        }
+    }
 }

@@ -156,6 +156,7 @@ test_main()
   test<2>("fmpm", text.with("Scheme", {"Mass = fmpm-3"}));
   test<2>("consistent",
           text.with("Scheme", {"Mass = consistent"})
+            .with("Walls", {"Bottom = sliding", "Bottom friction = 0"})
             .with("Solver", {"Tolerance = 1e-13"}),
           1e-9);
 

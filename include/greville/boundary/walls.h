@@ -71,8 +71,7 @@ namespace greville
    * velocity that goes into the wall with the speed v_n is stopped, and slowed
    * down along the wall by Coulomb's law for the two parts of the impulse, v <-
    * v - v_n n - min(mu v_n, |v_t|) v_t / |v_t|; others are left alone. The
-   * acceleration changes accordingly. This is for lumped mass and FMPM, see
-   * FrictionContact for the consistent one.
+   * acceleration changes accordingly. This is for lumped mass and FMPM.
    */
   template <int dim>
   class Walls

@@ -117,13 +117,11 @@ namespace greville
 
     /**
      * rows = E^T M~ field, component by component, at the functions of the
-     * owned unknowns; zero elsewhere. Whatever is held, too, gives to them
-     * unless they are to be @p without_held, as the rows of A are.
+     * owned unknowns, without what rows of held functions give, as rows of A
+     * are; zero elsewhere.
      */
     void
-    multiply_field(VectorField<dim>       &rows,
-                   const VectorField<dim> &field,
-                   const bool              without_held = false) const;
+    multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
 
     /**
      * rows = M~ field at the functions that are held, extended ones too; zero

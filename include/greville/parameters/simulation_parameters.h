@@ -247,6 +247,9 @@ namespace greville
     check_total_lagrangian() const;
 
     void
+    check_friction_walls() const;
+
+    void
     check_domains() const;
 
     /**
@@ -260,11 +263,12 @@ namespace greville
 
     /**
      * What "auto" stands for: lumped mass where bodies spread into thin layers,
-     * and with APIC; the consistent one otherwise, and with total Lagrangian
-     * steps.
+     * with friction walls and with APIC; the consistent one otherwise, and with
+     * total Lagrangian steps.
      */
     std::string
-    default_mass(const SchemeParameters &scheme) const;
+    default_mass(const SchemeParameters &scheme,
+                 const WallParameters   &walls) const;
 
     std::string used_text;
   };

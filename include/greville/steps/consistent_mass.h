@@ -57,23 +57,12 @@ namespace greville
           const std::vector<double>                   &shares = {}) override;
 
     void
-    solve_held(VectorField<dim>                 &x,
-               const VectorField<dim>           &b,
-               const std::vector<unsigned char> &more) override;
-
-    void
     rows_of_held(VectorField<dim>       &rows,
                  const VectorField<dim> &x,
                  const VectorField<dim> &b,
                  const unsigned int) const override
     {
       extended_mass.rows_of_held(rows, x, b);
-    }
-
-    void
-    reactions(VectorField<dim> &rows, const VectorField<dim> &x) const override
-    {
-      extended_mass.multiply_field(rows, x, true);
     }
 
     void
@@ -129,9 +118,7 @@ namespace greville
     void
     forget() override
     {
-      for (auto *const solver : {mass_solver.get(), solver_of_held.get()})
-        if (solver)
-          solver->forget();
+      mass_solver->forget();
     }
 
     unsigned int
@@ -169,12 +156,6 @@ namespace greville
     void
     assemble();
 
-    /**
-     * Throw where a solver did not converge.
-     */
-    void
-    check(const SolveResult &result);
-
     const SimulationParameters              &parameters;
     const Walls<dim>                        &walls;
     std::vector<double>                      filled_part; // of owned cells
@@ -185,8 +166,6 @@ namespace greville
     VectorType                               diagonal;  // for "cg-jacobi"
     std::unique_ptr<ExtendedMultigrid<dim>>  multigrid; // "cg-p-multigrid"
     std::unique_ptr<ExtendedMassSolver<dim>> mass_solver;
-    std::unique_ptr<ExtendedMassSolver<dim>> solver_of_held; // solve_held()
-    bool                                     held_solver_is_behind = true;
     // Implicit steps have a mass of their own: this one is made where a solve
     // asks for it, from the bodies of the last update(), a list that follows
     // its state.

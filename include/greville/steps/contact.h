@@ -20,8 +20,6 @@ namespace greville
     /// The times to which v and v' belong, and the length of the step between
     /// them, s.
     double begin = 0., end = 0., dt = 0.;
-    /// Iterations of all solves of contacts, and of the one that needed most.
-    unsigned int n_iterations = 0, most_iterations = 0;
     /// The row of statistics that the step sums up, or null.
     LateRow<dim> *row = nullptr;
 

@@ -152,28 +152,6 @@ namespace greville
                  const unsigned int      k) const = 0;
 
     /**
-     * Collective. Solve for one pair with more held coefficients: bit c of
-     * @p more[i] holds component c of the owned function i. If is_exact().
-     */
-    virtual void
-    solve_held(VectorField<dim> &,
-               const VectorField<dim> &,
-               const std::vector<unsigned char> &)
-    {
-      AssertThrow(false, dealii::ExcPureFunctionCalled());
-    }
-
-    /**
-     * Collective. Return the rows of M x at all unknowns that are not held: the
-     * impulses of the coefficients that solve_held() has held. If is_exact().
-     */
-    virtual void
-    reactions(VectorField<dim> &, const VectorField<dim> &) const
-    {
-      AssertThrow(false, dealii::ExcPureFunctionCalled());
-    }
-
-    /**
      * Collective. Give functions that are no unknowns the coefficients that
      * depend on those of unknowns, see ExtendedMass::extend().
      */

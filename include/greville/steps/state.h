@@ -91,7 +91,6 @@ namespace greville
 
     AccelerationHistory<dim> history;
     HighestMode<dim>         mode;
-    std::vector<bool>        slid; // at walls, see FrictionContact
   };
 
 

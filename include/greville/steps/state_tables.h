@@ -17,9 +17,6 @@ namespace greville
    * Points have tables `body NAME` and `surface NAME`. Those of the rest begin
    * with the @p prefix: `state` and `step_estimates` with numbers, `partition`
    * (see Partition), and those of fields of the grid.
-   *
-   * What is only a guess for the first iteration of a solver
-   * (StateWithoutBodies::slid) is left out.
    */
   template <int dim>
   std::vector<DistributedTable>
