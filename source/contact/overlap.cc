@@ -1,55 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/contact/combine_by_key.h>
 #include <greville/contact/overlap.h>
 
 #include "hats.h"
 #include <algorithm>
-#include <map>
-#include <unordered_map>
 
 namespace greville
 {
   using namespace dealii;
   using namespace internal;
-
-  namespace
-  {
-    using Fractions =
-      std::unordered_map<std::uint64_t, std::array<double, 2>>; // of nodes
-
-
-
-    /**
-     * Collective. Add up the shares of all processes at the nodes that points
-     * of this process have.
-     */
-    void
-    add_up(Fractions &fractions, const MPI_Comm comm)
-    {
-      const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
-      if (n_processes == 1)
-        return;
-      using Rows = std::vector<std::pair<std::uint64_t, std::array<double, 2>>>;
-      std::map<unsigned int, Rows> to_owners, answers;
-      for (const auto &entry : fractions)
-        to_owners[entry.first % n_processes].push_back(entry);
-      const auto received = Utilities::MPI::some_to_some(comm, to_owners);
-      Fractions  owned;
-      for (const auto &[process, rows] : received)
-        for (const auto &[node, share] : rows)
-          for (unsigned int s = 0; s < 2; ++s)
-            owned[node][s] += share[s];
-      for (const auto &[process, rows] : received)
-        for (const auto &row : rows)
-          answers[process].emplace_back(row.first, owned[row.first]);
-      for (const auto &[process, rows] :
-           Utilities::MPI::some_to_some(comm, answers))
-        for (const auto &[node, sum] : rows)
-          fractions[node] = sum;
-    }
-  } // namespace
-
-
 
   template <int dim>
   Overlap<dim>
@@ -64,7 +24,8 @@ namespace greville
     const Tensor<1, dim>   up = Point<dim>::unit_vector(dim - 1);
     std::vector<Hats<dim>> hats;
     hats.reserve(points.size());
-    Fractions fractions;
+    // Of both sides, by nodes.
+    std::unordered_map<std::uint64_t, std::array<double, 2>> fractions;
     for (const VolumePoint<dim> &point : points)
       {
         const Hats<dim> &own = hats.emplace_back(point.x, up, Point<dim>(), h);
@@ -72,7 +33,13 @@ namespace greville
           fractions[own.keys[k]][point.side] +=
             point.volume / cell * own.values[k];
       }
-    add_up(fractions, comm);
+    combine_by_key(
+      fractions,
+      [](auto &sum, const auto &share) {
+        for (unsigned int s = 0; s < 2; ++s)
+          sum[s] += share[s];
+      },
+      comm);
 
     Overlap<dim> result;
     for (std::size_t p = 0; p < points.size(); ++p)

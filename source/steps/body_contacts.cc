@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
 #include <greville/steps/body_contacts.h>
+#include <greville/steps/distant_bodies.h>
 
 #include <algorithm>
 #include <cmath>
@@ -62,6 +63,33 @@ namespace greville
 
 
   template <int dim>
+  std::vector<BoundingBox<dim>>
+  BodyContacts<dim>::regions_of_rigid_bodies() const
+  {
+    std::vector<std::vector<Point<dim>>> corners(rigid_bodies.size());
+    for (const Contact &contact : contacts)
+      if (contact.rigid >= 0)
+        for (const Place &place : contact.sides[0])
+          {
+            const Lattice<dim> &lattice = place.part->space().lattice();
+            Point<dim>          lower, upper;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                lower[d] = lattice.lower(d);
+                upper[d] = lattice.upper(d);
+              }
+            corners[contact.rigid].insert(corners[contact.rigid].end(),
+                                          {lower, upper});
+          }
+    std::vector<BoundingBox<dim>> regions;
+    for (const auto &of_body : corners)
+      regions.emplace_back(of_body);
+    return regions;
+  }
+
+
+
+  template <int dim>
   BodyContacts<dim>::BodyContacts(const SimulationParameters &parameters,
                                   const std::vector<Simulation<dim> *> &parts,
                                   const MPI_Comm                        comm)
@@ -105,7 +133,9 @@ namespace greville
       }
     for (const std::string &name : parameters.general.contacts)
       make_contact(parameters, name);
-    look_for_rigid_bodies(parameters);
+    all_notes = notes_of_distant_bodies(parameters,
+                                        rigid_bodies,
+                                        regions_of_rigid_bodies());
     set_intervals({});
     for (Simulation<dim> *part : parts)
       {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/mixed_bits.h>
+#include <greville/contact/combine_by_key.h>
 #include <greville/steps/body_contacts.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <unordered_map>
 
 namespace greville
@@ -58,20 +58,6 @@ namespace greville
 
 
 
-    /**
-     * A material point that may be one of the outermost layer.
-     */
-    template <int dim>
-    struct Candidate
-    {
-      PointRef<dim> point;
-      unsigned int  cell;
-      /// m
-      double spacing;
-    };
-
-
-
     template <int dim, typename Action>
     void
     for_each_in_cell(MaterialPoints<dim> &points,
@@ -96,10 +82,10 @@ namespace greville
      * slides. The pressure of its pores is the number @p pore of the point,
      * null without water.
      */
-    template <int dim>
+    template <int dim, typename MaterialPoint>
     std::vector<double>
     contactor(const PointLayout<dim>  &layout,
-              const Candidate<dim>    &candidate,
+              const MaterialPoint     &candidate,
               const ContactPoint<dim> &met,
               const double             radius,
               const PointField        *pore,
@@ -235,29 +221,10 @@ namespace greville
               lowest.emplace(box_of(point->x, near), none).first->second;
             gap = std::min(gap, point->gap);
           }
-      const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
-      if (n_processes > 1)
-        {
-          using Rows = std::vector<std::pair<std::uint64_t, double>>;
-          std::map<unsigned int, Rows> to_owners, answers;
-          for (const auto &entry : lowest)
-            to_owners[entry.first % n_processes].push_back(entry);
-          const auto received = Utilities::MPI::some_to_some(comm, to_owners);
-          std::unordered_map<std::uint64_t, double> owned;
-          for (const auto &[process, rows] : received)
-            for (const auto &[box, gap] : rows)
-              {
-                double &least = owned.emplace(box, none).first->second;
-                least         = std::min(least, gap);
-              }
-          for (const auto &[process, rows] : received)
-            for (const auto &row : rows)
-              answers[process].emplace_back(row.first, owned[row.first]);
-          for (const auto &[process, rows] :
-               Utilities::MPI::some_to_some(comm, answers))
-            for (const auto &[box, gap] : rows)
-              lowest[box] = gap;
-        }
+      combine_by_key(
+        lowest,
+        [](double &least, const double gap) { least = std::min(least, gap); },
+        comm);
       std::vector<double> result;
       for (const ContactPoint<dim> &point : points)
         {
@@ -272,15 +239,32 @@ namespace greville
 
 
   template <int dim>
-  void
-  BodyContacts<dim>::renew_contactors(Contact &contact)
+  struct BodyContacts<dim>::Candidates
   {
-    const bool is_new = parts.front()->current.n_steps == 0;
-    // Points of all surfaces of the first side, and then the second side.
+    /// Points of all surfaces of the first side, and then the second side.
     std::vector<ContactPoint<dim>> points;
-    std::vector<Candidate<dim>>    candidates;
-    std::vector<std::size_t>       ends;
-    double                         largest = 0.; // spacing
+    struct MaterialPoint
+    {
+      PointRef<dim> point;
+      unsigned int  cell;
+      double        spacing; // m
+    };
+    /// Of the first side.
+    std::vector<MaterialPoint> material_points;
+    std::vector<std::size_t>   ends; // of surfaces
+    /// See lowest_in_boxes().
+    std::vector<double> lowest;
+  };
+
+
+
+  template <int dim>
+  typename BodyContacts<dim>::Candidates
+  BodyContacts<dim>::find_candidates(Contact &contact)
+  {
+    Candidates result;
+    auto      &points  = result.points;
+    double     largest = 0.; // spacing
     for (const Place &place : contact.sides[0])
       body_of(place).points.for_each(
         [&](const unsigned int, const ConstPointRef<dim> p) {
@@ -300,7 +284,7 @@ namespace greville
         for (const NearCell &cell : near)
           n_near += all.n_points(cell.cell);
         points.reserve(n_near);
-        candidates.reserve(n_near);
+        result.material_points.reserve(n_near);
         for (const NearCell &cell : near)
           for_each_in_cell(all, cell.cell, [&](const PointRef<dim> p) {
             // Distances change by no more than what separates two places.
@@ -313,9 +297,9 @@ namespace greville
             point.x                    = p.position();
             point.thickness            = all.layout().thickness(p.position());
             point.area = std::pow(spacing, dim - 1) * point.thickness;
-            candidates.push_back({p, cell.cell, spacing});
+            result.material_points.push_back({p, cell.cell, spacing});
           });
-        ends.push_back(points.size());
+        result.ends.push_back(points.size());
       }
     if (contact.rigid < 0)
       for (const ContactPoint<dim> &point : collect(contact))
@@ -324,86 +308,104 @@ namespace greville
     find_gaps(contact, points, reach);
     // The layer begins at the lowest point, if that is inside already: else
     // points above would hide it in the mean.
-    const std::vector<double> lowest =
-      lowest_in_boxes(points, contact.cell_size, comm);
+    result.lowest = lowest_in_boxes(points, contact.cell_size, comm);
+    return result;
+  }
 
-    std::size_t k = 0;
-    for (unsigned int s = 0; s < ends.size(); ++s)
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::renew_contactors(Contact &contact)
+  {
+    const Candidates candidates = find_candidates(contact);
+    for (unsigned int s = 0; s < candidates.ends.size(); ++s)
+      renew_contactors(contact, candidates, s);
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::renew_contactors(const Contact     &contact,
+                                      const Candidates  &candidates,
+                                      const unsigned int s)
+  {
+    const bool    is_new          = parts.front()->current.n_steps == 0;
+    const Place  &place           = contact.sides[0][s];
+    Surface<dim> &surface         = place.part->current.surfaces[place.surface];
+    const PointLayout<dim> layout = surface.points.layout();
+    std::unordered_map<std::uint64_t, std::size_t> last; // first numbers
+    std::vector<double>                            last_rows;
+    last_rows.reserve(surface.points.n_points() * layout.size);
+    surface.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+      last[std::uint64_t(p.id())] = last_rows.size();
+      for (unsigned int i = 0; i < layout.size; ++i)
+        last_rows.push_back(p[i]);
+    });
+    surface.points.reinit(place.part->space(), layout);
+    unsigned int              n_joined = 0;
+    std::vector<unsigned int> left;
+    for (std::size_t k = s == 0 ? 0 : candidates.ends[s - 1];
+         k < candidates.ends[s];
+         ++k)
       {
-        const Place  &place   = contact.sides[0][s];
-        Surface<dim> &surface = place.part->current.surfaces[place.surface];
-        const PointLayout<dim> layout = surface.points.layout();
-        std::unordered_map<std::uint64_t, std::size_t> last; // first numbers
-        std::vector<double>                            last_rows;
-        last_rows.reserve(surface.points.n_points() * layout.size);
-        surface.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-          last[std::uint64_t(p.id())] = last_rows.size();
-          for (unsigned int i = 0; i < layout.size; ++i)
-            last_rows.push_back(p[i]);
-        });
-        surface.points.reinit(place.part->space(), layout);
-        unsigned int              n_joined = 0;
-        std::vector<unsigned int> left;
-        for (; k < ends[s]; ++k)
-          {
-            const Candidate<dim> &candidate = candidates[k];
-            const double          gap       = points[k].gap;
-            const auto found = last.find(std::uint64_t(candidate.point.id()));
-            const bool joins = !is_new && found == last.end();
-            const bool is_in_layer =
-              points[k].is_facing &&
-              gap < end_of_layer(lowest[k], candidate.spacing, joins);
-            // Implicit steps begin with the forces of the last one.
-            const double *const last_row =
-              found == last.end() ? nullptr : &last_rows[found->second];
-            const bool leaves =
-              are_implicit && last_row && !is_in_layer &&
-              ConstPointRef<dim>(last_row).vector(layout.first("load")).norm() *
-                  ConstPointRef<dim>(last_row).mass() >
-                negligible_pressure * contact.modulus * points[k].area;
-            if (!is_in_layer && !leaves)
-              continue;
-            std::vector<double> row =
-              contactor(layout,
-                        candidate,
-                        points[k],
-                        is_new && gap < candidate.spacing &&
-                            gap > -deepest_initially * candidate.spacing
-                          ? gap
-                          : default_radius * candidate.spacing,
-                        body_of(place).points.layout().find("pore_pressure"),
-                        last_row);
-            if (leaves)
-              take_area(PointRef<dim>(row.data()), layout);
-            if (is_in_layer && gap < -smallest_lift * candidate.spacing &&
-                !is_new)
-              {
-                lift(candidate.point,
-                     PointRef<dim>(row.data()),
-                     layout,
-                     -gap * points[k].target_normal,
-                     surface.points.space().lattice());
-                left.push_back(candidate.cell);
-              }
-            surface.points.insert(candidate.cell, make_array_view(row));
-            n_joined += last_row == nullptr;
-          }
-        Simulation<dim>          &part    = *place.part;
-        std::vector<unsigned int> numbers = {n_joined,
-                                             unsigned(last.size()),
-                                             unsigned(left.size())};
-        Utilities::MPI::sum(numbers, comm, numbers);
-        // The critical step is that with the stiffness of all contactors.
-        if (numbers[0] > most_joined * numbers[1])
-          part.current.estimates.next = part.current.n_steps;
-        if (numbers[2] == 0)
+        const auto              &candidate = candidates.material_points[k];
+        const ContactPoint<dim> &point     = candidates.points[k];
+        const double             gap       = point.gap;
+        const auto found = last.find(std::uint64_t(candidate.point.id()));
+        const bool joins = !is_new && found == last.end();
+        const bool is_in_layer =
+          point.is_facing &&
+          gap < end_of_layer(candidates.lowest[k], candidate.spacing, joins);
+        // Implicit steps begin with the forces of the last one.
+        const double *const last_row =
+          found == last.end() ? nullptr : &last_rows[found->second];
+        const bool leaves =
+          are_implicit && last_row && !is_in_layer &&
+          ConstPointRef<dim>(last_row).vector(layout.first("load")).norm() *
+              ConstPointRef<dim>(last_row).mass() >
+            negligible_pressure * contact.modulus * point.area;
+        if (!is_in_layer && !leaves)
           continue;
-        left.erase(std::unique(left.begin(), left.end()), left.end());
-        for (MaterialPoints<dim> *moved :
-             {&body_of(place).points, &surface.points})
-          part.discretization.transport().move(*moved, left);
-        part.current.points_have_changed();
+        std::vector<double> row =
+          contactor(layout,
+                    candidate,
+                    point,
+                    is_new && gap < candidate.spacing &&
+                        gap > -deepest_initially * candidate.spacing
+                      ? gap
+                      : default_radius * candidate.spacing,
+                    body_of(place).points.layout().find("pore_pressure"),
+                    last_row);
+        if (leaves)
+          take_area(PointRef<dim>(row.data()), layout);
+        if (is_in_layer && gap < -smallest_lift * candidate.spacing && !is_new)
+          {
+            lift(candidate.point,
+                 PointRef<dim>(row.data()),
+                 layout,
+                 -gap * point.target_normal,
+                 surface.points.space().lattice());
+            left.push_back(candidate.cell);
+          }
+        surface.points.insert(candidate.cell, make_array_view(row));
+        n_joined += last_row == nullptr;
       }
+    Simulation<dim>          &part    = *place.part;
+    std::vector<unsigned int> numbers = {n_joined,
+                                         unsigned(last.size()),
+                                         unsigned(left.size())};
+    Utilities::MPI::sum(numbers, comm, numbers);
+    // The critical step is that with the stiffness of all contactors.
+    if (numbers[0] > most_joined * numbers[1])
+      part.current.estimates.next = part.current.n_steps;
+    if (numbers[2] == 0)
+      return;
+    left.erase(std::unique(left.begin(), left.end()), left.end());
+    for (MaterialPoints<dim> *moved : {&body_of(place).points, &surface.points})
+      part.discretization.transport().move(*moved, left);
+    part.current.points_have_changed();
   }
 
 

@@ -2,7 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
-#include <greville/steps/body_contacts.h>
+#include <greville/steps/distant_bodies.h>
 
 namespace greville
 {
@@ -64,31 +64,18 @@ namespace greville
 
 
   template <int dim>
-  void
-  BodyContacts<dim>::look_for_rigid_bodies(
-    const SimulationParameters &parameters)
+  std::vector<std::string>
+  notes_of_distant_bodies(const SimulationParameters          &parameters,
+                          const std::vector<RigidBody<dim>>   &rigid_bodies,
+                          const std::vector<BoundingBox<dim>> &regions)
   {
+    std::vector<std::string> notes;
     const bool   may_leave = parameters.scheme.is_total_lagrangian();
     const double start = parameters.time.start, end = parameters.end_of_run();
     for (unsigned int k = 0; k < rigid_bodies.size(); ++k)
       {
-        const RigidBody<dim> &body = rigid_bodies[k];
-        // The grids of bodies that meet it.
-        std::vector<Point<dim>> corners;
-        for (const Contact &contact : contacts)
-          if (contact.rigid == int(k))
-            for (const Place &place : contact.sides[0])
-              {
-                const Lattice<dim> &lattice = place.part->space().lattice();
-                Point<dim>          lower, upper;
-                for (unsigned int d = 0; d < dim; ++d)
-                  {
-                    lower[d] = lattice.lower(d);
-                    upper[d] = lattice.upper(d);
-                  }
-                corners.insert(corners.end(), {lower, upper});
-              }
-        const BoundingBox<dim> region(corners);
+        const RigidBody<dim>   &body   = rigid_bodies[k];
+        const BoundingBox<dim> &region = regions[k];
         const double size = region.get_boundary_points().first.distance(
           region.get_boundary_points().second);
         const auto is_near = [&](const RigidPosition<dim> &now,
@@ -106,7 +93,7 @@ namespace greville
                                  ") m";
         if (body.is_free())
           {
-            all_notes.push_back(
+            notes.push_back(
               name + " is outside of " + grid +
               ", at the start: nothing meets it unless it gets there.");
             continue;
@@ -125,14 +112,13 @@ namespace greville
           (course.moves ? " and its motion."
                         : ", or give it a 'Velocity' or a 'Rotation'.");
         AssertThrow(course.moves || may_leave, ExcMessage(problem));
-        all_notes.push_back(problem);
+        notes.push_back(problem);
       }
+    return notes;
   }
 
 
 
-  template void
-  BodyContacts<2>::look_for_rigid_bodies(const SimulationParameters &);
-  template void
-  BodyContacts<3>::look_for_rigid_bodies(const SimulationParameters &);
+  template decltype(notes_of_distant_bodies<2>) notes_of_distant_bodies<2>;
+  template decltype(notes_of_distant_bodies<3>) notes_of_distant_bodies<3>;
 } // namespace greville

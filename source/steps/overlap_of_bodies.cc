@@ -99,15 +99,26 @@ namespace greville
 
   template <int dim>
   std::string
-  overlap_text(const Sides<dim> &sides, const Overlap<dim> &overlap)
+  inside_text(const Body<dim>   &body,
+              const Point<dim>  &x,
+              const std::string &other)
   {
     std::ostringstream text;
-    text << "a point of 'Body " << sides[overlap.side][overlap.body]->name
-         << "' at (" << overlap.x << ") m is inside of ";
-    const auto &others = sides[1 - overlap.side];
-    for (unsigned int k = 0; k < others.size(); ++k)
-      text << (k == 0 ? "'Body " : " or 'Body ") << others[k]->name << "'";
+    text << "a point of 'Body " << body.name << "' at (" << x
+         << ") m is inside of " << other;
     return text.str();
+  }
+
+
+
+  template <int dim>
+  std::string
+  overlap_text(const Sides<dim> &sides, const Overlap<dim> &overlap)
+  {
+    std::string names;
+    for (const Body<dim> *other : sides[1 - overlap.side])
+      names += (names.empty() ? "'Body " : " or 'Body ") + other->name + "'";
+    return inside_text(*sides[overlap.side][overlap.body], overlap.x, names);
   }
 
 
@@ -151,6 +162,8 @@ namespace greville
 
   template decltype(overlap_of_bodies<2>) overlap_of_bodies<2>;
   template decltype(overlap_of_bodies<3>) overlap_of_bodies<3>;
+  template decltype(inside_text<2>)       inside_text<2>;
+  template decltype(inside_text<3>)       inside_text<3>;
   template decltype(overlap_text<2>)      overlap_text<2>;
   template decltype(overlap_text<3>)      overlap_text<3>;
   template decltype(is_deep<2>)           is_deep<2>;

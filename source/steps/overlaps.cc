@@ -180,10 +180,9 @@ namespace greville
         const auto look = [&](const ConstPointRef<dim> p) {
           if (!problem.empty() || !is_deep<dim>(is_inside, p.position(), depth))
             return;
-          std::ostringstream text;
-          text << "a point of 'Body " << body.name << "' at (" << p.position()
-               << ") m is inside of 'Rigid body " << rigid.name() << "'";
-          problem = text.str();
+          problem = inside_text(body,
+                                p.position(),
+                                "'Rigid body " + rigid.name() + "'");
         };
         // Cells of total Lagrangian points are not where the points are.
         if (body.points.layout().is_total_lagrangian())

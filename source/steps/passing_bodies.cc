@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <sstream>
 
 namespace greville
 {
@@ -154,11 +153,9 @@ namespace greville
                         p.position(),
                         half_of_cell * first.part->grid().cell_size()))
         return;
-      std::ostringstream text;
-      text << "a point of 'Body " << first.body->name << "' at ("
-           << p.position() << ") m is inside of 'Rigid body " << rigid.name()
-           << "'";
-      problem = text.str();
+      problem = inside_text(*first.body,
+                            p.position(),
+                            "'Rigid body " + rigid.name() + "'");
     });
     return first_of_all(problem, comm);
   }

@@ -193,10 +193,9 @@ namespace greville
     add_to_intervals(const std::vector<ContactResult<dim>> &results,
                      const double                           dt);
 
-    /// Throw if a rigid body is away from the grid and stays there, and note
-    /// where one is that moves, or whose bodies may leave the grid.
-    void
-    look_for_rigid_bodies(const SimulationParameters &parameters);
+    /// The grids of bodies that meet each rigid body.
+    std::vector<dealii::BoundingBox<dim>>
+    regions_of_rigid_bodies() const;
 
     bool
     steps_are_implicit() const;
@@ -235,6 +234,18 @@ namespace greville
     /// pass.
     void
     renew_contactors(Contact &contact);
+
+    /// The material points of the first side that may be contactors.
+    struct Candidates;
+
+    Candidates
+    find_candidates(Contact &contact);
+
+    /// The same for the surface number @p s of the first side.
+    void
+    renew_contactors(const Contact     &contact,
+                     const Candidates  &candidates,
+                     const unsigned int s);
 
     /// How far a point, or a rigid body, may move in an implicit step, in units
     /// of the larger cell size.

@@ -38,7 +38,16 @@ namespace greville
                     const MPI_Comm         comm);
 
   /**
-   * Return the point and the names of the bodies of an overlap, for messages.
+   * Return "a point of 'Body NAME' at (0.1, 0.2) m is inside of OTHER".
+   */
+  template <int dim>
+  std::string
+  inside_text(const Body<dim>          &body,
+              const dealii::Point<dim> &x,
+              const std::string        &other);
+
+  /**
+   * Return the same for an overlap.
    */
   template <int dim>
   std::string

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_distant_bodies_h
+#define greville_steps_distant_bodies_h
+
+#include <deal.II/base/bounding_box.h>
+
+#include <greville/contact/rigid_body.h>
+#include <greville/parameters/simulation_parameters.h>
+
+namespace greville
+{
+  /**
+   * Return notes about rigid bodies that are away from their @p regions, the
+   * grids of the bodies that meet them, and move, or whose bodies may leave the
+   * grid. Throws dealii::ExcMessage if one stays away.
+   */
+  template <int dim>
+  std::vector<std::string>
+  notes_of_distant_bodies(const SimulationParameters        &parameters,
+                          const std::vector<RigidBody<dim>> &rigid_bodies,
+                          const std::vector<dealii::BoundingBox<dim>> &regions);
+} // namespace greville
+
+#endif
