@@ -18,43 +18,42 @@ namespace greville
   RigidBodyParameters::declare(ParameterHandler &prm)
   {
     add_formula(prm, "Shape", shape)(
-      "The inside of the body at the start, see Body/Shape. Its edges and "
-      "corners are as sharp as the formula says. Unit: m.");
+      "The inside of the body at the start, see Body/Shape. Edges and corners "
+      "are sharp. Unit: m.");
     add_parameter(prm, "Shape file", shape_file)(
-      "In place of 'Shape': a closed surface of triangles (3D: STL, PLY, OBJ) "
-      "or polygons (2D: a CSV file with the columns x, y).");
+      "File with a closed surface, in place of 'Shape': triangles (3D: STL, "
+      "PLY, OBJ) or polygons (2D: CSV with the columns x, y).");
     add_parameter(prm, "Unit of shape file", shape_file_unit, Double(1e-12))(
-      "The unit of the coordinates in the file, such as 0.001 for mm. Unit: "
-      "m.");
+      "Length unit of the shape file, such as 0.001 for mm. Unit: m.");
     add_parameter(prm,
                   "Reference point",
                   reference_point,
                   List(Double(), 0, 3))(
-      "The point that has the velocity, about which the body turns and moments "
-      "are counted, where it is at the start. Empty: the origin. Unit: m.");
+      "Initial position of the point that has the given velocity, and about "
+      "which the body rotates and moments are taken. Empty: the origin. Unit: "
+      "m.");
     add_formula(prm, "Velocity", velocity)(
       "Velocity of the reference point: formulas of t, separated by "
-      "semicolons. Empty: it stays where it is. Of a free body, the velocity "
-      "at the start. Unit: m / s.");
+      "semicolons; for a free body the initial velocity. Empty: 0. Unit: m / "
+      "s.");
     add_formula(prm, "Rotation", rotation)(
-      "In 2D the angle about the reference point, counterclockwise, a formula "
-      "of t; in 3D a rotation vector (axis times angle), three formulas of t, "
-      "separated by semicolons. It is zero at the start. Empty: no rotation. "
-      "Unit: rad.");
+      "Rotation about the reference point. 2D: the counterclockwise angle, a "
+      "formula of t. 3D: a rotation vector (axis times angle), three formulas "
+      "of t, separated by semicolons. It has to be zero at the start. Empty: "
+      "none. Unit: rad.");
     add_parameter(prm, "Free", is_free)(
-      "Whether gravity and the forces of contacts move the body. It needs a "
+      "Let gravity and contact forces move the body. A free body needs a "
       "'Density', or 'Mass' and 'Inertia'.");
     add_parameter(prm, "Density", density, Double(0.))(
-      "Of a free body: mass, center of mass and inertia follow from the shape. "
-      "Unit: kg / m^3.");
+      "Density of a free body. Mass, center of mass and inertia follow from "
+      "the shape. Unit: kg / m^3.");
     add_parameter(prm, "Mass", mass, Double(0.))(
-      "Of a free body in place of a density; 'Reference point' is its center "
-      "of "
-      "mass. Unit: kg (2D: kg / m).");
+      "Mass of a free body, in place of a density. 'Reference point' is then "
+      "its center of mass. Unit: kg (2D: kg / m).");
     add_parameter(prm, "Inertia", inertia, List(Double(0.), 0, 3))(
-      "The moment of inertia that goes with 'Mass', about the center of mass; "
-      "in 3D three of them, about the axes, which are principal ones. Unit: kg "
-      "m^2 (2D: kg m).");
+      "Moment of inertia about the center of mass, with 'Mass'. 3D: three "
+      "moments, about the axes, which have to be principal axes. Unit: kg m^2 "
+      "(2D: kg m).");
   }
 
 
@@ -127,39 +126,37 @@ namespace greville
                   "Contactors",
                   contactors,
                   Selection("surface points|material points"))(
-      "What of the first side meets the second one: points placed on its "
-      "surface, or its outermost layer of material points, each half of its "
-      "spacing ahead (initially as far as the surface, where it begins in "
-      "contact). A surface that flows or tears needs the latter, which are "
-      "less accurate, and updated Lagrangian steps. Unit: none.");
+      "Points of the first side that meet the second side: surface points, or "
+      "material points of the outermost layer, each moved outwards by half of "
+      "its spacing (up to the surface, if the contact begins closed). A "
+      "surface that flows or tears needs material points, which are less "
+      "accurate, and updated Lagrangian steps. Unit: none.");
     add_formula(prm, "Friction", friction)(
-      "The coefficient of friction mu, a number or a formula of the pressure p "
-      "(Pa) and of the speed of sliding v (m / s), such as 0.2 + 0.2 * exp(-v "
-      "/ 0.01); or rough: surfaces that touch do not slide. The shear stress "
-      "is at most mu times the pressure, plus the adhesion. In soil with pore "
-      "water p is the effective pressure: that of contact less that of the "
-      "pores. Unit: none.");
+      "Coefficient of friction mu: a number, or a formula of the pressure p "
+      "(Pa) and of the sliding speed v (m / s), such as 0.2 + 0.2 * exp(-v / "
+      "0.01); or rough: closed surfaces do not slide. The shear stress is at "
+      "most mu times the pressure, plus the adhesion. In soil with pore water, "
+      "p is the effective pressure: contact pressure less pore pressure. Unit: "
+      "none.");
     add_parameter(prm, "Adhesion", adhesion, Double(0.))(
-      "Shear stress that surfaces under pressure bear without friction. Unit: "
-      "Pa.");
+      "Shear strength of surfaces under pressure, in addition to friction. "
+      "Unit: Pa.");
     add_parameter(prm, "Penalty", penalty, Double(0., 1e6))(
       "kappa: the pressure is kappa E' / h times the depth of the averaged "
-      "gap, "
-      "with the modulus E' = E / (1 - nu^2) (the harmonic mean of both sides) "
-      "and the larger cell size h of both grids. Larger values let surfaces "
-      "overlap less, and shorten explicit steps. 0: 10 in implicit steps, 1 in "
-      "explicit ones. Unit: none.");
+      "gap, with the modulus E' = E / (1 - nu^2) (the harmonic mean of both "
+      "sides) and the larger cell size h of both grids. With larger values "
+      "surfaces overlap less, and explicit steps are shorter. 0: 10 in "
+      "implicit steps, 1 in explicit steps. Unit: none.");
     add_parameter(prm, "Method", method, Selection("penalty|augmented"))(
-      "augmented adds the pressure that has been found, and solves again, up "
-      "to "
-      "five times in a step, until it changes by less than a thousandth (the "
-      "method of Uzawa): surfaces hardly overlap then. In implicit steps only. "
-      "Unit: none.");
+      "penalty, or augmented: Uzawa's method, which adds the last contact "
+      "pressure and solves again, up to five times in a step, until the "
+      "pressure changes by less than a thousandth. Surfaces then hardly "
+      "overlap. augmented is for implicit steps only. Unit: none.");
     add_parameter(prm, "Damping", damping, Double(0., 1e3))(
       "zeta: surfaces in contact that approach one another at the speed v have "
-      "the pressure zeta rho c v besides, with the impedance rho c of the "
-      "softer side; likewise the shear stress of surfaces that do not slide. "
-      "Without effect in implicit steps. Unit: none.");
+      "the additional pressure zeta rho c v, with the impedance rho c of the "
+      "softer side. Surfaces that stick have such a shear stress, too. "
+      "Implicit steps have no damping. Unit: none.");
   }
 
 
