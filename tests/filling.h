@@ -50,9 +50,8 @@ std::vector<double>
 fillings(const SplineSpace<dim> &space, const Filling<dim> &filling)
 {
   std::vector<double> result;
-  for (const std::uint64_t cell : space.owned_cells())
-    result.push_back(
-      filling(multi_index<dim>(cell, space.lattice().n_cells())));
+  for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+    result.push_back(filling(space.box(cell).index));
   return result;
 }
 

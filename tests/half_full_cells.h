@@ -20,13 +20,12 @@ random_points(const SplineSpace<dim> &space,
   points.reinit(space, PointLayout<dim>());
   std::vector<double> numbers(points.layout().size, 0.);
   const PointRef<dim> point(numbers.data());
-  point.J()         = 1.;
-  const auto  parts = fillings<dim>(space, filling);
-  const auto &n     = space.lattice().n_cells();
+  point.J()        = 1.;
+  const auto parts = fillings<dim>(space, filling);
   for (unsigned int c = 0; c < parts.size(); ++c)
     {
       const std::uint64_t cell  = space.owned_cells()[c];
-      const auto          index = multi_index<dim>(cell, n);
+      const CellBox<dim>  box   = space.box(c);
       const unsigned int  count = parts[c] <= 0.   ? 0
                                   : parts[c] < 0.5 ? 1
                                                    : Utilities::pow(p + 2, dim);
@@ -43,8 +42,8 @@ random_points(const SplineSpace<dim> &space,
                      0.4 * pseudo_random(dim * (1000 * cell + k) + d)) /
                       (p + 2);
               place /= p + 2;
-              point.position(d) = space.lattice().lower(d) +
-                                  space.lattice().cell_size(d) * (index[d] + t);
+              point.position(d) =
+                space.lower_corner()[d] + box.size[d] * (box.index[d] + t);
             }
           point.volume0() = 1.;
           point.mass() =

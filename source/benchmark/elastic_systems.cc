@@ -154,7 +154,7 @@ namespace greville
         body.name     = is_box ? "box" : name;
         body.material = material.get();
         if (!is_box)
-          make_points(problem.placement<dim>(name, n_points, space.lattice()));
+          make_points(problem.placement<dim>(name, n_points, space));
       }
 
       void
@@ -164,7 +164,7 @@ namespace greville
         if (is_box)
           {
             PointPlacement placement =
-              problem.placement<dim>("box", p + 1, space.lattice());
+              problem.placement<dim>("box", p + 1, space);
             placement.placement = Placement::gauss;
             placement.jitter    = 0.;
             make_points(placement);
@@ -172,11 +172,10 @@ namespace greville
 
         // The functions, as TangentSystem takes them.
         const double        filling_threshold = threshold();
-        const double        cell_volume       = space.lattice().cell_volume();
         std::vector<double> parts(space.owned_cells().size(), 0.);
         body.points.for_each(
           [&](const unsigned int cell, ConstPointRef<dim> q) {
-            parts[cell] += q.volume0() / cell_volume;
+            parts[cell] += q.volume0() / space.box(cell).volume();
           });
         CellFilling<dim> filling(space);
         filling.update(parts, filling_threshold);
@@ -277,7 +276,7 @@ namespace greville
         mass_factor = 0.;
         if (!courant_number)
           return;
-        const double h      = space.lattice().smallest_cell_size();
+        const double h      = space.smallest_cell_size();
         const Moduli moduli = material->moduli();
         const double c =
           std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) / density);

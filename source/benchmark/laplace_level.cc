@@ -67,14 +67,13 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       {
         extents[d] = n_pairs;
-        for (unsigned int i = 0; i < space.lattice().n_cells()[d]; ++i)
+        for (unsigned int i = 0; i < space.cells_per_direction()[d]; ++i)
           tables[d].emplace_back(space.knots(d), i, n);
       }
     std::vector<double> sums(Utilities::fixed_power<dim>(n_pairs));
     for (unsigned int c = 0; c < space.owned_cells().size(); ++c)
       {
-        const auto index =
-          multi_index<dim>(space.owned_cells()[c], space.lattice().n_cells());
+        const MultiIndex<dim> index = space.box(c).index;
         for (unsigned int k = 0; k < sums.size(); ++k)
           {
             const auto pair = multi_index<dim>(k, extents);

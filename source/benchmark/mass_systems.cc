@@ -91,10 +91,9 @@ namespace greville
                      "' has a mass: 'Problem/Density' is zero there, or "
                      "'Benchmark/Cells' are too few."));
 
-        const double        cell_volume = space.lattice().cell_volume();
         std::vector<double> parts(space.owned_cells().size(), 0.);
         points.for_each([&](const unsigned int cell, ConstPointRef<dim> q) {
-          parts[cell] += q.volume0() / cell_volume;
+          parts[cell] += q.volume0() / space.box(cell).volume();
         });
         filling.update(parts, parameters.filling_threshold);
       }
@@ -177,7 +176,7 @@ namespace greville
         const auto acceleration =
           make_function<dim>(parameters.acceleration, "Problem/Acceleration");
         const PointPlacement placement =
-          parameters.placement<dim>(body, n, space.lattice());
+          parameters.placement<dim>(body, n, space);
         std::vector<double> numbers(points.layout().size, 0.);
         const PointRef<dim> p(numbers.data());
         p.J() = 1.;

@@ -157,21 +157,23 @@ namespace greville
      */
     template <int dim>
     std::string
-    shape_of(const std::string &body, const Lattice<dim> &lattice)
+    shape_of(const std::string &body, const SplineSpace<dim> &space)
     {
-      std::ostringstream formula;
+      const Point<dim>    &lower_corner = space.lower_corner();
+      const Tensor<1, dim> size         = space.upper_corner() - lower_corner;
+      std::ostringstream   formula;
       formula << std::setprecision(17);
       const auto at = [&](const unsigned int d, const double part) {
-        return lattice.lower(d) + part * (lattice.upper(d) - lattice.lower(d));
+        return lower_corner[d] + part * size[d];
       };
       if (body == "disk" || body == "ball")
         {
-          double width = lattice.upper(0) - lattice.lower(0);
+          double width = size[0];
           formula << "ball(";
           for (unsigned int d = 0; d < dim; ++d)
             {
               formula << at(d, 0.5) << ", ";
-              width = std::min(width, lattice.upper(d) - lattice.lower(d));
+              width = std::min(width, size[d]);
             }
           formula << 0.4 * width << ")";
         }
@@ -197,15 +199,15 @@ namespace greville
 
   template <int dim>
   PointPlacement
-  ProblemParameters::placement(const std::string  &body,
-                               const unsigned int  n,
-                               const Lattice<dim> &lattice) const
+  ProblemParameters::placement(const std::string      &body,
+                               const unsigned int      n,
+                               const SplineSpace<dim> &space) const
   {
     const auto     of_shapes = formulas();
     const auto     formula   = of_shapes.find(body);
     PointPlacement result;
     result.clip  = formula != of_shapes.end();
-    result.shape = result.clip ? formula->second : shape_of(body, lattice);
+    result.shape = result.clip ? formula->second : shape_of(body, space);
     result.points_per_direction = {n};
     result.jitter               = jitter;
     return result;
@@ -216,9 +218,9 @@ namespace greville
   template PointPlacement
   ProblemParameters::placement<2>(const std::string &,
                                   const unsigned int,
-                                  const Lattice<2> &) const;
+                                  const SplineSpace<2> &) const;
   template PointPlacement
   ProblemParameters::placement<3>(const std::string &,
                                   const unsigned int,
-                                  const Lattice<3> &) const;
+                                  const SplineSpace<3> &) const;
 } // namespace greville

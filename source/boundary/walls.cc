@@ -92,39 +92,15 @@ namespace greville
 
 
 
-  namespace
-  {
-    template <int dim>
-    Point<dim>
-    greville_abscissa(const SplineSpace<dim> &space,
-                      const unsigned int      function)
-    {
-      const auto k = multi_index<dim>(space.owned_functions()[function],
-                                      space.n_functions());
-      Point<dim> x;
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d] = space.knots(d).greville_abscissa(k[d]);
-      return x;
-    }
-  } // namespace
-
-
-
   template <int dim>
   std::vector<unsigned int>
   Walls<dim>::coefficients_at(const SplineSpace<dim> &space,
                               const unsigned int      wall) const
   {
-    const unsigned int d   = wall / 2;
-    const unsigned int end = wall % 2 == 0 ? 0 : space.n_functions()[d] - 1;
     std::vector<unsigned int> result;
-    if (space.lattice().is_periodic(d))
-      return result;
     for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
-      if (multi_index<dim>(space.owned_functions()[i],
-                           space.n_functions())[d] == end &&
-          (!region[wall] ||
-           region[wall]->contains(greville_abscissa(space, i))))
+      if (space.on_side(i, wall) &&
+          (!region[wall] || region[wall]->contains(space.greville_point(i))))
         result.push_back(i);
     return result;
   }
@@ -140,7 +116,7 @@ namespace greville
         coefficients[w] = coefficients_at(space, w);
         places[w].clear();
         for (const unsigned int i : coefficients[w])
-          places[w].push_back(greville_abscissa(space, i));
+          places[w].push_back(space.greville_point(i));
       }
     // The last wall that holds a coefficient gives it its value.
     std::vector<unsigned char> others(space.owned_functions().size(), 0);
@@ -192,9 +168,9 @@ namespace greville
               continue;
             Point<dim> x;
             for (unsigned int c = 0; c < dim; ++c)
-              x[c] = (corner >> c) & 1 ? space.lattice().upper(c)
-                                       : space.lattice().lower(c);
-            const double h    = space.lattice().cell_size(d);
+              x[c] = (corner >> c) & 1 ? space.upper_corner()[c]
+                                       : space.lower_corner()[c];
+            const double h    = space.cell_size(d);
             double       path = 0., last = 0.;
             for (unsigned int k = 0; k <= n; ++k)
               {

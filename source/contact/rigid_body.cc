@@ -76,8 +76,7 @@ namespace greville
         std::unique_ptr<FittedShape<dim>> shape;
         if (parameters.shape_file.empty())
           shape = std::make_unique<LevelSetShape<dim>>(parameters.shape,
-                                                       section + "/Shape",
-                                                       lattice);
+                                                       section + "/Shape");
         else
           shape = std::make_unique<SurfaceShape<dim>>(
             read_surface<dim>(parameters.shape_file,
@@ -86,16 +85,14 @@ namespace greville
             lattice);
 
         const QGauss<dim> whole(2);
-        double            cell_volume = 1.;
-        for (unsigned int d = 0; d < dim; ++d)
-          cell_volume *= lattice.cell_size(d);
-        Tensor<1, dim> first;
-        const auto     add = [&](const MultiIndex<dim> &index,
-                             const Point<dim>      &xi,
-                             const double           weight) {
-          Point<dim> x = lattice.cell_corner(index);
+        Tensor<1, dim>    first;
+        const auto        add = [&](const CellBox<dim> &box,
+                             const Point<dim>   &xi,
+                             const double        weight) {
+          const double cell_volume = box.volume();
+          Point<dim>   x           = box.lower;
           for (unsigned int d = 0; d < dim; ++d)
-            x[d] += xi[d] * lattice.cell_size(d);
+            x[d] += xi[d] * box.size[d];
           volume += weight * cell_volume;
           first += weight * cell_volume * x;
           second += weight * cell_volume *
@@ -103,17 +100,15 @@ namespace greville
         };
         for (unsigned int cell = 0; cell < mesh.n_active_cells(); ++cell)
           {
-            const auto           index = multi_index<dim>(cell, n_cells);
-            std::array<int, dim> position;
-            for (unsigned int d = 0; d < dim; ++d)
-              position[d] = index[d];
-            const CellPart<dim> part = shape->cut(position, 3);
+            const CellBox<dim> box =
+              lattice.box(multi_index<dim>(cell, n_cells));
+            const CellPart<dim> part = shape->cut(box, 3);
             if (part.is_full)
               for (unsigned int q = 0; q < whole.size(); ++q)
-                add(index, whole.point(q), whole.weight(q));
+                add(box, whole.point(q), whole.weight(q));
             else
               for (const auto &point : part.points)
-                add(index, point.x, point.weight);
+                add(box, point.x, point.weight);
           }
         center = Point<dim>(first / volume);
         second -= volume *

@@ -38,12 +38,12 @@ namespace greville
 
     template <int dim>
     void
-    check_ids(const Lattice<dim> &lattice,
-              const std::uint64_t n_per_cell,
-              const std::string  &section)
+    check_ids(const SplineSpace<dim> &space,
+              const std::uint64_t     n_per_cell,
+              const std::string      &section)
     {
       double n_cells = 1.;
-      for (const unsigned int n : lattice.n_cells())
+      for (const unsigned int n : space.cells_per_direction())
         n_cells *= n;
       AssertThrow(n_cells * n_per_cell < largest_id,
                   ExcMessage("The grid has too many cells to number the "
@@ -60,28 +60,30 @@ namespace greville
     template <int dim>
     void
     check_walls(const FittedShape<dim> &shape,
-                const Lattice<dim>     &lattice,
-                const MultiIndex<dim>  &index,
+                const MultiIndex<dim>  &n_cells,
+                const CellBox<dim>     &box,
                 const std::string      &section)
     {
       for (unsigned int d = 0; d < dim; ++d)
         for (const int side : {-1, 1})
-          if (index[d] == (side < 0 ? 0 : lattice.n_cells()[d] - 1))
+          if (box.index[d] == (side < 0 ? 0 : n_cells[d] - 1))
             {
-              std::array<int, dim> outside;
-              for (unsigned int e = 0; e < dim; ++e)
-                outside[e] = int(index[e]) + (e == d ? side : 0);
+              // The number before the first is the largest, plus one 0 again.
+              CellBox<dim> outside = box;
+              outside.index[d] += side;
+              outside.lower[d] += side * box.size[d];
+              outside.center[d] += side * box.size[d];
               const CellPart<dim> part   = shape.cut(outside, 1);
               double              volume = part.is_full ? 1. : 0.;
               for (const auto &point : part.points)
                 volume += point.weight;
-              Point<dim> x = lattice.cell_center(index);
+              Point<dim> x = box.center;
               for (unsigned int e = 0; e < dim; ++e)
                 if (!part.points.empty())
-                  x[e] += lattice.cell_size(e) *
+                  x[e] += box.size[e] *
                           (part.points[0].x[e] - 0.5 + (e == d ? side : 0));
                 else if (e == d)
-                  x[e] += lattice.cell_size(e) * side;
+                  x[e] += box.size[e] * side;
               AssertThrow(volume < smallest_part,
                           ExcMessage(
                             "The body of '" + section +
@@ -91,18 +93,6 @@ namespace greville
                             "'Grid/Upper corner'), the shape smaller, or set "
                             "'Clip at the grid' to true."));
             }
-    }
-
-
-
-    template <int dim>
-    std::array<int, dim>
-    signed_index(const MultiIndex<dim> &index)
-    {
-      std::array<int, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = index[d];
-      return result;
     }
 
 
@@ -148,7 +138,7 @@ namespace greville
     check_size(const ClosedSurface<dim> &surface,
                const PointPlacement     &placement,
                const std::string        &section,
-               const Lattice<dim>       &lattice)
+               const SplineSpace<dim>   &space)
     {
       BoundingBox<dim> box(surface[0]);
       for (const auto &facet : surface)
@@ -158,9 +148,10 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         {
           const double size = upper[d] - lower[d];
-          in_cells          = std::max(in_cells, size / lattice.cell_size(d));
-          in_grids =
-            std::max(in_grids, size / (lattice.upper(d) - lattice.lower(d)));
+          in_cells          = std::max(in_cells, size / space.cell_size(d));
+          in_grids          = std::max(in_grids,
+                              size / (space.upper_corner()[d] -
+                                      space.lower_corner()[d]));
         }
       AssertThrow(
         in_cells > 1. && in_grids < 10.,
@@ -177,14 +168,11 @@ namespace greville
 
     template <int dim>
     Point<dim>
-    point_of_cell(const Point<dim>      &xi,
-                  const MultiIndex<dim> &index,
-                  const Lattice<dim>    &lattice)
+    point_of_cell(const Point<dim> &xi, const CellBox<dim> &box)
     {
-      Point<dim> x = lattice.cell_corner(index);
+      Point<dim> x = box.lower;
       for (unsigned int d = 0; d < dim; ++d)
-        x[d] +=
-          std::min(std::max(xi[d], 1e-9), 1. - 1e-9) * lattice.cell_size(d);
+        x[d] += std::min(std::max(xi[d], 1e-9), 1. - 1e-9) * box.size[d];
       return x;
     }
   } // namespace
@@ -197,16 +185,14 @@ namespace greville
                     const std::string      &section,
                     const SplineSpace<dim> &space)
   {
-    const Lattice<dim> &lattice = space.lattice();
     if (placement.shape_file.empty())
       return std::make_unique<LevelSetShape<dim>>(placement.shape,
-                                                  section + "/Shape",
-                                                  lattice);
+                                                  section + "/Shape");
     const auto surface = read_surface<dim>(placement.shape_file,
                                            section + "/Shape file",
                                            placement.shape_file_unit);
-    check_size<dim>(surface, placement, section, lattice);
-    return std::make_unique<SurfaceShape<dim>>(surface, lattice);
+    check_size<dim>(surface, placement, section, space);
+    return std::make_unique<SurfaceShape<dim>>(surface, space.lattice());
   }
 
 
@@ -223,27 +209,25 @@ namespace greville
                            word_of(placement.placement, placements) +
                            "': points that are moved do not follow the "
                            "boundary."));
-    const auto  extents = points_of_cell<dim>(placement, section);
-    const auto  shape   = make_fitted_shape<dim>(placement, section, space);
-    const auto &lattice = space.lattice();
-    const auto  whole =
+    const auto extents = points_of_cell<dim>(placement, section);
+    const auto shape   = make_fitted_shape<dim>(placement, section, space);
+    const auto whole =
       whole_cell<dim>(extents,
                       placement.placement == Placement::fitted_lattice);
     const unsigned int  n      = largest_of<dim>(extents);
     const unsigned int  degree = 2 * n - 1;
     const std::uint64_t n_per_cell =
       std::max<std::uint64_t>(whole.size(), n_polynomials<dim>(degree));
-    check_ids(lattice, n_per_cell, section);
-    const double cell_volume = lattice.cell_volume();
+    check_ids(space, n_per_cell, section);
 
     std::vector<PlacedPoint<dim>> result;
     for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
       {
         const std::uint64_t position = space.owned_cells()[cell];
-        const auto index = multi_index<dim>(position, lattice.n_cells());
+        const CellBox<dim>  box      = space.box(cell);
         if (!placement.clip)
-          check_walls<dim>(*shape, lattice, index, section);
-        CellPart<dim> part = shape->cut(signed_index<dim>(index), n);
+          check_walls<dim>(*shape, space.cells_per_direction(), box, section);
+        CellPart<dim> part = shape->cut(box, n);
         double        sum  = 0.;
         for (const auto &point : part.points)
           sum += point.weight;
@@ -257,8 +241,8 @@ namespace greville
         for (const auto &point : part.points)
           if (point.weight > 0.)
             {
-              const auto x = point_of_cell<dim>(point.x, index, lattice);
-              result.push_back({x, x, point.weight * cell_volume, id++, cell});
+              const auto x = point_of_cell<dim>(point.x, box);
+              result.push_back({x, x, point.weight * box.volume(), id++, cell});
             }
       }
     return result;
@@ -272,19 +256,18 @@ namespace greville
                        const std::string      &section,
                        const SplineSpace<dim> &space)
   {
-    const auto  shape = make_fitted_shape<dim>(placement, section, space);
-    const auto  n = largest_of<dim>(points_of_cell<dim>(placement, section));
-    const auto &lattice = space.lattice();
-    check_ids(lattice, surface_ids, section);
+    const auto shape = make_fitted_shape<dim>(placement, section, space);
+    const auto n     = largest_of<dim>(points_of_cell<dim>(placement, section));
+    check_ids(space, surface_ids, section);
 
     std::vector<SurfacePoint<dim>> result;
     for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
       {
         const std::uint64_t position = space.owned_cells()[cell];
-        const auto index = multi_index<dim>(position, lattice.n_cells());
+        const CellBox<dim>  box      = space.box(cell);
         if (!placement.clip)
-          check_walls<dim>(*shape, lattice, index, section);
-        const CellPart<dim> part = shape->cut(signed_index<dim>(index), n);
+          check_walls<dim>(*shape, space.cells_per_direction(), box, section);
+        const CellPart<dim> part = shape->cut(box, n);
         AssertThrow(part.surface.size() < surface_ids, ExcInternalError());
         std::uint64_t id = position * surface_ids;
         for (const auto &point : part.surface)
@@ -292,12 +275,12 @@ namespace greville
             // Areas are vectors that grow with the sides of the cell across
             // them.
             SurfacePoint<dim> placed;
-            placed.x      = point_of_cell<dim>(point.x, index, lattice);
+            placed.x      = point_of_cell<dim>(point.x, box);
             placed.normal = point.weight * point.normal;
             for (unsigned int d = 0; d < dim; ++d)
               for (unsigned int e = 0; e < dim; ++e)
                 if (e != d)
-                  placed.normal[d] *= lattice.cell_size(e);
+                  placed.normal[d] *= box.size[e];
             placed.area = placed.normal.norm();
             if (placed.area == 0.)
               continue;

@@ -517,29 +517,19 @@ namespace greville
 
 
   template <int dim>
-  LevelSetShape<dim>::LevelSetShape(const std::string  &formula,
-                                    const std::string  &parameter,
-                                    const Lattice<dim> &lattice)
+  LevelSetShape<dim>::LevelSetShape(const std::string &formula,
+                                    const std::string &parameter)
     : shape(formula, parameter)
     , tree(formula, parameter)
-    , lattice(lattice)
   {}
 
 
 
   template <int dim>
   CellPart<dim>
-  LevelSetShape<dim>::cut(const std::array<int, dim> &position,
-                          const unsigned int          n) const
+  LevelSetShape<dim>::cut(const CellBox<dim> &cell, const unsigned int n) const
   {
-    Point<dim>     corner;
-    Tensor<1, dim> size;
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        size[d]   = lattice.cell_size(d);
-        corner[d] = lattice.lower(d) + size[d] * position[d];
-      }
-    return CellCutter<dim>(tree, corner, size, n).cut();
+    return CellCutter<dim>(tree, cell.lower, cell.size, n).cut();
   }
 
 

@@ -57,14 +57,14 @@ namespace greville
      */
     template <int dim, typename Visit>
     void
-    for_each_image(const Lattice<dim> &lattice,
-                   const Point<dim>   &x,
-                   const Visit        &visit)
+    for_each_image(const SplineSpace<dim> &space,
+                   const Point<dim>       &x,
+                   const Visit            &visit)
     {
       MultiIndex<dim> counts;
       unsigned int    n = 1;
       for (unsigned int d = 0; d < dim; ++d)
-        n *= counts[d] = lattice.is_periodic(d) ? 3 : 1;
+        n *= counts[d] = space.is_periodic(d) ? 3 : 1;
       for (unsigned int k = 0; k < n; ++k)
         {
           const auto index = multi_index<dim>(k, counts);
@@ -72,7 +72,7 @@ namespace greville
           for (unsigned int d = 0; d < dim; ++d)
             if (index[d] > 0)
               image[d] += (index[d] == 1 ? -1. : 1.) *
-                          (lattice.upper(d) - lattice.lower(d));
+                          (space.upper_corner()[d] - space.lower_corner()[d]);
           visit(image);
         }
     }
@@ -89,10 +89,9 @@ namespace greville
     if (parameters.placement == Placement::fitted ||
         parameters.placement == Placement::fitted_lattice)
       return place_fitted_points<dim>(parameters, section, space);
-    const auto  contains = make_inside<dim>(parameters, section, space);
-    const auto &lattice  = space.lattice();
-    const bool  gauss    = parameters.placement == Placement::gauss;
-    const auto  extents  = points_of_cell<dim>(parameters, section);
+    const auto contains = make_inside<dim>(parameters, section, space);
+    const bool gauss    = parameters.placement == Placement::gauss;
+    const auto extents  = points_of_cell<dim>(parameters, section);
     std::vector<QGauss<1>> quadratures;
     unsigned int           n_in_cell = 1;
     for (unsigned int d = 0; d < dim; ++d)
@@ -105,8 +104,7 @@ namespace greville
     for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
       {
         const std::uint64_t position = space.owned_cells()[cell];
-        const auto index  = multi_index<dim>(position, lattice.n_cells());
-        const auto corner = lattice.cell_corner(index);
+        const CellBox<dim>  box      = space.box(cell);
         for (unsigned int k = 0; k < n_in_cell; ++k)
           {
             const auto       local = multi_index<dim>(k, extents);
@@ -131,13 +129,13 @@ namespace greville
                                              : (local[d] + 0.5) / n;
                 xi += shift[d] * 0.5 / n;
                 xi         = std::min(std::max(xi, 1e-9), 1. - 1e-9);
-                point.x[d] = corner[d] + xi * lattice.cell_size(d);
+                point.x[d] = box.lower[d] + xi * box.size[d];
                 point.volume *=
-                  lattice.cell_size(d) *
+                  box.size[d] *
                   (gauss ? quadratures[d].weight(local[d]) : 1. / n);
               }
             unsigned int n_images = 0;
-            for_each_image(lattice, point.x, [&](const Point<dim> &x) {
+            for_each_image(space, point.x, [&](const Point<dim> &x) {
               if (contains(x) && n_images++ == 0)
                 {
                   point.image = x;
@@ -155,11 +153,12 @@ namespace greville
             // One cell beyond each wall there must not be anything.
             for (unsigned int d = 0; d < dim && !parameters.clip; ++d)
               for (const int side : {-1, 1})
-                if (!lattice.is_periodic(d) &&
-                    index[d] == (side < 0 ? 0 : lattice.n_cells()[d] - 1))
+                if (!space.is_periodic(d) &&
+                    box.index[d] ==
+                      (side < 0 ? 0 : space.cells_per_direction()[d] - 1))
                   {
                     Point<dim> outside = point.x;
-                    outside[d] += side * lattice.cell_size(d);
+                    outside[d] += side * box.size[d];
                     AssertThrow(
                       !contains(outside),
                       ExcMessage(

@@ -118,15 +118,15 @@ namespace greville
         , at_reference(at_reference)
         , is_axisymmetric(is_axisymmetric)
         , space(space)
-        , lattice(space.lattice())
         , volume_unit(dim == 3          ? "m^3"
                       : is_axisymmetric ? "m^3 per radian"
                                         : "m^2")
       {
         for (unsigned int d = 0; d < dim; ++d)
-          grid_volume *= lattice.upper(d) - lattice.lower(d);
+          grid_volume *= space.upper_corner()[d] - space.lower_corner()[d];
         if (is_axisymmetric)
-          grid_volume *= 0.5 * (lattice.lower(0) + lattice.upper(0));
+          grid_volume *=
+            0.5 * (space.lower_corner()[0] + space.upper_corner()[0]);
       }
 
       void
@@ -268,15 +268,10 @@ namespace greville
             reference[d] -= number(row, columns.displacement[d]);
         const Point<dim> place = at_reference ? reference : point.x;
         check_position(row, place, std::min(point.x[0], reference[0]));
-        const auto position =
-          lexicographic<dim>(lattice.find_cell(place), lattice.n_cells());
-        const auto &cells = space.owned_cells();
-        const auto  found =
-          std::lower_bound(cells.begin(), cells.end(), position);
-        if (found == cells.end() || *found != position)
+        point.cell = space.find(place);
+        if (point.cell == numbers::invalid_unsigned_int)
           return;
 
-        point.cell  = found - cells.begin();
         point.image = point.x;
         result.points.push_back(point);
         if (has_mass())
@@ -342,8 +337,8 @@ namespace greville
                                "beyond, in <" +
                                row.text + ">: its x has to be positive."));
         for (unsigned int d = 0; d < dim; ++d)
-          AssertThrow(place[d] >= lattice.lower(d) &&
-                        place[d] <= lattice.upper(d),
+          AssertThrow(place[d] >= space.lower_corner()[d] &&
+                        place[d] <= space.upper_corner()[d],
                       ExcMessage(row.where + "the point (" + text_of(place) +
                                  ") m lies outside of the grid."));
       }
@@ -352,7 +347,6 @@ namespace greville
       const std::vector<std::vector<std::string>> &wanted;
       const bool              at_reference, is_axisymmetric;
       const SplineSpace<dim> &space;
-      const Lattice<dim>     &lattice;
       const std::string       volume_unit;
 
       Columns                  columns;

@@ -73,12 +73,13 @@ namespace greville
 
 
   template <int dim>
+  template <typename Index>
   std::uint64_t
-  SurfaceShape<dim>::cell_key(const std::array<int, dim> &position) const
+  SurfaceShape<dim>::cell_key(const Index &index) const
   {
     std::uint64_t key = 0;
     for (unsigned int d = 0; d < dim; ++d)
-      key = key * (lattice.n_cells()[d] + 2) + (position[d] + 1);
+      key = key * (lattice.n_cells()[d] + 2) + (index[d] + 1);
     return key;
   }
 
@@ -97,7 +98,7 @@ namespace greville
           {
             const auto cell = [&](const double x, const double shift) {
               const double place =
-                (x - lattice.lower(d)) / lattice.cell_size(d) + shift;
+                (x - lattice.lower()[d]) / lattice.cell_size(d) + shift;
               return int(std::floor(
                 std::min(std::max(place, -2.), lattice.n_cells()[d] + 1.)));
             };
@@ -117,7 +118,7 @@ namespace greville
             for (unsigned int d = 0; d < dim; ++d)
               {
                 const double h = lattice.cell_size(d);
-                center[d]      = lattice.lower(d) + (cell[d] + 0.5) * h;
+                center[d]      = lattice.lower()[d] + (cell[d] + 0.5) * h;
                 radius += (0.5 + 1e-9) * h * std::abs(plane.normal[d]);
               }
             if (std::abs(plane.distance(center)) <= radius)
@@ -146,17 +147,12 @@ namespace greville
 
   template <int dim>
   CellPart<dim>
-  SurfaceShape<dim>::cut(const std::array<int, dim> &position,
-                         const unsigned int          n) const
+  SurfaceShape<dim>::cut(const CellBox<dim> &cell, const unsigned int n) const
   {
-    Point<dim> corner, upper_corner, center;
+    Point<dim> upper_corner;
     for (unsigned int d = 0; d < dim; ++d)
-      {
-        corner[d]       = lattice.lower(d) + lattice.cell_size(d) * position[d];
-        center[d]       = corner[d] + 0.5 * lattice.cell_size(d);
-        upper_corner[d] = 1.;
-      }
-    const std::uint64_t key = cell_key(position);
+      upper_corner[d] = 1.;
+    const std::uint64_t key = cell_key(cell.index);
 
     CellPart<dim>           part;
     std::vector<PlaneFacet> facets; // in coordinates of the cell
@@ -170,7 +166,7 @@ namespace greville
         Facet<dim> facet = surface[entry->second], low, high;
         for (Point<dim> &x : facet)
           for (unsigned int d = 0; d < dim; ++d)
-            x[d] = (x[d] - corner[d]) / lattice.cell_size(d);
+            x[d] = (x[d] - cell.lower[d]) / cell.size[d];
         const Plane<dim> plane   = plane_of<dim>(facet);
         bool             is_face = false, is_mine = true;
         for (unsigned int d = 0; d < dim && facet.size() >= dim; ++d)
@@ -197,13 +193,13 @@ namespace greville
           append_quadrature(facet, plane.normal, n, part.surface);
       }
     if (facets.empty())
-      part.is_full = contains(center);
+      part.is_full = contains(cell.center);
     else
       {
         cut_part(ConvexPart<dim>(
                    BoundingBox<dim>({Point<dim>(), upper_corner})),
                  facets,
-                 corner,
+                 cell,
                  n,
                  part.points);
         double volume = 0.;
@@ -224,7 +220,7 @@ namespace greville
   void
   SurfaceShape<dim>::cut_part(const ConvexPart<dim>           &part,
                               std::vector<PlaneFacet>          facets,
-                              const Point<dim>                &corner,
+                              const CellBox<dim>              &cell,
                               const unsigned int               n,
                               std::vector<WeightedPoint<dim>> &points) const
   {
@@ -272,13 +268,13 @@ namespace greville
             if (high.size() >= dim && normal_of(high).norm() > 1e-20)
               facets_above.push_back({high, other.plane});
           }
-        cut_part(below, facets_below, corner, n, points);
-        cut_part(above, facets_above, corner, n, points);
+        cut_part(below, facets_below, cell, n, points);
+        cut_part(above, facets_above, cell, n, points);
         return;
       }
     Point<dim> center = part.center();
     for (unsigned int d = 0; d < dim; ++d)
-      center[d] = corner[d] + center[d] * lattice.cell_size(d);
+      center[d] = cell.lower[d] + center[d] * cell.size[d];
     if (contains(center))
       part.append_quadrature(n, points);
   }

@@ -39,7 +39,6 @@ namespace greville
   {
     const unsigned int width = CellBatches<dim>::width();
 
-    const double        cell_measure = space.lattice().cell_volume();
     const QGauss<dim>   quadrature(n_q);
     std::vector<double> densities(n_points());
     double              largest = 0.;
@@ -48,9 +47,8 @@ namespace greville
     const auto add_cells = [&](const auto &batch, const std::size_t b) {
       for (unsigned int lane = batch.first_lane; lane < batch.end_lane; ++lane)
         {
-          MultiIndex<dim> cell = batch.index;
-          cell[0] += lane;
-          const auto cell_points = points(space, cell);
+          const CellBox<dim> box         = space.box(batch.first_cell + lane);
+          const auto         cell_points = points(box);
           density.value_list(cell_points, densities);
           for (unsigned int q = 0; q < n_points(); ++q)
             {
@@ -64,7 +62,7 @@ namespace greville
                 }
               largest = std::max(largest, densities[q]);
               values[(b * n_points() + q) * width + lane] =
-                densities[q] * cell_measure * quadrature.weight(q);
+                densities[q] * box.volume() * quadrature.weight(q);
             }
         }
     };
@@ -85,11 +83,9 @@ namespace greville
 
   template <int dim>
   std::vector<Point<dim>>
-  DensityWeights<dim>::points(const SplineSpace<dim> &space,
-                              const MultiIndex<dim>  &cell) const
+  DensityWeights<dim>::points(const CellBox<dim> &box) const
   {
     const QGauss<1>         quadrature(n_q);
-    const Point<dim>        corner = space.lattice().cell_corner(cell);
     std::vector<Point<dim>> result(n_points());
     MultiIndex<dim>         extents;
     extents.fill(n_q);
@@ -97,8 +93,8 @@ namespace greville
       {
         const auto index = multi_index<dim>(q, extents);
         for (unsigned int d = 0; d < dim; ++d)
-          result[q][d] = corner[d] + space.lattice().cell_size(d) *
-                                       quadrature.point(index[d])(0);
+          result[q][d] =
+            box.lower[d] + box.size[d] * quadrature.point(index[d])(0);
       }
     return result;
   }

@@ -55,7 +55,7 @@ namespace greville
 
     std::array<std::vector<std::vector<double>>, dim> tables;
     for (unsigned int d = 0; d < dim; ++d)
-      tables[d].resize(space.lattice().n_cells()[d]);
+      tables[d].resize(space.cells_per_direction()[d]);
     std::vector<double> from, to;
     for (unsigned int c = 0; c < space.owned_cells().size(); ++c)
       {
@@ -67,9 +67,8 @@ namespace greville
             }))
           continue;
         // Points become pairs, direction by direction.
-        const auto index =
-          multi_index<dim>(space.owned_cells()[c], space.lattice().n_cells());
-        unsigned int n_done = 1, n_left = from.size();
+        const MultiIndex<dim> index  = space.box(c).index;
+        unsigned int          n_done = 1, n_left = from.size();
         for (unsigned int d = 0; d < dim; ++d, n_done *= n_pairs)
           {
             auto &table = tables[d][index[d]];

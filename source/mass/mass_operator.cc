@@ -303,9 +303,9 @@ namespace greville
         for (unsigned int lane = batch.first_lane; lane < batch.end_lane;
              ++lane)
           {
-            MultiIndex<dim> cell = batch.index;
-            cell[0] += lane;
-            f.value_list(weights->points(rows->space, cell), f_values);
+            f.value_list(weights->points(
+                           rows->space.box(batch.first_cell + lane)),
+                         f_values);
             for (unsigned int q = 0; q < weights->n_points(); ++q)
               values[q][lane] = values[q][lane] * f_values[q];
           }
@@ -345,9 +345,9 @@ namespace greville
         for (unsigned int lane = batch.first_lane; lane < batch.end_lane;
              ++lane)
           {
-            MultiIndex<dim> cell = batch.index;
-            cell[0] += lane;
-            f.value_list(weights->points(rows->space, cell), f_values);
+            f.value_list(weights->points(
+                           rows->space.box(batch.first_cell + lane)),
+                         f_values);
             for (unsigned int q = 0; q < weights->n_points(); ++q)
               {
                 const double w = (*weights)[b][q * native_simd_width + lane];

@@ -41,7 +41,7 @@ namespace greville
         entries.push_back(entry);
       }
     for (unsigned int d = 0; d < dim; ++d)
-      if (space.lattice().is_periodic(d))
+      if (space.is_periodic(d))
         {
           const std::size_t n_entries = entries.size();
           for (std::size_t k = 0; k < n_entries; ++k)

@@ -57,7 +57,7 @@ namespace greville
     MultiIndex<dim>       size = space.n_functions();
     std::array<bool, dim> periodic;
     for (unsigned int d = 0; d < dim; ++d)
-      periodic[d] = space.lattice().is_periodic(d);
+      periodic[d] = space.is_periodic(d);
 
     Mat      fine = matrix;
     PetscInt n_rows;

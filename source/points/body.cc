@@ -30,7 +30,7 @@ namespace greville
       InitialStress(const BodyParameters         &parameters,
                     const std::string            &section,
                     const Tensor<1, dim>         &gravity,
-                    const Lattice<dim>           &lattice,
+                    const SplineSpace<dim>       &space,
                     const double                  density,
                     const std::vector<SoilLayer> &soil,
                     const WaterTable<dim>        &table)
@@ -59,12 +59,13 @@ namespace greville
                                    "/K0' needs a gravity along an axis, but "
                                    "'Loads/Gravity' is (" +
                                    text_of(gravity) + ") m / s^2 at t = 0."));
-            cell_size   = lattice.cell_size(axis);
-            grid_height = lattice.upper(axis) - lattice.lower(axis);
-            upwards     = gravity[axis] < 0. ? 1. : -1.;
-            surface     = {parameters.surface,
-                           section + "/Surface",
-                           coordinate_names<dim>()};
+            cell_size = space.cell_size(axis);
+            grid_height =
+              space.upper_corner()[axis] - space.lower_corner()[axis];
+            upwards = gravity[axis] < 0. ? 1. : -1.;
+            surface = {parameters.surface,
+                       section + "/Surface",
+                       coordinate_names<dim>()};
             for (const SoilLayer &layer : soil)
               if (const std::string of = "Body " + layer.name; of != section)
                 layers.push_back(
@@ -337,7 +338,7 @@ namespace greville
     void
     set_domain(const PointRef<dim>     p,
                const PointLayout<dim> &layout,
-               const Lattice<dim>     &lattice,
+               const CellBox<dim>     &box,
                const BodyParameters   &parameters,
                const double            volume)
     {
@@ -345,7 +346,7 @@ namespace greville
       double         share = volume;
       for (unsigned int d = 0; d < dim; ++d)
         {
-          half[d] = 0.5 * lattice.cell_size(d);
+          half[d] = 0.5 * box.size[d];
           if (parameters.points_file.empty())
             half[d] /= parameters.points_per_direction[std::min<std::size_t>(
               d, parameters.points_per_direction.size() - 1)];
@@ -387,9 +388,9 @@ namespace greville
       const PointLayout<dim>  &layout     = body.points.layout();
       const PointField        *affine     = layout.find("affine");
       const PointField        *pressure   = layout.find("pore_pressure");
-      const Lattice<dim>      &lattice    = body.points.space().lattice();
+      const SplineSpace<dim>  &space      = body.points.space();
       const InitialStress<dim> stress(
-        parameters, section, gravity, lattice, material.density, layers, table);
+        parameters, section, gravity, space, material.density, layers, table);
       const auto displacement =
         initial_formulas<dim>(parameters.displacement,
                               section + "/Displacement");
@@ -399,9 +400,9 @@ namespace greville
       // A velocity that jumps shall not get a steep gradient.
       std::array<double, dim>       steps;
       const std::array<double, dim> small_steps =
-        displacement_steps<dim>(lattice);
+        displacement_steps<dim>(space);
       for (unsigned int d = 0; d < dim; ++d)
-        steps[d] = 0.1 * lattice.cell_size(d);
+        steps[d] = 0.1 * space.cell_size(d);
 
       const double strength_reduction = material.strength_reduction(0.);
       const bool has_stress = !parameters.stress.empty() || parameters.K0 >= 0.;
@@ -499,7 +500,7 @@ namespace greville
           if (layout.domain != 0)
             set_domain(p,
                        layout,
-                       lattice,
+                       space.box(point.cell),
                        parameters,
                        volume / layout.thickness(point.image));
           store_material_point<dim>(state, p, layout);

@@ -38,8 +38,7 @@ namespace greville
       using std::min;
       using std::sqrt;
       for (int d = 0; d < dim; ++d)
-        s[d] =
-          min(Number(sqrt(s[d])), Number(0.5 * space.lattice().cell_size(d)));
+        s[d] = min(Number(sqrt(s[d])), Number(0.5 * space.cell_size(d)));
     }
 
 

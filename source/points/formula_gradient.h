@@ -5,6 +5,7 @@
 
 #include <greville/base/expression.h>
 #include <greville/base/named_formulas.h>
+#include <greville/spline/spline_space.h>
 
 #include <array>
 
@@ -53,13 +54,13 @@ namespace greville
     /**
      * These steps for the gradient of a displacement.
      */
-    template <int dim, typename Lattice>
+    template <int dim>
     std::array<double, dim>
-    displacement_steps(const Lattice &lattice)
+    displacement_steps(const SplineSpace<dim> &space)
     {
       std::array<double, dim> steps;
       for (unsigned int d = 0; d < dim; ++d)
-        steps[d] = 2e-3 * lattice.cell_size(d);
+        steps[d] = 2e-3 * space.cell_size(d);
       return steps;
     }
   } // namespace internal

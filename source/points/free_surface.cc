@@ -54,9 +54,7 @@ namespace greville
     // Less of a cell leaks as if it were this part of it.
     constexpr double smallest_part = 0.1;
 
-    const auto         &lattice   = displacement_tables.space->lattice();
-    const auto         &positions = neighbors.positions();
-    std::vector<double> of_cells(positions.size(), 0.);
+    std::vector<double> of_cells(neighbors.positions().size(), 0.);
     std::copy(filled.begin(), filled.end(), of_cells.begin());
     neighbors.exchange(of_cells);
     for (unsigned int c = 0; c < inverse_squares.size(); ++c)
@@ -64,25 +62,19 @@ namespace greville
         inverse_squares[c] = 0.;
         if (filled[c] <= 0.)
           continue;
-        const double part  = std::min(1., std::max(filled[c], smallest_part));
-        const auto   index = multi_index<dim>(positions[c], lattice.n_cells());
+        const double part = std::min(1., std::max(filled[c], smallest_part));
+        const Tensor<1, dim> h = displacement_tables.space->box(c).size;
         for (unsigned int d = 0; d < dim; ++d)
           {
             bool is_free = false;
-            for (const int side : {-1, 1})
+            for (const unsigned int side : {2 * d, 2 * d + 1})
               {
-                auto neighbor = index;
-                neighbor[d] += side;
-                if (!lattice.wrap(neighbor))
-                  continue;
-                const unsigned int n = neighbors.find(
-                  lexicographic<dim>(neighbor, lattice.n_cells()));
+                const unsigned int n = neighbors.neighbor(c, side);
                 is_free = is_free || (n != numbers::invalid_unsigned_int &&
                                       of_cells[n] <= 0.);
               }
             if (is_free)
-              inverse_squares[c] +=
-                1. / Utilities::fixed_power<2>(part * lattice.cell_size(d));
+              inverse_squares[c] += 1. / Utilities::fixed_power<2>(part * h[d]);
           }
       }
   }
@@ -122,15 +114,15 @@ namespace greville
   FreeSurface<dim>::add(const MaterialPoints<dim> &of_body,
                         const WaterConstants      &constants)
   {
-    constexpr double        c       = 1.2;
-    const PointLayout<dim> &layout  = of_body.layout();
-    const auto             &lattice = displacement_tables.space->lattice();
+    constexpr double        c      = 1.2;
+    const PointLayout<dim> &layout = of_body.layout();
     with_order(displacement_tables.space->degree(), [&](const auto size) {
       constexpr int n = decltype(size)::value, n_u = power(n, dim);
       for (const unsigned int cell : of_body.cells())
         {
           const CellGeometry<dim, n> geometry(displacement_tables, cell);
-          double                     f[dim][n_u] = {};
+          const Tensor<1, dim> h = displacement_tables.space->box(cell).size;
+          double               f[dim][n_u] = {};
           of_body.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
             const Point<dim> x      = p.position();
             const double     value  = outside(x);
@@ -153,7 +145,7 @@ namespace greville
             Tensor<1, dim> slope;
             for (unsigned int d = 0; d < dim; ++d)
               {
-                const double step   = 0.25 * lattice.cell_size(d);
+                const double step   = 0.25 * h[d];
                 Point<dim>   before = x, behind = x;
                 before[d] -= step;
                 behind[d] += step;

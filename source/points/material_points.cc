@@ -152,9 +152,7 @@ namespace greville
     const PointRef<dim> p = point(g, lane);
     for (unsigned int k = 0; k < point_layout.size; ++k)
       p[k] = 0.;
-    const auto &lattice = spline_space->lattice();
-    const auto  center  = lattice.cell_center(
-      multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells()));
+    const Point<dim> center = spline_space->box(cell).center;
     for (unsigned int d = 0; d < dim; ++d)
       p.position(d) = p[point_layout.basis_position + d] = center[d];
     if (point_layout.is_axisymmetric())
@@ -192,30 +190,6 @@ namespace greville
 
 
   template <int dim>
-  bool
-  MaterialPoints<dim>::is_inside(const unsigned int       cell,
-                                 const ConstPointRef<dim> point) const
-  {
-    const auto &lattice = spline_space->lattice();
-    const auto  index =
-      multi_index<dim>(spline_space->owned_cells()[cell], lattice.n_cells());
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double x     = point[point_layout.basis_position + d];
-        const double h     = lattice.cell_size(d);
-        const double lower = lattice.lower(d) + index[d] * h;
-        const bool   last  = index[d] + 1 == lattice.n_cells()[d];
-        const double upper =
-          last ? lattice.upper(d) : lattice.lower(d) + (index[d] + 1) * h;
-        if (!(x >= lower && (x < upper || (last && x == upper))))
-          return false;
-      }
-    return true;
-  }
-
-
-
-  template <int dim>
   void
   MaterialPoints<dim>::remove_leaving(const unsigned int   cell,
                                       std::vector<double> &leaving)
@@ -228,7 +202,7 @@ namespace greville
         for (unsigned int lane = 0; lane < n;)
           {
             const PointRef<dim> p = point(g, lane);
-            if (is_inside(cell, p))
+            if (spline_space->contains(cell, p.basis_position(point_layout)))
               {
                 ++lane;
                 continue;

@@ -2,7 +2,6 @@
 
 #include <greville/base/index_limits.h>
 #include <greville/points/point_transport.h>
-#include <greville/spline/cell_owner.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,18 +13,14 @@ namespace greville
 
   template <int dim>
   void
-  PointTransport<dim>::reinit(DistributedTriangulation<dim> &triangulation,
-                              const SplineSpace<dim>        &space)
+  PointTransport<dim>::reinit(const SplineSpace<dim> &space)
   {
-    tria         = &triangulation;
     spline_space = &space;
     comm         = space.communicator();
     owners_of_ghost_cells.clear();
-    for (const auto &cell : triangulation.active_cell_iterators())
+    for (const auto &cell : space.triangulation().active_cell_iterators())
       if (cell->is_ghost())
-        owners_of_ghost_cells[lexicographic<dim>(space.lattice().find_cell(
-                                                   cell->center()),
-                                                 space.lattice().n_cells())] =
+        owners_of_ghost_cells[space.cell_position(cell->center())] =
           cell->subdomain_id();
   }
 
@@ -36,23 +31,13 @@ namespace greville
   PointTransport<dim>::find_owners(
     const std::vector<std::uint64_t> &cells) const
   {
-    const auto               &own     = spline_space->owned_cells();
-    const auto               &lattice = spline_space->lattice();
     std::vector<unsigned int> owners;
     for (const std::uint64_t cell : cells)
       {
-        if (std::binary_search(own.begin(), own.end(), cell))
-          {
-            owners.push_back(Utilities::MPI::this_mpi_process(comm));
-            continue;
-          }
         const auto found = owners_of_ghost_cells.find(cell);
-        owners.push_back(
-          found != owners_of_ghost_cells.end()
-            ? found->second
-            : cell_owner<dim>(*tria,
-                              lattice,
-                              multi_index<dim>(cell, lattice.n_cells())));
+        owners.push_back(found != owners_of_ghost_cells.end()
+                           ? found->second
+                           : spline_space->owner(cell));
       }
     return owners;
   }
@@ -70,8 +55,8 @@ namespace greville
       points.remove_leaving(cell, leaving);
 
     const unsigned int size      = points.layout().size;
-    const auto        &lattice   = spline_space->lattice();
-    const auto        &cells     = spline_space->owned_cells();
+    const Point<dim>  &lower     = spline_space->lower_corner();
+    const Point<dim>  &upper     = spline_space->upper_corner();
     const std::size_t  n_leaving = leaving.size() / size;
     result.n_moved               = n_leaving;
 
@@ -83,21 +68,21 @@ namespace greville
         bool                is_outside = false;
         for (unsigned int d = 0; d < dim; ++d)
           {
-            const double tolerance = 1e-9 * lattice.cell_size(d);
-            if (lattice.is_periodic(d) &&
-                (x[d] < lattice.lower(d) || x[d] > lattice.upper(d)))
+            const double tolerance = 1e-9 * spline_space->cell_size(d);
+            if (spline_space->is_periodic(d) &&
+                (x[d] < lower[d] || x[d] > upper[d]))
               {
-                const double period = lattice.upper(d) - lattice.lower(d);
+                const double period = upper[d] - lower[d];
                 const double move =
-                  period * std::floor((x[d] - lattice.lower(d)) / period);
+                  period * std::floor((x[d] - lower[d]) / period);
                 p.position(d) = x[d] = x[d] - move;
                 p.reference(d) -= move;
               }
-            is_outside = is_outside || !(x[d] >= lattice.lower(d) - tolerance &&
-                                         x[d] <= lattice.upper(d) + tolerance);
+            is_outside = is_outside || !(x[d] >= lower[d] - tolerance &&
+                                         x[d] <= upper[d] + tolerance);
             if (!is_outside)
               p[points.layout().basis_position + d] = x[d] =
-                std::min(std::max(x[d], lattice.lower(d)), lattice.upper(d));
+                std::min(std::max(x[d], lower[d]), upper[d]);
           }
         if (is_outside)
           {
@@ -111,13 +96,10 @@ namespace greville
               }
             continue;
           }
-        const std::uint64_t position =
-          lexicographic<dim>(lattice.find_cell(x), lattice.n_cells());
-        const auto found =
-          std::lower_bound(cells.begin(), cells.end(), position);
-        if (found != cells.end() && *found == position)
-          points.insert(found - cells.begin(),
-                        ArrayView<const double>(&p[0], size));
+        const std::uint64_t position = spline_space->cell_position(x);
+        const unsigned int  cell     = spline_space->find(position);
+        if (cell != numbers::invalid_unsigned_int)
+          points.insert(cell, ArrayView<const double>(&p[0], size));
         else
           {
             ++result.n_sent;
@@ -153,17 +135,15 @@ namespace greville
     if (!own.empty())
       received[process].swap(own.mapped());
 
-    const auto &cells = spline_space->owned_cells();
     for (const auto &message : received)
       for (std::size_t k = 0; k < message.second.size(); k += width)
         {
-          const auto place = std::uint64_t(message.second[k]);
-          const auto found =
-            std::lower_bound(cells.begin(), cells.end(), place);
-          AssertThrow(found != cells.end() && *found == place,
+          const unsigned int cell =
+            spline_space->find(std::uint64_t(message.second[k]));
+          AssertThrow(cell != numbers::invalid_unsigned_int,
                       ExcMessage("A point has been sent to a process that "
                                  "does not own its cell."));
-          points.insert(found - cells.begin(),
+          points.insert(cell,
                         ArrayView<const double>(&message.second[k + 1],
                                                 width - 1));
         }

@@ -27,10 +27,7 @@ namespace greville
     offsets(const MaterialPoints<dim> &points, const unsigned int cell)
     {
       std::vector<double> result(points.layout().size, 0.);
-      const auto         &space   = points.space();
-      const auto         &lattice = space.lattice();
-      const auto          center  = lattice.cell_center(
-        multi_index<dim>(space.owned_cells()[cell], lattice.n_cells()));
+      const Point<dim>    center = points.space().box(cell).center;
       const PointRef<dim> offset(result.data());
       for (unsigned int d = 0; d < dim; ++d)
         offset.position(d) = center[d];

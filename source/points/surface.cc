@@ -131,7 +131,7 @@ namespace greville
                                 of_body + "/Displacement");
         const auto velocity = initial_formulas<dim>(body.parameters->velocity,
                                                     of_body + "/Velocity");
-        const auto steps    = displacement_steps<dim>(space.lattice());
+        const auto steps    = displacement_steps<dim>(space);
         std::optional<Shape<dim>> shape;
         if (!where.empty())
           shape.emplace(where, section + "/Where");

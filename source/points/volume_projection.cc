@@ -86,17 +86,16 @@ namespace greville
   void
   VolumeProjection<dim>::number_coarse_functions()
   {
-    const SplineSpace<dim> &space   = *tables.space;
-    const Lattice<dim>     &lattice = space.lattice();
+    const SplineSpace<dim> &space = *tables.space;
     MultiIndex<dim>         extents;
     std::uint64_t           n_functions = 1;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const unsigned int n     = lattice.n_cells()[d];
+        const unsigned int n     = space.cells_per_direction()[d];
         const unsigned int n_all = (n + 1) / 2;
-        const double       lower = lattice.lower(d);
-        const double       upper = lower + 2. * n_all * lattice.cell_size(d);
-        const bool         wraps = lattice.is_periodic(d);
+        const double       lower = space.lower_corner()[d];
+        const double       upper = lower + 2. * n_all * space.cell_size(d);
+        const bool         wraps = space.is_periodic(d);
         AssertThrow(!wraps || (n % 2 == 0 && n_all > q),
                     ExcMessage(
                       "'Scheme/Volumetric projection' = coarse mesh joins two "
@@ -118,9 +117,9 @@ namespace greville
     const unsigned int n_local = Utilities::fixed_power<dim>(q + 1);
     std::vector<types::global_dof_index> numbers;
     numbers.reserve(space.owned_cells().size() * n_local);
-    for (const std::uint64_t position : space.owned_cells())
+    for (unsigned int c = 0; c < space.owned_cells().size(); ++c)
       {
-        const auto cell = multi_index<dim>(position, lattice.n_cells());
+        const MultiIndex<dim> cell = space.box(c).index;
         for (unsigned int a = 0; a < n_local; ++a)
           {
             MultiIndex<dim> function = multi_index<dim>(a, local);
@@ -259,7 +258,6 @@ namespace greville
   VolumeProjection<dim>::project_J(const MaterialPoints<dim> &points)
   {
     const SplineSpace<dim> &space   = *tables.space;
-    const Lattice<dim>     &lattice = space.lattice();
     const PointLayout<dim> &layout  = points.layout();
     constexpr double        one     = 1.;
     constexpr int           n_local = power(n, dim);
@@ -273,13 +271,12 @@ namespace greville
       double                      N[n_local];
       for (const unsigned int cell : points.cells())
         {
-          const auto index =
-            multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+          const CellBox<dim> box = space.box(cell);
           for (unsigned int d = 0; d < dim; ++d)
             {
-              const double       h  = coarsening * lattice.cell_size(d);
-              const unsigned int i  = index[d] / coarsening;
-              geometry.center[d]    = lattice.lower(d) + (i + 0.5) * h;
+              const double       h  = coarsening * box.size[d];
+              const unsigned int i  = box.index[d] / coarsening;
+              geometry.center[d]    = space.lower_corner()[d] + (i + 0.5) * h;
               geometry.inverse_h[d] = 1. / h;
               geometry.polynomials[d] =
                 n == 1 ? &one : polynomials[d].coefficients(i);

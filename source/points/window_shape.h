@@ -27,28 +27,25 @@ namespace greville
         : functions(windows.functions(cell))
         , averages_values(windows.averages_values())
       {
-        const SplineSpace<dim> &space   = *tables.space;
-        const auto             &lattice = space.lattice();
-        const auto              index =
-          multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+        const SplineSpace<dim> &space = *tables.space;
+        const CellBox<dim>      box   = space.box(cell);
         for (unsigned int d = 0; d < dim; ++d)
           {
-            const double       h       = lattice.cell_size(d);
-            const unsigned int n_cells = lattice.n_cells()[d];
-            center[d]    = lattice.lower(d) + (index[d] + 0.5) * h;
-            inverse_h[d] = 1. / h;
+            const unsigned int index   = box.index[d];
+            const unsigned int n_cells = space.cells_per_direction()[d];
+            center[d]                  = box.center[d];
+            inverse_h[d]               = 1. / box.size[d];
             for (unsigned int k = 0; k < 3; ++k)
               {
-                const bool is_there =
-                  lattice.is_periodic(d) ||
-                  (index[d] + k >= 1 && index[d] + k <= n_cells);
+                const bool is_there = space.is_periodic(d) ||
+                                      (index + k >= 1 && index + k <= n_cells);
                 // Boxes end at the edges of the grid.
                 if (k != 1)
                   ends[d][k / 2] = (is_there ? 1.5 : 0.5) * (int(k) - 1);
-                polynomials[d][k] =
-                  is_there ? tables.directions[d].coefficients(
-                               (index[d] + k + n_cells - 1) % n_cells)
-                           : nullptr;
+                polynomials[d][k] = is_there
+                                      ? tables.directions[d].coefficients(
+                                          (index + k + n_cells - 1) % n_cells)
+                                      : nullptr;
               }
           }
       }

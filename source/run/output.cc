@@ -186,8 +186,7 @@ namespace greville
             const PointLayout<dim> &layout = surfaces[k].points.layout();
             const PointField       *gap    = layout.find("gap");
             // Points of loads are as those that face nothing.
-            const auto  &lattice = surfaces[k].points.space().lattice();
-            const double h       = lattice.smallest_cell_size();
+            const double h = surfaces[k].points.space().smallest_cell_size();
             surfaces[k].points.for_each(
               [&](const unsigned int, ConstPointRef<dim> p) {
                 const SurfaceState<dim> state = surface_state<dim>(p, layout);
@@ -292,7 +291,6 @@ namespace greville
         for (const VectorType &field : fields)
           field.update_ghost_values();
 
-        const auto        &lattice = space.lattice();
         const unsigned int n       = space.degree() + 1;
         const unsigned int n_nodes = Utilities::fixed_power<dim>(n);
         MultiIndex<dim>    extents;
@@ -307,16 +305,14 @@ namespace greville
               has_mass |= fields[dim].local_element(i) > 0.;
             if (!has_mass)
               continue;
-            const auto index =
-              multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
-            const Point<dim> corner = lattice.cell_corner(index);
+            const CellBox<dim> box = space.box(cell);
             for (unsigned int d = 0; d < dim; ++d)
               {
                 N[d].resize(n * n);
                 for (unsigned int node = 0; node < n; ++node)
                   space.knots(d).evaluate(
-                    index[d],
-                    corner[d] + lattice.cell_size(d) * node / (n - 1),
+                    box.index[d],
+                    box.lower[d] + box.size[d] * node / (n - 1),
                     0,
                     ArrayView<double>(N[d].data() + node * n, n));
               }
@@ -328,7 +324,7 @@ namespace greville
             for (unsigned int v = 0; v < (1u << dim); ++v)
               for (unsigned int d = 0; d < dim; ++d)
                 patch.vertices[v][d] =
-                  corner[d] + ((v >> d) & 1) * lattice.cell_size(d);
+                  box.lower[d] + ((v >> d) & 1) * box.size[d];
             patch.data.reinit(fields.size() + has_classes, n_nodes);
             for (unsigned int node = 0; has_classes && node < n_nodes; ++node)
               patch.data(fields.size(), node) = given.cell_classes[cell];

@@ -113,7 +113,7 @@ namespace greville
     double       size = 0.;
     for (const Body<dim> &body : bodies)
       for (unsigned int d = 0; d < dim; ++d)
-        size = std::max(size, body.points.space().lattice().cell_size(d));
+        size = std::max(size, body.points.space().cell_size(d));
     AssertThrow(best <= size * size,
                 ExcMessage("The parameter 'Output/Probes' has the position <" +
                            position +

@@ -51,9 +51,9 @@ namespace greville
             (corners[1][d] - corners[0][d]) / double(grid.cells[d]);
           for (unsigned int k = 0; k < simulations.n_parts(); ++k)
             {
-              const auto &lattice = simulations.part(k).space().lattice();
-              corners[0][d]       = std::min(corners[0][d], lattice.lower(d));
-              corners[1][d]       = std::max(corners[1][d], lattice.upper(d));
+              const SplineSpace<dim> &space = simulations.part(k).space();
+              corners[0][d] = std::min(corners[0][d], space.lower_corner()[d]);
+              corners[1][d] = std::max(corners[1][d], space.upper_corner()[d]);
             }
           corners[0][d] -= 2. * h;
           corners[1][d] += 2. * h;

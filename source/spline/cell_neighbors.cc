@@ -14,6 +14,7 @@ namespace greville
   CellNeighbors<dim>::reinit(const SplineSpace<dim> &space)
   {
     cells   = space.owned_cells();
+    lattice = space.lattice();
     n_owned = cells.size();
     numbers.clear();
     places.clear();
@@ -38,8 +39,7 @@ namespace greville
             of_children.emplace_back(space.cell_number(cell), place);
           }
         else
-          ghosts[lexicographic<dim>(space.lattice().find_cell(cell->center()),
-                                    space.lattice().n_cells())] = place;
+          ghosts[space.cell_position(cell->center())] = place;
       }
     for (const auto &ghost : ghosts)
       {
@@ -64,6 +64,20 @@ namespace greville
                                         std::make_pair(position, 0u));
     return found != numbers.end() && found->first == position
              ? found->second
+             : dealii::numbers::invalid_unsigned_int;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  CellNeighbors<dim>::neighbor(const unsigned int cell,
+                               const unsigned int side) const
+  {
+    auto index = multi_index<dim>(cells[cell], lattice.n_cells());
+    index[side / 2] += side % 2 == 0 ? -1 : 1;
+    return lattice.wrap(index)
+             ? find(lexicographic<dim>(index, lattice.n_cells()))
              : dealii::numbers::invalid_unsigned_int;
   }
 

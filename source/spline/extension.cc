@@ -225,7 +225,7 @@ namespace greville
                 continue;
               }
             const double move =
-              (lattice.upper(d) - lattice.lower(d)) * periods(host[d], d);
+              (lattice.upper()[d] - lattice.lower()[d]) * periods(host[d], d);
             double inner_knots[SplineSpace<dim>::max_degree];
             for (unsigned int k = 0; k < p; ++k)
               inner_knots[k] = space.knots(d).knots()[i[d] + 1 + k] + move;

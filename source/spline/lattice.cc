@@ -51,10 +51,21 @@ namespace greville
                   static_cast<double>(triangulation.n_global_active_cells()),
                 ExcMessage("A spline space needs a mesh whose cells fill a "
                            "box."));
+    set_sizes();
 
     // The coarsest faces are known on all processes.
     for (const auto &pair : triangulation.get_periodic_face_map())
       periodic[pair.first.second / 2] = true;
+  }
+
+
+
+  template <int dim>
+  void
+  Lattice<dim>::set_sizes()
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      sizes[d] = (upper_corner[d] - lower_corner[d]) / cells[d];
   }
 
 
@@ -73,6 +84,7 @@ namespace greville
                                std::string(1, "xyz"[d]) + "."));
         result.cells[d] /= 2;
       }
+    result.set_sizes();
     return result;
   }
 

@@ -64,7 +64,7 @@ namespace greville
                 " needs at least order + 1 = " + std::to_string(p + 1) +
                 " cells in this direction; it has " + std::to_string(n) + "."));
             knot_vectors[d] = KnotVector::periodic_uniform(
-              p, n, mesh_lattice.lower(d), mesh_lattice.upper(d));
+              p, n, mesh_lattice.lower()[d], mesh_lattice.upper()[d]);
             extents[d] = n;
             anchor_cells[d].resize(n);
             for (unsigned int i = 0; i < n; ++i)
@@ -73,8 +73,8 @@ namespace greville
           }
         knot_vectors[d] = KnotVector::open_uniform(p,
                                                    n,
-                                                   mesh_lattice.lower(d),
-                                                   mesh_lattice.upper(d));
+                                                   mesh_lattice.lower()[d],
+                                                   mesh_lattice.upper()[d]);
         extents[d]      = n + p;
 
         // Greville abscissae in units of cells, in exact integer arithmetic.
@@ -302,28 +302,83 @@ namespace greville
 
 
   template <int dim>
+  bool
+  SplineSpace<dim>::contains(const unsigned int cell, const Point<dim> &x) const
+  {
+    const CellBox<dim> at = box(cell);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const bool   last = at.index[d] + 1 == mesh_lattice.n_cells()[d];
+        const double upper =
+          last ? mesh_lattice.upper()[d]
+               : mesh_lattice.lower()[d] + (at.index[d] + 1) * at.size[d];
+        if (!(x[d] >= at.lower[d] && (x[d] < upper || (last && x[d] == upper))))
+          return false;
+      }
+    return true;
+  }
+
+
+
+  template <int dim>
+  std::uint64_t
+  SplineSpace<dim>::cell_position(const Point<dim> &x) const
+  {
+    return lexicographic<dim>(mesh_lattice.find_cell(x),
+                              mesh_lattice.n_cells());
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  SplineSpace<dim>::find(const std::uint64_t position) const
+  {
+    const auto found = std::lower_bound(cells.begin(), cells.end(), position);
+    return found != cells.end() && *found == position
+             ? found - cells.begin()
+             : numbers::invalid_unsigned_int;
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  SplineSpace<dim>::find(const Point<dim> &x) const
+  {
+    return find(cell_position(x));
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  SplineSpace<dim>::owner(const std::uint64_t position) const
+  {
+    if (find(position) != numbers::invalid_unsigned_int)
+      return Utilities::MPI::this_mpi_process(comm);
+    MultiIndex<dim> cell = multi_index<dim>(position, mesh_lattice.n_cells());
+    // A parent is where its first child is.
+    for (unsigned int d = 0; d < dim && has_parents; ++d)
+      cell[d] *= 2;
+    return cell_owner<dim>(*tria, children, cell);
+  }
+
+
+
+  template <int dim>
   std::vector<unsigned int>
   SplineSpace<dim>::find_owners(
     const std::vector<std::uint64_t> &positions) const
   {
-    const unsigned int me = Utilities::MPI::this_mpi_process(comm);
-
-    std::vector<unsigned int> owners(positions.size(), me);
-    for (std::size_t k = 0; k < positions.size(); ++k)
+    std::vector<unsigned int> owners;
+    for (const std::uint64_t position : positions)
       {
-        MultiIndex<dim> cell = multi_index<dim>(positions[k], extents);
+        MultiIndex<dim> cell = multi_index<dim>(position, extents);
         for (unsigned int d = 0; d < dim; ++d)
           cell[d] = anchor_cells[d][cell[d]];
-        if (!std::binary_search(cells.begin(),
-                                cells.end(),
-                                lexicographic<dim>(cell,
-                                                   mesh_lattice.n_cells())))
-          {
-            // A parent is where its first child is.
-            for (unsigned int d = 0; d < dim && has_parents; ++d)
-              cell[d] *= 2;
-            owners[k] = cell_owner<dim>(*tria, children, cell);
-          }
+        owners.push_back(
+          owner(lexicographic<dim>(cell, mesh_lattice.n_cells())));
       }
     return owners;
   }
@@ -555,6 +610,32 @@ namespace greville
   {
     return function < owned.size() ? owned[function]
                                    : ghosts[function - owned.size()];
+  }
+
+
+
+  template <int dim>
+  Point<dim>
+  SplineSpace<dim>::greville_point(const unsigned int function) const
+  {
+    const auto i = multi_index<dim>(function_position(function), extents);
+    Point<dim> x;
+    for (unsigned int d = 0; d < dim; ++d)
+      x[d] = knot_vectors[d].greville_abscissa(i[d]);
+    return x;
+  }
+
+
+
+  template <int dim>
+  bool
+  SplineSpace<dim>::on_side(const unsigned int function,
+                            const unsigned int side) const
+  {
+    const unsigned int d = side / 2;
+    return !mesh_lattice.is_periodic(d) &&
+           multi_index<dim>(function_position(function), extents)[d] ==
+             (side % 2 == 0 ? 0 : extents[d] - 1);
   }
 
 

@@ -71,15 +71,10 @@ namespace greville
       if (contact.rigid >= 0)
         for (const Place &place : contact.sides[0])
           {
-            const Lattice<dim> &lattice = place.part->space().lattice();
-            Point<dim>          lower, upper;
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                lower[d] = lattice.lower(d);
-                upper[d] = lattice.upper(d);
-              }
+            const SplineSpace<dim> &space = place.part->space();
             corners[contact.rigid].insert(corners[contact.rigid].end(),
-                                          {lower, upper});
+                                          {space.lower_corner(),
+                                           space.upper_corner()});
           }
     std::vector<BoundingBox<dim>> regions;
     for (const auto &of_body : corners)
@@ -164,9 +159,9 @@ namespace greville
     contact.given     = given;
     contact.impedance = std::numeric_limits<double>::max();
 
-    double              compliance = 0.;
-    unsigned int        n_sides    = 0;
-    const Lattice<dim> *lattice    = nullptr;
+    double                  compliance = 0.;
+    unsigned int            n_sides    = 0;
+    const SplineSpace<dim> *space      = nullptr;
     for (unsigned int side = 0; side < 2; ++side)
       {
         double modulus = std::numeric_limits<double>::max();
@@ -187,7 +182,7 @@ namespace greville
                   if (part->grid().cell_size() > contact.cell_size)
                     {
                       contact.cell_size = part->grid().cell_size();
-                      lattice           = &part->space().lattice();
+                      space             = &part->space();
                     }
                 }
             }
@@ -201,9 +196,9 @@ namespace greville
       contact.rigid =
         std::find(names.begin(), names.end(), sides[1][0]) - names.begin();
     contact.modulus = double(n_sides) / compliance;
-    contact.corner  = lattice->cell_corner(MultiIndex<dim>());
+    contact.corner  = space->lower_corner();
     for (unsigned int d = 0; d < dim; ++d)
-      contact.cell_sizes[d] = lattice->cell_size(d);
+      contact.cell_sizes[d] = space->cell_size(d);
     set_law(contact);
     contacts.push_back(std::move(contact));
   }

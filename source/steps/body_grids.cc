@@ -88,8 +88,7 @@ namespace greville
       result.end.fill(0);
       for (const unsigned int cell : body.points.cells())
         {
-          const auto index =
-            multi_index<dim>(space.owned_cells()[cell], n_cells);
+          const MultiIndex<dim> index = space.box(cell).index;
           for (unsigned int d = 0; d < dim; ++d)
             {
               result.first[d] = std::min(result.first[d], index[d]);
@@ -203,10 +202,10 @@ namespace greville
           MultiIndex<dim> corner{};
           corner[d] = range.first;
           if (range.first > 0)
-            part.grid.lower[d] = body.lattice.cell_corner(corner)[d];
+            part.grid.lower[d] = body.lattice.box(corner).lower[d];
           corner[d] = range.end;
           if (range.end < grid.cells[d])
-            part.grid.upper[d] = body.lattice.cell_corner(corner)[d];
+            part.grid.upper[d] = body.lattice.box(corner).lower[d];
           part.grid.cells[d] = range.end - range.first;
 
           const double small = 1e-10 * (whole.upper[d] - whole.lower[d]);

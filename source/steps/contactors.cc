@@ -164,11 +164,11 @@ namespace greville
          const PointRef<dim>     contactor,
          const PointLayout<dim> &layout,
          const Tensor<1, dim>   &way,
-         const Lattice<dim>     &lattice)
+         const SplineSpace<dim> &space)
     {
       const Point<dim> x = point.position() + way;
       for (unsigned int d = 0; d < dim; ++d)
-        if (!(x[d] > lattice.lower(d) && x[d] < lattice.upper(d)))
+        if (!(x[d] > space.lower_corner()[d] && x[d] < space.upper_corner()[d]))
           return;
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -386,7 +386,7 @@ namespace greville
                  PointRef<dim>(row.data()),
                  layout,
                  -gap * point.target_normal,
-                 surface.points.space().lattice());
+                 surface.points.space());
             left.push_back(candidate.cell);
           }
         surface.points.insert(candidate.cell, make_array_view(row));
@@ -417,20 +417,17 @@ namespace greville
                                 const double   reach)
   {
     const MaterialPoints<dim>        &points  = body_of(place).points;
-    const Lattice<dim>               &lattice = points.space().lattice();
-    const std::vector<std::uint64_t> &numbers = points.space().owned_cells();
+    const SplineSpace<dim>           &space   = points.space();
+    const std::vector<std::uint64_t> &numbers = space.owned_cells();
     std::vector<NearCell>             result;
     for (const unsigned int cell : points.cells())
-      result.push_back({cell,
-                        lattice.cell_center(
-                          multi_index<dim>(numbers[cell], lattice.n_cells())),
-                        0.});
+      result.push_back({cell, space.box(cell).center, 0.});
     if (contact.rigid < 0)
       return result;
 
     Tensor<1, dim> size;
     for (unsigned int d = 0; d < dim; ++d)
-      size[d] = lattice.cell_size(d);
+      size[d] = space.cell_size(d);
     const double              slack = 0.25 * size.norm();
     const RigidPosition<dim> &now =
       parts.front()->current.rigid_bodies[contact.rigid].now;

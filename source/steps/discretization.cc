@@ -203,7 +203,7 @@ namespace greville
                            mesh,
                            parameters.scheme.projects_on_coarse_mesh());
       }
-    point_transport.reinit(mesh, space());
+    point_transport.reinit(space());
   }
 
 

@@ -113,7 +113,7 @@ namespace greville
           double rate = 0.;
           for (unsigned int d = 0; d < dim; ++d)
             rate += std::abs(field.new_velocity[d].local_element(i)) /
-                    space.lattice().cell_size(d);
+                    space.cell_size(d);
           rates[2] = std::max(rates[2], rate);
         }
     Utilities::MPI::max(rates, discretization.communicator(), rates);

@@ -325,14 +325,12 @@ namespace greville
     std::string    text;
     if (all > 0. && largest == all)
       {
-        const auto i =
-          multi_index<dim>(space.owned_functions()[place], space.n_functions());
+        const Point<dim>   x = space.greville_point(place);
         std::ostringstream message;
         message << "; the largest residual, " << all << ' '
                 << unit_of_sums("N", dim, parameters.grid) << ", is at (";
         for (unsigned int d = 0; d < dim; ++d)
-          message << (d == 0 ? "" : ", ")
-                  << space.knots(d).greville_abscissa(i[d]);
+          message << (d == 0 ? "" : ", ") << x[d];
         message << ") m";
         text = message.str();
       }

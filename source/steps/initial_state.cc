@@ -26,9 +26,7 @@ namespace greville
                     const SplineSpace<dim> &space)
     {
       return "'Body " + b.name + "' is in the same place as 'Body " + a.name +
-             "', for instance at (" +
-             text_of(space.lattice().cell_center(multi_index<dim>(
-               space.owned_cells()[cell], space.lattice().n_cells()))) +
+             "', for instance at (" + text_of(space.box(cell).center) +
              ") m: the mass would be counted twice. In shapes, difference(a, "
              "b) cuts one body out of another.";
     }
@@ -66,23 +64,14 @@ namespace greville
            ++i)
         if (sum.local_element(i) * sum.local_element(i) !=
             squares.local_element(i) * count.local_element(i))
-          {
-            auto cell =
-              multi_index<dim>(space.owned_functions()[i], space.n_functions());
-            for (unsigned int d = 0; d < dim; ++d)
-              cell[d] =
-                std::min(cell[d] - std::min(cell[d], space.degree() / 2),
-                         space.lattice().n_cells()[d] - 1);
-            message
-              << "With 'Scheme/Formulation' = total Lagrangian two bodies "
-                 "are so close to one another initially that a B-spline "
-                 "reaches both, near ("
-              << space.lattice().cell_center(cell)
-              << ") m: they would move as one body. Place them at least "
-                 "p + 1 cells apart, or give each a grid of its own "
-                 "('Grid/Per body' = true); they do not see one another in "
-                 "such steps.";
-          }
+          message << "With 'Scheme/Formulation' = total Lagrangian two bodies "
+                     "are so close to one another initially that a B-spline "
+                     "reaches both, near ("
+                  << space.greville_point(i)
+                  << ") m: they would move as one body. Place them at least "
+                     "p + 1 cells apart, or give each a grid of its own "
+                     "('Grid/Per body' = true); they do not see one another in "
+                     "such steps.";
       throw_on_all(message.str(), space.communicator());
     }
 
@@ -112,7 +101,7 @@ namespace greville
           {
             const double v = p.velocity(d);
             v2 += v * v;
-            rate += std::abs(v) / space.lattice().cell_size(d);
+            rate += std::abs(v) / space.cell_size(d);
           }
         signals.fastest       = std::max(signals.fastest, c + std::sqrt(v2));
         signals.crossing_rate = std::max(signals.crossing_rate, rate);
@@ -365,14 +354,15 @@ namespace greville
     if (!parameters.general.pore_water || parameters.water.bulk_modulus > 0. ||
         is_drained(parameters))
       return;
-    const Lattice<dim>   &lattice = space.lattice();
-    const WallParameters &walls   = parameters.walls;
-    double                box     = 1.;
-    unsigned int          most    = 1;
+    const Point<dim>     &lower = space.lower_corner();
+    const Point<dim>     &upper = space.upper_corner();
+    const WallParameters &walls = parameters.walls;
+    double                box   = 1.;
+    unsigned int          most  = 1;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        box *= lattice.upper(d) - lattice.lower(d);
-        most = std::max(most, lattice.n_cells()[d]);
+        box *= upper[d] - lower[d];
+        most = std::max(most, space.cells_per_direction()[d]);
         for (const unsigned int w : {2 * d, 2 * d + 1})
           if (!(walls.is_periodic(w) ||
                 (w == 0 && parameters.grid.has_axis()) ||
@@ -380,7 +370,7 @@ namespace greville
             return;
       }
     if (parameters.grid.is_axisymmetric())
-      box *= 0.5 * (lattice.lower(0) + lattice.upper(0));
+      box *= 0.5 * (lower[0] + upper[0]);
     double volume = 0.;
     for (const Body<dim> &body : bodies)
       body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {

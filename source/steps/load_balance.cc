@@ -60,23 +60,21 @@ namespace greville
                     const std::vector<std::uint64_t> &old_cells,
                     Discretization<dim>              &discretization)
     {
-      const auto               &cells  = discretization.space().owned_cells();
+      const SplineSpace<dim>   &space  = discretization.space();
       const PointLayout<dim>    layout = points.layout();
       const MaterialPoints<dim> old    = std::move(points);
       points                           = MaterialPoints<dim>();
-      points.reinit(discretization.space(), layout);
+      points.reinit(space, layout);
       std::vector<double> rows, point(layout.size);
       for (const unsigned int cell : old.cells())
         {
           const std::uint64_t position = old_cells[cell];
-          const auto          found =
-            std::lower_bound(cells.begin(), cells.end(), position);
-          const bool stays = found != cells.end() && *found == position;
+          const unsigned int  new_cell = space.find(position);
           for_each_as_inserted(old, cell, [&](const ConstPointRef<dim> p) {
             for (unsigned int i = 0; i < layout.size; ++i)
               point[i] = p[i];
-            if (stays)
-              points.insert(found - cells.begin(), make_array_view(point));
+            if (new_cell != numbers::invalid_unsigned_int)
+              points.insert(new_cell, make_array_view(point));
             else
               {
                 rows.push_back(double(position));

@@ -254,16 +254,11 @@ namespace greville
                                const RigidPosition<dim> &before,
                                const RigidPosition<dim> &now) const
   {
-    const Lattice<dim> &lattice = contact.sides[0][0].part->space().lattice();
-    Point<dim>          lower, upper;
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        lower[d] = lattice.lower(d);
-        upper[d] = lattice.upper(d);
-      }
-    return rigid_bodies[contact.rigid].way(before,
-                                           now,
-                                           BoundingBox<dim>({lower, upper}));
+    const SplineSpace<dim> &space = contact.sides[0][0].part->space();
+    return rigid_bodies[contact.rigid].way(
+      before,
+      now,
+      BoundingBox<dim>({space.lower_corner(), space.upper_corner()}));
   }
 
 

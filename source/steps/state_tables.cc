@@ -471,12 +471,12 @@ namespace greville
                     const TablesFile    &content,
                     Discretization<dim> &discretization)
     {
-      const auto            &lattice = discretization.space().lattice();
-      const PointLayout<dim> layout  = owner.points.layout();
-      std::string            others;
-      const std::string      name     = name_of(owner);
-      const std::string      kind     = name.substr(0, name.find(' ') + 1);
-      bool                   is_there = false;
+      const SplineSpace<dim> &space  = discretization.space();
+      const PointLayout<dim>  layout = owner.points.layout();
+      std::string             others;
+      const std::string       name     = name_of(owner);
+      const std::string       kind     = name.substr(0, name.find(' ') + 1);
+      bool                    is_there = false;
       for (const DistributedTable &table : content.tables)
         {
           is_there = is_there || table.name == name;
@@ -493,13 +493,13 @@ namespace greville
           const Point<dim> x =
             PointRef<dim>(&rows[k + 1]).basis_position(layout);
           for (unsigned int d = 0; d < dim && message.str().empty(); ++d)
-            if (!(x[d] >= lattice.lower(d) && x[d] <= lattice.upper(d)))
+            if (!(x[d] >= space.lower_corner()[d] &&
+                  x[d] <= space.upper_corner()[d]))
               message << "the " << name_of(owner)
                       << " does not lie in the grid: a point of it is at (" << x
                       << ") m";
           if (message.str().empty())
-            rows[k] = double(
-              lexicographic<dim>(lattice.find_cell(x), lattice.n_cells()));
+            rows[k] = double(space.cell_position(x));
         }
       throw_on_all(message.str(), discretization.communicator());
       owner.points.reinit(owner.points.space(), layout);

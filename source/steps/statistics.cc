@@ -251,7 +251,7 @@ namespace greville
           row.angular_momentum[i] += spins[i];
         // Where the grid is periodic, gravity has no potential.
         for (unsigned int d = 0; d < dim; ++d)
-          if (!bodies[b].points.space().lattice().is_periodic(d))
+          if (!bodies[b].points.space().is_periodic(d))
             row.gravitational -= gravity[d] * moment[d];
       }
     find_largest(extremes, comm);

@@ -65,17 +65,16 @@ namespace greville
     const int   reach   = space->degree() + 1;
     const auto &extents = space->n_functions();
     const auto &owned   = space->owned_functions();
-    const auto &lattice = space->lattice();
 
     // Counted without periods, functions go from -reach to n + reach in
     // periodic directions. All of them are shifted to be positive.
     MultiIndex<dim> shift, all;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        shift[d]       = lattice.is_periodic(d) ? reach : 0;
+        shift[d]       = space->is_periodic(d) ? reach : 0;
         all[d]         = extents[d] + 2 * shift[d];
         differences[d] = make_differences(
-          lattice.is_periodic(d)
+          space->is_periodic(d)
             ? KnotVector::periodic_uniform(space->degree(), all[d], 0., all[d])
             : space->knots(d),
           all[d]);
@@ -292,8 +291,8 @@ namespace greville
     for (unsigned int c = 0; c < dim; ++c)
       {
         to_places(velocities[c], velocity[c]);
-        const double factor = (p == 1 ? more_if_linear : 1.) * strength * dt /
-                              space->lattice().cell_size(c);
+        const double factor =
+          (p == 1 ? more_if_linear : 1.) * strength * dt / space->cell_size(c);
         for (const Line &line : lines)
           for (int i = line.place + line.begin; i < line.place + line.end; ++i)
             {

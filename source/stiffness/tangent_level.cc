@@ -255,10 +255,9 @@ namespace greville
       check_petsc(VecGetArray(coordinates, &values));
       for (unsigned int u = 0; u < functions.size(); ++u)
         {
-          const auto i = multi_index<dim>(space.owned_functions()[functions[u]],
-                                          space.n_functions());
+          const Point<dim> x = space.greville_point(functions[u]);
           for (unsigned int d = 0; d < dim; ++d)
-            values[u * dim + d] = space.knots(d).greville_abscissa(i[d]);
+            values[u * dim + d] = x[d];
         }
       check_petsc(VecRestoreArray(coordinates, &values));
       MatNullSpace modes;

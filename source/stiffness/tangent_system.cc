@@ -260,7 +260,7 @@ namespace greville
                             sums_of_moduli);
         moduli = {{sums_of_moduli[0], sums_of_moduli[1]}};
         force_of_strain =
-          std::sqrt(sums_of_moduli[2]) / space().lattice().smallest_cell_size();
+          std::sqrt(sums_of_moduli[2]) / space().smallest_cell_size();
       }
     return problem;
   }
@@ -280,7 +280,7 @@ namespace greville
       return false;
     unsigned int n_long = 0;
     for (unsigned int d = 0; d < dim; ++d)
-      n_long += space().lattice().n_cells()[d] > 1;
+      n_long += space().cells_per_direction()[d] > 1;
     if (n_long <= 1)
       return false;
     if (mass_factor == 0.)

@@ -183,7 +183,6 @@ namespace greville
                                     const double                  time,
                                     WaterPoints<dim>             &points) const
   {
-    const auto                 &lattice = displacements.lattice();
     const QGauss<dim - 1>       gauss(displacements.degree() + 1);
     std::array<double, dim + 1> arguments;
     arguments[dim] = time;
@@ -191,17 +190,17 @@ namespace greville
       {
         const unsigned int d    = w / 2;
         const unsigned int side = w % 2;
-        const double       area = lattice.cell_volume() / lattice.cell_size(d);
+        const unsigned int end =
+          side == 0 ? 0 : displacements.cells_per_direction()[d] - 1;
         for (unsigned int c = 0; c < displacements.owned_cells().size(); ++c)
           {
-            const auto index = multi_index<dim>(displacements.owned_cells()[c],
-                                                lattice.n_cells());
-            if (index[d] != (side == 0 ? 0 : lattice.n_cells()[d] - 1))
+            const CellBox<dim> box = displacements.box(c);
+            if (box.index[d] != end)
               continue;
             DrainedPoint<dim> of_cell;
             if (!set_soil(of_cell, bodies, c))
               continue;
-            const Point<dim> corner = lattice.cell_corner(index);
+            const double area = box.volume() / box.size[d];
             for (unsigned int q = 0; q < gauss.size(); ++q)
               {
                 DrainedPoint<dim> point = of_cell;
@@ -209,9 +208,9 @@ namespace greville
                 point.boundary          = w;
                 for (unsigned int e = 0, k = 0; e < dim; ++e)
                   point.x[e] =
-                    e == d
-                      ? (side == 0 ? lattice.lower(d) : lattice.upper(d))
-                      : corner[e] + lattice.cell_size(e) * gauss.point(q)[k++];
+                    e == d ? (side == 0 ? displacements.lower_corner()[d]
+                                        : displacements.upper_corner()[d])
+                           : box.lower[e] + box.size[e] * gauss.point(q)[k++];
                 point.area[d] = (side == 0 ? -1. : 1.) * area *
                                 gauss.weight(q) * std::min(1., filled[c]);
                 point.to_basis = unit_symmetric_tensor<dim>();
@@ -220,7 +219,7 @@ namespace greville
                     point.radius = point.x[0];
                     point.area *= point.radius;
                   }
-                point.penalty = penalty / (2. * lattice.cell_size(d));
+                point.penalty = penalty / (2. * box.size[d]);
                 for (unsigned int e = 0; e < dim; ++e)
                   arguments[e] = point.x[e];
                 set(point,
@@ -242,7 +241,6 @@ namespace greville
     const double                     time,
     WaterPoints<dim>                &points) const
   {
-    const auto                     &lattice = displacements.lattice();
     std::array<double, 2 * dim + 1> arguments;
     arguments[2 * dim] = time;
     for (const auto &of_surface : of_surfaces)
@@ -254,6 +252,7 @@ namespace greville
           water_constants(bodies[surface.body], parameters.water);
         for (const unsigned int cell : surface.points.cells())
           {
+            const Tensor<1, dim> h = displacements.box(cell).size;
             surface.points.for_each_in_cell(
               cell, [&](const ConstPointRef<dim> p) {
                 const SurfaceState<dim> state = surface_state<dim>(p, layout);
@@ -281,7 +280,7 @@ namespace greville
                   normal = transpose(state.F) * point.area;
                 double size = 0.;
                 for (unsigned int d = 0; d < dim; ++d)
-                  size += std::abs(normal[d]) / (2. * lattice.cell_size(d));
+                  size += std::abs(normal[d]) / (2. * h[d]);
                 point.penalty =
                   penalty * size * point.area.norm() / normal.norm_square();
                 for (unsigned int d = 0; d < dim; ++d)

@@ -44,19 +44,8 @@ namespace greville
   {
     orders.reinit(triangulation, displacements.degree(), "direct", true);
 
-    const auto &lattice = space().lattice();
-    const auto &cells   = space().owned_cells();
-    for (const std::uint64_t position : displacements.owned_cells())
-      {
-        auto index =
-          multi_index<dim>(position, displacements.lattice().n_cells());
-        for (unsigned int d = 0; d < dim; ++d)
-          index[d] /= 2;
-        const std::uint64_t parent =
-          lexicographic<dim>(index, lattice.n_cells());
-        parents.push_back(std::lower_bound(cells.begin(), cells.end(), parent) -
-                          cells.begin());
-      }
+    for (unsigned int c = 0; c < displacements.owned_cells().size(); ++c)
+      parents.push_back(space().find(displacements.box(c).center));
     transfer.reinit(displacements);
     filling.reinit(space());
     points.reinit(displacements,
@@ -181,7 +170,7 @@ namespace greville
                              points.mass()};
     Utilities::MPI::sum(sums, space().communicator(), sums);
     scale = sums[0] > 0.
-              ? sums[1] / sums[0] / displacements.lattice().smallest_cell_size()
+              ? sums[1] / sums[0] / displacements.smallest_cell_size()
               : 1.;
     speed = sums[2] > 0. ? std::sqrt(sums[1] / sums[2]) : 0.;
     if (sums[0] > 0.)
@@ -294,7 +283,7 @@ namespace greville
       }
     // In strips one cell wide, IC(0) is exact.
     unsigned int n_long = 0;
-    for (const unsigned int n : space().lattice().n_cells())
+    for (const unsigned int n : space().cells_per_direction())
       n_long += n > 1;
     PMultigridParameters cycle = of_cycle.multigrid;
     if (n_long <= 1)
@@ -340,10 +329,10 @@ namespace greville
     if (!is_explicit)
       multigrid = make_cycle(levels, 0.);
     // Inertia does not count where waves pass the grid in a step.
-    const auto &lattice = space().lattice();
-    double      square  = 0.;
+    const Tensor<1, dim> size = space().upper_corner() - space().lower_corner();
+    double               square = 0.;
     for (unsigned int d = 0; d < dim; ++d)
-      square += std::pow(lattice.upper(d) - lattice.lower(d), 2);
+      square += std::pow(size[d], 2);
     if (!is_explicit && speed * speed >= mass_factor * square)
       return;
     find_free_motion(solve_mass);

@@ -31,15 +31,14 @@ namespace greville
 
     // Volumes at Gauss points; those of cells with points are not zero.
     const QGauss<dim>    gauss(this->space().degree() + 1);
-    const double         cell_volume = this->space().lattice().cell_volume();
-    constexpr double     smallest    = 1e-3;
-    DensityWeights<dim> &weights     = this->mass_weights;
+    constexpr double     smallest = 1e-3;
+    DensityWeights<dim> &weights  = this->mass_weights;
     for (unsigned int c = 0; c < parts.size(); ++c)
       if (filling.holds_points(c))
         for (unsigned int q = 0; q < weights.n_points(); ++q)
           weights.at_cell(c)[q * CellBatches<dim>::width()] =
-            std::min(1., std::max(parts[c], smallest)) * cell_volume *
-            gauss.weight(q);
+            std::min(1., std::max(parts[c], smallest)) *
+            this->space().box(c).volume() * gauss.weight(q);
     add_mass_matrix(this->extended_mass.matrix(), weights);
     this->extended_mass.finish();
   }

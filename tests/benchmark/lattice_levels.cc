@@ -27,14 +27,7 @@ iterations(const unsigned int           n_cells,
   std::vector<unsigned char> constrained(space.owned_functions().size() +
                                          space.ghost_functions().size());
   for (unsigned int i = 0; i < constrained.size(); ++i)
-    {
-      const MultiIndex<dim> k =
-        multi_index<dim>(space.function_position(i), space.n_functions());
-      Point<dim> x;
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d] = space.knots(d).greville_abscissa(k[d]);
-      constrained[i] = x.distance(center) > 0.43;
-    }
+    constrained[i] = space.greville_point(i).distance(center) > 0.43;
   const LaplaceLevel<dim> laplace(space, constrained);
   const auto              preconditioner = laplace.lattice_preconditioner();
 

@@ -22,8 +22,7 @@ namespace
     const auto &space = run->space();
     double      worst = 0.;
     for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
-      if (multi_index<dim>(space.owned_functions()[i],
-                           space.n_functions())[d] == 0)
+      if (space.on_side(i, 2 * d))
         worst =
           std::max(worst, -run->state().field.velocity[d].local_element(i));
     return max_all(worst);

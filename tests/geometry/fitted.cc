@@ -42,13 +42,11 @@ integrate(const PointPlacement &placement, const MultiIndex<dim> &cells)
 {
   Box<dim>                box(cells);
   const SplineSpace<dim>  space(box.mesh, 2);
-  const auto             &lattice = space.lattice();
   Integrals<dim>          sums;
   bool                    are_inside = true, are_positive = true;
   std::set<std::uint64_t> ids;
   const auto is_in_cell = [&](const Point<dim> &x, const unsigned int cell) {
-    return lexicographic<dim>(lattice.find_cell(x), lattice.n_cells()) ==
-           space.owned_cells()[cell];
+    return space.find(x) == cell;
   };
   std::vector<PlacedPoint<dim>>  points;
   std::vector<SurfacePoint<dim>> surface;

@@ -198,10 +198,7 @@ integrate(const PointPlacement &placement, const MultiIndex<dim> &cells)
     {
       sums.volume += point.volume;
       sums.second += point.volume * point.x[0] * point.x[0];
-      ok = ok && point.volume > 0. &&
-           lexicographic<dim>(space.lattice().find_cell(point.x),
-                              space.lattice().n_cells()) ==
-             space.owned_cells()[point.cell];
+      ok = ok && point.volume > 0. && space.find(point.x) == point.cell;
     }
   check("  points in their cells", ok);
   for (const auto &point : surface)

@@ -61,9 +61,8 @@ errors_of(const SplineSpace<dim>    &space,
   std::array<double, 2> largest{};
   u.update_ghost_values();
   points.for_each([&](const unsigned int cell, const auto q) {
-    const Point<dim> x = q.position();
-    const auto       index =
-      multi_index<dim>(space.owned_cells()[cell], space.lattice().n_cells());
+    const Point<dim> x     = q.position();
+    const auto       index = space.box(cell).index;
     for (unsigned int d = 0; d < dim; ++d)
       for (const unsigned int k : {0, 1})
         space.knots(d).evaluate(index[d], x[d], k, make_array_view(N[k][d]));

@@ -102,14 +102,12 @@ namespace
     void
     add_cells(const double beta)
     {
-      const unsigned int n       = spline_space.degree() + 1;
-      const auto        &lattice = spline_space.lattice();
+      const unsigned int n = spline_space.degree() + 1;
       const QGauss<1>    gauss(n);
       for (unsigned int cell = 0; cell < spline_space.owned_cells().size();
            ++cell)
         {
-          const auto index =
-            multi_index<2>(spline_space.owned_cells()[cell], lattice.n_cells());
+          const MultiIndex<2> index = spline_space.box(cell).index;
           // 1D matrices of values and derivatives
           std::array<std::vector<double>, 2> M, K;
           for (unsigned int d = 0; d < 2; ++d)

@@ -81,9 +81,7 @@ test(const unsigned int p, const unsigned int q, const std::string &rho_name)
             const auto greville = [](const SplineSpace<dim> &space,
                                      VectorType             &x) {
               for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
-                x.local_element(i) = space.knots(0).greville_abscissa(
-                  multi_index<dim>(space.owned_functions()[i],
-                                   space.n_functions())[0]);
+                x.local_element(i) = space.greville_point(i)[0];
             };
             greville(coarse, e);
             greville(fine, f);

@@ -72,7 +72,9 @@ public:
   {
     bool ok = true;
     body.points.for_each([&](const unsigned int cell, const auto p) {
-      ok &= body.points.is_inside(cell, p);
+      ok &=
+        body.points.space().contains(cell,
+                                     p.basis_position(body.points.layout()));
     });
     return on_all(ok);
   }
@@ -471,7 +473,7 @@ test_displacement()
         on_all(made.left == made.body.points.cells()) &&
           made.body.n_points == 64);
   PointTransport<2> transport;
-  transport.reinit(made.box.mesh, made.space);
+  transport.reinit(made.space);
   const auto result = transport.move(made.body.points, made.left);
   check("  and are moved",
         made.in_their_cells() &&

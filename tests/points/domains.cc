@@ -53,22 +53,21 @@ for_each_function(const SplineSpace<dim>  &space,
                   const bool               averages_values,
                   const Action            &action)
 {
-  const auto    &lattice = space.lattice();
   const auto    &extents = space.n_functions();
   Tensor<1, dim> s;
   for (unsigned int i = 0; i < dim; ++i)
     {
       for (unsigned int j = 0; j < dim; ++j)
         s[i] += std::pow(p.F(i, j) * p[layout.domain + j], 2);
-      s[i] = std::min(std::sqrt(s[i]), 0.5 * lattice.cell_size(i));
+      s[i] = std::min(std::sqrt(s[i]), 0.5 * space.cell_size(i));
     }
   std::array<std::vector<std::array<double, 2>>, dim> means;
   for (unsigned int d = 0; d < dim; ++d)
     for (unsigned int i = 0; i < extents[d]; ++i)
       {
-        const double x = p.position(d), tiny = 1e-7 * lattice.cell_size(d);
-        const double lower = std::max(x - s[d], lattice.lower(d)),
-                     upper = std::min(x + s[d], lattice.upper(d));
+        const double x = p.position(d), tiny = 1e-7 * space.cell_size(d);
+        const double lower = std::max(x - s[d], space.lower_corner()[d]),
+                     upper = std::min(x + s[d], space.upper_corner()[d]);
         means[d].push_back(
           {{averages_values ? mean(space.knots(d), i, 0, lower, upper)
                             : mean(space.knots(d), i, 0, x - tiny, x + tiny),
@@ -119,8 +118,7 @@ test(const unsigned int p, const bool averages_values)
     q.volume0() = 1.5 + 0.5 * random();
     q.J()       = 1. + 0.2 * random();
     for (unsigned int d = 0; d < dim; ++d)
-      q[layout.domain + d] =
-        space.lattice().cell_size(d) * (0.25 + 0.2 * random());
+      q[layout.domain + d] = space.cell_size(d) * (0.25 + 0.2 * random());
     for (unsigned int i = 0; i < dim; ++i)
       for (unsigned int j = 0; j < dim; ++j)
         q.F(i, j) = (i == j) + 0.3 * random();

@@ -39,7 +39,7 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
         MaterialPoints<dim> some;
         some.reinit(space, points->layout());
         points->for_each([&](const unsigned int cell, const auto q) {
-          if (index_of(space, cell)[1] < cells[1] / 2)
+          if (space.box(cell).index[1] < cells[1] / 2)
             some.insert(cell, make_array_view(numbers_of<dim>(*points, q)));
         });
         *points = some;

@@ -18,7 +18,6 @@ test_storage(const MultiIndex<dim> &cells)
   Box<dim>               box(cells, MPI_COMM_SELF);
   const SplineSpace<dim> space(box.mesh, 2);
   const Layout           layout  = make_layout<dim>(3, true, true);
-  const auto            &lattice = space.lattice();
   const unsigned int     n_cells = space.owned_cells().size();
   MaterialPoints<dim>    points;
   points.reinit(space, layout);
@@ -27,12 +26,10 @@ test_storage(const MultiIndex<dim> &cells)
   const auto                                   place = [&]() {
     Point<dim> x;
     for (unsigned int d = 0; d < dim; ++d)
-      x[d] = lattice.upper(d) * (0.5 + 0.4999 * random());
+      x[d] = space.upper_corner()[d] * (0.5 + 0.4999 * random());
     return x;
   };
-  const auto cell_of = [&](const Point<dim> &x) {
-    return lexicographic<dim>(lattice.find_cell(x), lattice.n_cells());
-  };
+  const auto cell_of = [&](const Point<dim> &x) { return space.find(x); };
 
   const auto insert_all = [&](const std::vector<double> &numbers) {
     for (std::size_t k = 0; k < numbers.size(); k += layout.size)
@@ -86,7 +83,8 @@ test_storage(const MultiIndex<dim> &cells)
       std::vector<unsigned int> counts(n_cells, 0);
       points.for_each([&](const unsigned int cell, const auto p) {
         ++counts[cell];
-        cells_ok &= points.is_inside(cell, p);
+        cells_ok &=
+          points.space().contains(cell, p.basis_position(points.layout()));
         cells_ok &= cell_of(p.position()) == cell;
       });
       std::vector<unsigned int> filled;
@@ -140,7 +138,7 @@ test_storage(const MultiIndex<dim> &cells)
   });
   double       rounding = 0.;
   bool         kept     = restored.n_points() == points.n_points();
-  const double h        = lattice.cell_size(0);
+  const double h        = space.cell_size(0);
   restored.for_each([&](const unsigned int cell, const auto p) {
     const auto &values = originals.at(p.id());
     kept &= cell == values.back() && p.mass() == values[Layout::mass] &&
@@ -162,7 +160,7 @@ test_storage(const MultiIndex<dim> &cells)
     {
       std::vector<double> leaving;
       points.for_each([&](const unsigned int, const auto p) {
-        p.position(0) = lattice.upper(0) - p.position(0);
+        p.position(0) = space.upper_corner()[0] - p.position(0);
       });
       for (unsigned int cell = 0; cell < n_cells; ++cell)
         points.remove_leaving(cell, leaving);
@@ -228,7 +226,7 @@ public:
     random_points<dim>(
       all, own_space, make_layout<dim>(2, true, true), cube<dim>(2), 0.9);
     list = by_id(all);
-    transport.reinit(box.mesh, space);
+    transport.reinit(space);
   }
 
   // Give each point the position of a function of its id and its place in the
@@ -251,7 +249,8 @@ public:
     points.for_each([&](const unsigned int cell, const auto p) {
       for (unsigned int d = 0; d < dim; ++d)
         p.position(d) = list.at(p.id())[d];
-      if (!points.is_inside(cell, p) && (left.empty() || left.back() != cell))
+      if (!points.space().contains(cell, p.basis_position(points.layout())) &&
+          (left.empty() || left.back() != cell))
         left.push_back(cell);
     });
     const auto result = transport.move(points, left);
@@ -272,7 +271,7 @@ public:
       ok &= id < n_all;
       if (id < n_all)
         found[id] += 1.;
-      ok &= points.is_inside(cell, p);
+      ok &= points.space().contains(cell, p.basis_position(points.layout()));
       ok &= numbers_of<dim>(points, p) == list.at(id);
     });
     Utilities::MPI::sum(found, MPI_COMM_WORLD, found);
@@ -299,7 +298,7 @@ void
 test_motion(const MultiIndex<dim> &cells)
 {
   Motion<dim> motion(cells);
-  const auto &lattice    = motion.space.lattice();
+  const auto &space      = motion.space;
   const bool  alone      = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1;
   const std::string name = std::to_string(dim) + "D, ";
   print() << name << "cells " << motion.box.mesh.n_global_active_cells()
@@ -314,8 +313,8 @@ test_motion(const MultiIndex<dim> &cells)
           Random     random(id);
           Point<dim> x;
           for (unsigned int d = 0; d < dim; ++d)
-            x[d] = reflect(x0[d] + 0.9 * step * random() * lattice.cell_size(d),
-                           lattice.upper(d));
+            x[d] = reflect(x0[d] + 0.9 * step * random() * space.cell_size(d),
+                           space.upper_corner()[d]);
           return x;
         });
       n_moved += n[0];
@@ -338,7 +337,7 @@ test_motion(const MultiIndex<dim> &cells)
         Random     random(1000 * step + id);
         Point<dim> x;
         for (unsigned int d = 0; d < dim; ++d)
-          x[d] = lattice.upper(d) * (0.5 + 0.5 * random());
+          x[d] = space.upper_corner()[d] * (0.5 + 0.5 * random());
         return x;
       });
       n_moved += n[0];
@@ -355,7 +354,7 @@ test_motion(const MultiIndex<dim> &cells)
     Point<dim> x = x0;
     if (id == 0)
       for (unsigned int d = 0; d < dim; ++d)
-        x[d] = lattice.upper(d) - x[d];
+        x[d] = space.upper_corner()[d] - x[d];
     return x;
   });
   check("  a single jump",
@@ -366,7 +365,8 @@ test_motion(const MultiIndex<dim> &cells)
     Random     random(id);
     Point<dim> x;
     for (unsigned int d = 0; d < dim; ++d)
-      x[d] = lattice.upper(d) - (0.5 + 0.4 * random()) * lattice.cell_size(d);
+      x[d] =
+        space.upper_corner()[d] - (0.5 + 0.4 * random()) * space.cell_size(d);
     return x;
   });
   check("  all in one cell",
@@ -378,7 +378,8 @@ test_motion(const MultiIndex<dim> &cells)
     Point<dim> x = x0;
     for (unsigned int d = 0; d < dim; ++d)
       if ((id >> d) % 2 == 0)
-        x[d] = (id / 8) % 3 == 0 ? lattice.lower(d) : lattice.upper(d);
+        x[d] =
+          (id / 8) % 3 == 0 ? space.lower_corner()[d] : space.upper_corner()[d];
     return x;
   });
   check("  on the walls", on_all(motion.ok));
@@ -386,7 +387,9 @@ test_motion(const MultiIndex<dim> &cells)
     Point<dim> x = x0;
     for (unsigned int d = 0; d < dim; ++d)
       if ((id >> d) % 2 == 0)
-        x[d] = lattice.cell_corner(lattice.find_cell(x0))[d];
+        x[d] = space.knots(d).element_lower(
+          multi_index<dim>(space.cell_position(x0),
+                           space.cells_per_direction())[d]);
     return x;
   });
   check("  on faces", on_all(motion.ok));
@@ -396,17 +399,19 @@ test_motion(const MultiIndex<dim> &cells)
   // A bit outside: they are put back.
   for (const int side : {-1, 1})
     {
-      const double h = lattice.cell_size(1);
+      const double h = space.cell_size(1);
       motion.points.for_each([&](const unsigned int, const auto p) {
-        p.position(1) = side < 0 ? lattice.lower(1) - 1e-12 * h
-                                 : lattice.upper(1) + 1e-12 * h;
+        p.position(1) = side < 0 ? space.lower_corner()[1] - 1e-12 * h
+                                 : space.upper_corner()[1] + 1e-12 * h;
       });
       bool outside = true;
       motion.points.for_each([&](const unsigned int cell, const auto p) {
-        outside &= !motion.points.is_inside(cell, p);
+        outside &= !motion.points.space().contains(
+          cell, p.basis_position(motion.points.layout()));
       });
       for (auto &point : motion.list)
-        point.second[1] = side < 0 ? lattice.lower(1) : lattice.upper(1);
+        point.second[1] =
+          side < 0 ? space.lower_corner()[1] : space.upper_corner()[1];
       const auto result =
         motion.transport.move(motion.points, motion.points.cells());
       motion.ok &= outside && result.n_removed == 0;
@@ -419,8 +424,8 @@ test_motion(const MultiIndex<dim> &cells)
   const std::uint64_t       n     = motion.n_all;
   const double              nan   = std::numeric_limits<double>::quiet_NaN();
   const std::vector<double> targets[3] = {
-    {lattice.upper(0) + 1e-7 * lattice.cell_size(0)},
-    {lattice.lower(0) - 5. * lattice.cell_size(0)},
+    {space.upper_corner()[0] + 1e-7 * space.cell_size(0)},
+    {space.lower_corner()[0] - 5. * space.cell_size(0)},
     {nan}};
   for (unsigned int k = 0; k < 3; ++k)
     {

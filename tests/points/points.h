@@ -64,15 +64,6 @@ by_id(const MaterialPoints<dim> &points)
 
 
 
-template <int dim>
-MultiIndex<dim>
-index_of(const SplineSpace<dim> &space, const unsigned int cell)
-{
-  return multi_index<dim>(space.owned_cells()[cell], space.lattice().n_cells());
-}
-
-
-
 // With n_state history variables, APIC's matrix and an acceleration by loads.
 template <int dim>
 PointLayout<dim>
@@ -107,7 +98,6 @@ random_points(MaterialPoints<dim>    &points,
               const double            left_out = 0.)
 {
   points.reinit(space, layout);
-  const auto  &lattice   = space.lattice();
   unsigned int n_in_cell = 1;
   for (unsigned int d = 0; d < dim; ++d)
     n_in_cell *= n[d];
@@ -115,7 +105,7 @@ random_points(MaterialPoints<dim>    &points,
   const PointRef<dim> p(values.data());
   for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
     {
-      const auto corner = lattice.cell_corner(index_of(space, cell));
+      const CellBox<dim> box = space.box(cell);
       for (unsigned int k = 0; k < n_in_cell; ++k)
         {
           const std::uint64_t id = space.owned_cells()[cell] * n_in_cell + k;
@@ -128,10 +118,10 @@ random_points(MaterialPoints<dim>    &points,
           double     volume = 1.;
           for (unsigned int d = 0; d < dim; ++d)
             {
-              const double h = lattice.cell_size(d) / n[d];
+              const double h = box.size[d] / n[d];
               volume *= h;
               p.position(d) =
-                corner[d] + h * (local[d] + 0.5 + 0.5 * jitter * random());
+                box.lower[d] + h * (local[d] + 0.5 + 0.5 * jitter * random());
               p.reference(d) = p.position(d);
             }
           p.mass()       = volume * (2. + random());
@@ -298,8 +288,7 @@ empty_lanes_are_harmless(const MaterialPoints<dim> &points)
   bool ok      = true;
   for (const unsigned int cell : points.cells())
     {
-      const auto center =
-        points.space().lattice().cell_center(index_of(points.space(), cell));
+      const Point<dim> center = points.space().box(cell).center;
       for (unsigned int lane = points.n_in_first_group(cell);
            lane < MaterialPoints<dim>::width;
            ++lane)

@@ -16,7 +16,7 @@ function_value(const SplineSpace<dim> &space,
                const Point<dim>       &x)
 {
   const unsigned int  n     = space.degree() + 1;
-  const auto          index = index_of(space, cell);
+  const auto          index = space.box(cell).index;
   std::vector<double> values(n);
   double              result = 1.;
   unsigned int        rest   = a;

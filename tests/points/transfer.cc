@@ -35,10 +35,7 @@ make_field(
   for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
     {
       const std::uint64_t position = space.owned_functions()[i];
-      const auto index = multi_index<dim>(position, space.n_functions());
-      Point<dim> xi;
-      for (unsigned int d = 0; d < dim; ++d)
-        xi[d] = space.knots(d).greville_abscissa(index[d]);
+      const Point<dim>    xi       = space.greville_point(i);
       for (unsigned int c = 0; c < dim; ++c)
         field[c].local_element(i) = coefficient(c, position, xi);
     }
@@ -400,7 +397,8 @@ test_pass(const MaterialPoints<dim> &start,
             : 1.;
         error = std::max(error, std::abs(p[k] - expected[k]) / scale);
       }
-    if (!points.is_inside(cell, p) && (left.empty() || left.back() != cell))
+    if (!points.space().contains(cell, p.basis_position(points.layout())) &&
+        (left.empty() || left.back() != cell))
       left.push_back(cell);
   });
   error =

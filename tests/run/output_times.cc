@@ -371,9 +371,7 @@ namespace
     const auto &space = run->space();
     double      worst = 0.;
     for (unsigned int i = 0; i < space.owned_functions().size(); ++i)
-      if (multi_index<2>(space.owned_functions()[i], space.n_functions())[1] +
-            1 ==
-          space.n_functions()[1])
+      if (space.on_side(i, 3))
         worst =
           std::max(worst,
                    std::abs(run->state().field.velocity[0].local_element(i) -

@@ -38,9 +38,9 @@ namespace greville
      */
     template <int dim>
     PointPlacement
-    placement(const std::string  &body,
-              const unsigned int  n,
-              const Lattice<dim> &lattice) const;
+    placement(const std::string      &body,
+              const unsigned int      n,
+              const SplineSpace<dim> &space) const;
 
     std::vector<double>       lower        = {0., 0., 0.};
     std::vector<double>       upper        = {1., 1., 1.};

@@ -35,20 +35,20 @@ namespace greville
     virtual ~FittedShape() = default;
 
     /**
-     * Points that integrate over the part of the cell at @p position inside,
-     * and over the boundary in it, with at least order 2 n where that is
-     * smooth. What of the boundary lies in the faces of cells belongs to the
-     * cell on its inner side. The cell may lie next to the grid.
+     * Points that integrate over the part of a cell inside, and over the
+     * boundary in it, with at least order 2 n where that is smooth. What of the
+     * boundary lies in the faces of cells belongs to the cell on its inner
+     * side. The cell may lie next to the grid.
      */
     virtual CellPart<dim>
-    cut(const std::array<int, dim> &position, const unsigned int n) const = 0;
+    cut(const CellBox<dim> &cell, const unsigned int n) const = 0;
 
     virtual bool
     contains(const dealii::Point<dim> &x) const = 0;
   };
 
   /**
-   * A shape of level sets on a lattice. Parts between planes, and those next to
+   * A shape of level sets. Parts between planes, and those next to
    * one curved surface, are found exactly up to the quadrature; where curved
    * surfaces meet others cells are divided, and the smallest parts have planes.
    */
@@ -56,13 +56,10 @@ namespace greville
   class LevelSetShape : public FittedShape<dim>
   {
   public:
-    LevelSetShape(const std::string  &formula,
-                  const std::string  &parameter,
-                  const Lattice<dim> &lattice);
+    LevelSetShape(const std::string &formula, const std::string &parameter);
 
     CellPart<dim>
-    cut(const std::array<int, dim> &position,
-        const unsigned int          n) const override;
+    cut(const CellBox<dim> &cell, const unsigned int n) const override;
 
     bool
     contains(const dealii::Point<dim> &x) const override
@@ -73,7 +70,6 @@ namespace greville
   private:
     Shape<dim>     shape;
     ShapeTree<dim> tree;
-    Lattice<dim>   lattice;
   };
 } // namespace greville
 

@@ -52,8 +52,7 @@ namespace greville
     ~SurfaceShape();
 
     CellPart<dim>
-    cut(const std::array<int, dim> &position,
-        const unsigned int          n) const override;
+    cut(const CellBox<dim> &cell, const unsigned int n) const override;
 
     bool
     contains(const dealii::Point<dim> &x) const override;
@@ -74,8 +73,9 @@ namespace greville
     void
     sort_by_cells();
 
+    template <typename Index>
     std::uint64_t
-    cell_key(const std::array<int, dim> &position) const;
+    cell_key(const Index &index) const;
 
     /**
      * What is left of a part of a cell that facets cut.
@@ -83,7 +83,7 @@ namespace greville
     void
     cut_part(const ConvexPart<dim>           &part,
              std::vector<PlaneFacet>          facets,
-             const dealii::Point<dim>        &corner,
+             const CellBox<dim>              &cell,
              const unsigned int               n,
              std::vector<WeightedPoint<dim>> &points) const;
 

@@ -105,7 +105,7 @@ namespace greville
      * The points of a cell in the order of the weights.
      */
     std::vector<dealii::Point<dim>>
-    points(const SplineSpace<dim> &space, const MultiIndex<dim> &cell) const;
+    points(const CellBox<dim> &box) const;
 
   private:
     unsigned int                  n_q = 0;

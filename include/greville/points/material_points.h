@@ -192,13 +192,6 @@ namespace greville
     remove_leaving(const unsigned int cell, std::vector<double> &leaving);
 
     /**
-     * Whether a point lies in the half-open box of a cell; at the upper walls
-     * of the grid in the closed one. False for NaN.
-     */
-    bool
-    is_inside(const unsigned int cell, const ConstPointRef<dim> point) const;
-
-    /**
      * Make the lanes without a point harmless again.
      */
     void
@@ -265,10 +258,8 @@ namespace greville
               const unsigned int      cell,
               const PointLayout<dim> &layout)
   {
-    const Lattice<dim> &lattice = space.lattice();
-    return lattice.cell_volume() *
-           layout.thickness(lattice.cell_center(
-             multi_index<dim>(space.owned_cells()[cell], lattice.n_cells())));
+    const CellBox<dim> box = space.box(cell);
+    return box.volume() * layout.thickness(box.center);
   }
 } // namespace greville
 

@@ -24,8 +24,7 @@ namespace greville
      * Collective. Triangulation and space are kept by reference.
      */
     void
-    reinit(DistributedTriangulation<dim> &triangulation,
-           const SplineSpace<dim>        &space);
+    reinit(const SplineSpace<dim> &space);
 
     /**
      * What became of the points of a body that left their cells, on this
@@ -64,7 +63,6 @@ namespace greville
     std::vector<unsigned int>
     find_owners(const std::vector<std::uint64_t> &cells) const;
 
-    DistributedTriangulation<dim>                  *tria         = nullptr;
     const SplineSpace<dim>                         *spline_space = nullptr;
     MPI_Comm                                        comm = MPI_COMM_NULL;
     std::unordered_map<std::uint64_t, unsigned int> owners_of_ghost_cells;

@@ -39,6 +39,14 @@ namespace greville
     find(const std::uint64_t position) const;
 
     /**
+     * The local number of the neighbor of a local cell on a side, 2 d or
+     * 2 d + 1 in direction d; invalid_unsigned_int behind the sides of the
+     * grid, and where it is not local.
+     */
+    unsigned int
+    neighbor(const unsigned int cell, const unsigned int side) const;
+
+    /**
      * Collective. Of each local cell, the owned ones given, the others are
      * overwritten by their owners.
      */
@@ -47,6 +55,7 @@ namespace greville
 
   private:
     std::vector<std::uint64_t> cells;
+    Lattice<dim>               lattice;
 
     // On several processes.
     std::vector<std::pair<std::uint64_t, unsigned int>> numbers;

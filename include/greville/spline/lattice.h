@@ -50,6 +50,29 @@ namespace greville
   }
 
   /**
+   * Where a cell lies. Lengths carry the unit of the mesh.
+   */
+  template <int dim>
+  struct CellBox
+  {
+    /// Number of the cell in each direction, as KnotVector counts elements.
+    MultiIndex<dim>        index;
+    dealii::Point<dim>     lower, center;
+    dealii::Tensor<1, dim> size;
+
+    double
+    volume() const
+    {
+      double result = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        result *= size[d];
+      return result;
+    }
+  };
+
+
+
+  /**
    * The cells of a box mesh, counted by integers along each axis. The lattice
    * is read off a triangulation whose active cells are equal boxes that fill a
    * larger box; it needs no memory besides these few numbers. A direction is
@@ -130,6 +153,18 @@ namespace greville
                                 : result;
     }
 
+    const dealii::Point<dim> &
+    lower() const
+    {
+      return lower_corner;
+    }
+
+    const dealii::Point<dim> &
+    upper() const
+    {
+      return upper_corner;
+    }
+
     double
     lower(const unsigned int d) const
     {
@@ -137,15 +172,9 @@ namespace greville
     }
 
     double
-    upper(const unsigned int d) const
-    {
-      return upper_corner[d];
-    }
-
-    double
     cell_size(const unsigned int d) const
     {
-      return (upper_corner[d] - lower_corner[d]) / cells[d];
+      return sizes[d];
     }
 
     double
@@ -157,34 +186,24 @@ namespace greville
       return h;
     }
 
-    double
-    cell_volume() const
+    CellBox<dim>
+    box(const MultiIndex<dim> &index) const
     {
-      double volume = 1.;
+      CellBox<dim> result;
+      result.index = index;
       for (unsigned int d = 0; d < dim; ++d)
-        volume *= cell_size(d);
-      return volume;
-    }
-
-    /**
-     * The corner of the cell @p index with the smallest coordinates.
-     */
-    dealii::Point<dim>
-    cell_corner(const MultiIndex<dim> &index) const
-    {
-      dealii::Point<dim> corner;
-      for (unsigned int d = 0; d < dim; ++d)
-        corner[d] = lower_corner[d] + cell_size(d) * index[d];
-      return corner;
+        {
+          result.size[d]   = sizes[d];
+          result.lower[d]  = lower_corner[d] + sizes[d] * index[d];
+          result.center[d] = lower_corner[d] + sizes[d] * (index[d] + 0.5);
+        }
+      return result;
     }
 
     dealii::Point<dim>
     cell_center(const MultiIndex<dim> &index) const
     {
-      dealii::Point<dim> center;
-      for (unsigned int d = 0; d < dim; ++d)
-        center[d] = lower_corner[d] + cell_size(d) * (index[d] + 0.5);
-      return center;
+      return box(index).center;
     }
 
     /**
@@ -194,10 +213,14 @@ namespace greville
     find_cell(const dealii::Point<dim> &point) const;
 
   private:
-    dealii::Point<dim>    lower_corner;
-    dealii::Point<dim>    upper_corner;
-    MultiIndex<dim>       cells{};
-    std::array<bool, dim> periodic{};
+    void
+    set_sizes();
+
+    dealii::Point<dim>     lower_corner;
+    dealii::Point<dim>     upper_corner;
+    dealii::Tensor<1, dim> sizes;
+    MultiIndex<dim>        cells{};
+    std::array<bool, dim>  periodic{};
   };
 
   /**

@@ -87,10 +87,51 @@ namespace greville
       return components;
     }
 
+    /**
+     * The cells as one lattice, for the few parts that need all of them to be
+     * alike. Others use the functions on cells below.
+     */
     const Lattice<dim> &
     lattice() const
     {
       return mesh_lattice;
+    }
+
+    const MultiIndex<dim> &
+    cells_per_direction() const
+    {
+      return mesh_lattice.n_cells();
+    }
+
+    bool
+    is_periodic(const unsigned int d) const
+    {
+      return mesh_lattice.is_periodic(d);
+    }
+
+    const dealii::Point<dim> &
+    lower_corner() const
+    {
+      return mesh_lattice.lower();
+    }
+
+    const dealii::Point<dim> &
+    upper_corner() const
+    {
+      return mesh_lattice.upper();
+    }
+
+    /// The size of the smallest cells in a direction.
+    double
+    cell_size(const unsigned int d) const
+    {
+      return mesh_lattice.cell_size(d);
+    }
+
+    double
+    smallest_cell_size() const
+    {
+      return mesh_lattice.smallest_cell_size();
     }
 
     const KnotVector &
@@ -193,7 +234,7 @@ namespace greville
     // arrays. Counted from 0; functions that are owned come first.
 
     /**
-     * Lexicographic positions (in Lattice::n_cells()) of the owned cells,
+     * Lexicographic positions (in cells_per_direction()) of the owned cells,
      * ascending.
      */
     const std::vector<std::uint64_t> &
@@ -207,6 +248,50 @@ namespace greville
      */
     unsigned int
     cell_number(const CellIterator &cell) const;
+
+    /**
+     * Return where owned cell number @p cell lies. Costs a few operations.
+     */
+    CellBox<dim>
+    box(const unsigned int cell) const
+    {
+      return mesh_lattice.box(
+        multi_index<dim>(cells[cell], mesh_lattice.n_cells()));
+    }
+
+    /**
+     * Return whether a point lies in the half-open box of an owned cell, or at
+     * the upper walls of the grid in the closed one. False for NaN.
+     */
+    bool
+    contains(const unsigned int cell, const dealii::Point<dim> &x) const;
+
+    /**
+     * Return the position of the cell that contains a point, anywhere in the
+     * mesh; of the nearest cell for points outside.
+     */
+    std::uint64_t
+    cell_position(const dealii::Point<dim> &x) const;
+
+    /**
+     * Return the number of the owned cell at a position, or
+     * invalid_unsigned_int if another process owns the cell.
+     */
+    unsigned int
+    find(const std::uint64_t position) const;
+
+    /**
+     * Return the number of the owned cell that contains a point, as
+     * cell_position() and the other find() do.
+     */
+    unsigned int
+    find(const dealii::Point<dim> &x) const;
+
+    /**
+     * Return the process that owns the cell at a position.
+     */
+    unsigned int
+    owner(const std::uint64_t position) const;
 
     /**
      * Lexicographic positions (in n_functions()) of the owned functions,
@@ -252,6 +337,20 @@ namespace greville
      */
     std::uint64_t
     function_position(const unsigned int function) const;
+
+    /**
+     * Return the Greville point of a function by its local number.
+     */
+    dealii::Point<dim>
+    greville_point(const unsigned int function) const;
+
+    /**
+     * Return whether a function by its local number is one of those that do not
+     * vanish on a side of the grid, 2 d at the lower and 2 d + 1 at the upper
+     * end of direction d. Periodic directions have no sides.
+     */
+    bool
+    on_side(const unsigned int function, const unsigned int side) const;
 
   private:
     /**

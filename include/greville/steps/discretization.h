@@ -92,7 +92,7 @@ namespace greville
     double
     cell_size() const
     {
-      return space().lattice().smallest_cell_size();
+      return space().smallest_cell_size();
     }
 
     const Walls<dim> &

@@ -19,8 +19,8 @@ namespace greville
   {
     /**
      * Collective. @p rows has the lexicographic position of a cell
-     * (Lattice::n_cells()) and its weight, one cell after the other, each on
-     * one process, whichever it is.
+     * (SplineSpace::owned_cells()) and its weight, one cell after the other,
+     * each on one process, whichever it is.
      */
     Partition(std::vector<double> rows, const MPI_Comm comm);
 

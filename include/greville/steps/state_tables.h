@@ -11,7 +11,7 @@ namespace greville
   /**
    * Collective. All numbers of a state as tables that do not depend on how
    * cells are shared among processes: a row of points begins with the
-   * lexicographic position of its cell (Lattice::n_cells()), one of
+   * lexicographic position of its cell (SplineSpace::owned_cells()), one of
    * coefficients with that of its B-spline (SplineSpace::n_functions()).
    *
    * Points have tables `body NAME` and `surface NAME`. Those of the rest begin
