@@ -50,19 +50,15 @@ namespace greville
 
       CellGeometry(const SpacePolynomials<dim> &tables, const unsigned int cell)
       {
-        const SplineSpace<dim> &space   = *tables.space;
-        const auto             &lattice = space.lattice();
-        const auto              index =
-          multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
+        const CellBox<dim> box = tables.space->box(cell);
         for (unsigned int d = 0; d < dim; ++d)
           {
-            const double h = lattice.cell_size(d);
-            center[d]      = lattice.lower(d) + (index[d] + 0.5) * h;
-            inverse_h[d]   = 1. / h;
-            polynomials[d] = tables.directions[d].coefficients(index[d]);
-            offsets[d]     = tables.directions[d].greville_offsets(index[d]);
+            center[d]      = box.center[d];
+            inverse_h[d]   = 1. / box.size[d];
+            polynomials[d] = tables.directions[d].coefficients(box.index[d]);
+            offsets[d] = tables.directions[d].greville_offsets(box.index[d]);
           }
-        functions = space.cell_functions(cell).data();
+        functions = tables.space->cell_functions(cell).data();
       }
 
       double              center[dim];

@@ -22,8 +22,7 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       text << (d > 0 ? ", " : "") << x[d];
     text << ") m, " << word << " the cell (";
-    const auto index =
-      multi_index<dim>(space.owned_cells()[cell], space.lattice().n_cells());
+    const MultiIndex<dim> index = space.box(cell).index;
     for (unsigned int d = 0; d < dim; ++d)
       text << (d > 0 ? ", " : "") << index[d];
     return text.str() + ")";
@@ -125,24 +124,21 @@ namespace greville
   Tensor<1, dim>
   PointTransfer<dim>::spread(const unsigned int cell, const Point<dim> &x) const
   {
-    const SplineSpace<dim> &space   = *tables.space;
-    const auto             &lattice = space.lattice();
-    const unsigned int      n       = space.degree() + 1;
-    const auto              index =
-      multi_index<dim>(space.owned_cells()[cell], lattice.n_cells());
-    const Point<dim> center = lattice.cell_center(index);
-    Tensor<1, dim>   result;
+    const unsigned int n   = tables.space->degree() + 1;
+    const CellBox<dim> box = tables.space->box(cell);
+    Tensor<1, dim>     result;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double *c       = tables.directions[d].coefficients(index[d]);
-        const double *offsets = tables.directions[d].greville_offsets(index[d]);
-        const double  t       = (x[d] - center[d]) / lattice.cell_size(d);
+        const auto   &table   = tables.directions[d];
+        const double *c       = table.coefficients(box.index[d]);
+        const double *offsets = table.greville_offsets(box.index[d]);
+        const double  t       = (x[d] - box.center[d]) / box.size[d];
         for (unsigned int a = 0; a < n; ++a)
           {
             double N = 0.;
             for (int k = n - 1; k >= 0; --k)
               N = N * t + c[a * n + k];
-            result[d] += N * std::pow(center[d] + offsets[a] - x[d], 2);
+            result[d] += N * std::pow(box.center[d] + offsets[a] - x[d], 2);
           }
       }
     return result;

@@ -307,8 +307,8 @@ namespace greville
   {
     // Where the points themselves make the divergence of the free motion, as
     // they are not Gauss points, it is small.
-    const auto  &lattice  = pressure_tables.space->lattice();
-    const double smallest = 0.1 / std::pow(lattice.smallest_cell_size(), 2);
+    const double smallest =
+      0.1 / std::pow(pressure_tables.space->smallest_cell_size(), 2);
     with_order(functions.space->degree(), [&](const auto size) {
       constexpr int      m = decltype(size)::value, n_q = power(m, dim);
       FullMatrix<double> of_cell(n_q, n_q);

@@ -166,12 +166,6 @@ namespace greville
     }
 
     double
-    lower(const unsigned int d) const
-    {
-      return lower_corner[d];
-    }
-
-    double
     cell_size(const unsigned int d) const
     {
       return sizes[d];
@@ -198,12 +192,6 @@ namespace greville
           result.center[d] = lower_corner[d] + sizes[d] * (index[d] + 0.5);
         }
       return result;
-    }
-
-    dealii::Point<dim>
-    cell_center(const MultiIndex<dim> &index) const
-    {
-      return box(index).center;
     }
 
     /**
