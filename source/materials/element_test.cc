@@ -112,9 +112,7 @@ namespace greville
       }
 
     private:
-      /**
-       * The deformation for the controlled strain and what is unknown.
-       */
+      /// Return the deformation for the controlled strain and the unknown.
       Stretch
       stretch_of(const double strain, const double unknown) const
       {
@@ -126,8 +124,8 @@ namespace greville
       }
 
       /**
-       * The point at the beginning of a step that ends with @p next, as
-       * Material::update() takes it.
+       * Return the point at the beginning of a step that ends with @p next, as
+       * an argument of Material::update().
        */
       MaterialPoint
       begin_step(const Stretch &next, const double dt) const
@@ -150,9 +148,7 @@ namespace greville
         return result;
       }
 
-      /**
-       * The stress that is to stay less that of the start.
-       */
+      /// Return the difference of the prescribed stress from its initial value.
       double
       residual(const MaterialPoint &at) const
       {
@@ -160,9 +156,7 @@ namespace greville
         return at.stress[c][c] - stress_start[c][c];
       }
 
-      /**
-       * The derivative of residual() by the unknown.
-       */
+      /// Return the derivative of residual() by the unknown.
       double
       slope(const MaterialPoint &begun) const
       {
@@ -184,7 +178,7 @@ namespace greville
         for (unsigned int i = 0; i < most_iterations && !is_done; ++i)
           {
             const double r = residual(ended);
-            // Of stresses, and what rounding of strains makes of them.
+            // Round-off of stresses, and the effect of rounded strains on them.
             const double tolerance =
               1e-12 * (ended.stress.norm() + stress_start.norm()) +
               1e-15 * std::abs(ended.wave_modulus);
@@ -192,7 +186,7 @@ namespace greville
             if (is_done)
               break;
             const double full = -r / slope(begun);
-            // Shorter where it does not come nearer.
+            // The step is shortened if it does not reduce the residual.
             double factor    = 1.;
             bool   is_nearer = false;
             for (unsigned int k = 0; k < 40 && !is_nearer; ++k, factor *= 0.5)
@@ -211,7 +205,7 @@ namespace greville
               }
             if (!is_nearer)
               {
-                // Round-off, or no solution.
+                // The residual is round-off, or there is no solution.
                 is_done = std::abs(r) <= 1e3 * tolerance;
                 break;
               }
@@ -268,7 +262,7 @@ namespace greville
         for (std::size_t k = 0; k < names.size(); ++k)
           if (std::ptrdiff_t(k) != own)
             result.push_back(point.state[k]);
-        // No -0.
+        // Replace -0 by 0.
         for (double &value : result)
           value += 0.;
         return result;

@@ -157,8 +157,8 @@ namespace greville
     if (region == Region::apex)
       return;
 
-    // Derivatives of f by t[0], t[1], t[2] and the parameter, and those of the
-    // second plane.
+    // Derivatives of f by t[0], t[1], t[2] and the parameter, and derivatives
+    // of the second plane.
     const double by_larger = 1. + phi, by_smaller = phi - 1.;
     double       f[]   = {by_larger,
                           0.,

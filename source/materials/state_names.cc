@@ -14,7 +14,7 @@ namespace greville
 
   namespace
   {
-    // Other numbers and fields of points.
+    // Names of other numbers and fields of points.
     const std::vector<std::string> taken = {"position",
                                             "velocity",
                                             "mass",
@@ -82,7 +82,7 @@ namespace greville
                     ExcMessage("The law of '" + section +
                                "' has a history variable <" + name +
                                ">; its name has to be letters, digits and _."));
-        // Laws have "dissipation" as history.
+        // Laws store "dissipation" as a history variable.
         AssertThrow(!is_taken_by_points(name) || name == "dissipation",
                     ExcMessage("The law of '" + section +
                                "' has a history variable <" + name +

@@ -25,7 +25,7 @@ namespace greville
   {
     constexpr unsigned int cmname_length = 80, most_state_variables = 10000;
 
-    // The history before STATEV, which is History::more as it lies in memory.
+    // Positions in the history before STATEV, in the layout of History::more.
     constexpr unsigned int strain = 0, sse = 6, spd = 7, scd = 8, work = 9,
                            dissipated = 10, modulus = 11, n_fixed = 12;
     static_assert(n_fixed == History<double>::n_first, "");
@@ -56,9 +56,7 @@ namespace greville
 
 
 
-    /**
-     * R A R^T for the entries 11, 22, 33, 12, 13, 23 of A.
-     */
+    /// Compute R A R^T for the entries 11, 22, 33, 12, 13, 23 of A.
     void
     rotate(const Tensor<2, 3> &R, double *A)
     {
@@ -76,9 +74,7 @@ namespace greville
 
 
 
-    /**
-     * sum_i a_i b_i of symmetric tensors.
-     */
+    /// Return sum_i a_i b_i of symmetric tensors.
     double
     product(const double *a, const double *b)
     {
@@ -499,7 +495,7 @@ namespace greville
   Umat::Matrix
   Umat::stiffness(MaterialPoint point) const
   {
-    // Any length of a step without an increment.
+    // The length of a step without an increment is arbitrary.
     point.dt = point.time = 1.;
     point.increment       = unit_symmetric_tensor<3>();
     Increment none{};

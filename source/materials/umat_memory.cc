@@ -21,7 +21,7 @@ namespace greville
     // A quiet NaN.
     constexpr std::uint64_t guard_mark = 0x7ff8475245564c4cULL;
 
-    // Of the pages before and behind the arguments, in bytes.
+    // The sizes of the pages before and behind the arguments, in bytes.
     constexpr std::size_t bytes_before = 1 << 16, bytes_behind = 1 << 22;
 
     constexpr const char *array_names[] = {
@@ -101,7 +101,7 @@ namespace greville
     char *const first = static_cast<char *>(memory) + bytes_before;
     if (mprotect(first, used, PROT_READ | PROT_WRITE) != 0)
       throw std::bad_alloc();
-    // The last guard ends where the pages do.
+    // The last guard ends at the end of the pages.
     data = reinterpret_cast<double *>(first + used - n_bytes);
 
     std::fill_n(data, end, 0.);
@@ -142,7 +142,7 @@ namespace greville
     const double *const kept    = image.data();
     for (unsigned int k = 0; k < image.size(); ++k)
       changed |= bits_of(data + k) ^ bits_of(kept + k);
-    // Four at once.
+    // Four numbers are compared at once.
     std::array<std::uint64_t, n_guards> bad = {};
     for (unsigned int array = stran; array < n_arrays; ++array)
       for (unsigned int k = 0; k < n_guards; ++k)
@@ -168,7 +168,8 @@ namespace greville
           ++first;
         if (first == n_guards)
           continue;
-        // Of the next array, if only the end of the guard has changed.
+        // The UMAT wrote before the next array if only the end of the guard has
+        // changed.
         if (first >= n_guards / 2 && array + 1 < n_arrays)
           result = std::string("has written before ") + array_names[array + 1];
         else
@@ -207,7 +208,7 @@ namespace greville
   bool
   UmatMemory::is_finite() const
   {
-    // The results lie side by side with guards between them, which are not.
+    // The results are contiguous, with guards between them that are NaN.
     constexpr std::uint64_t exponent = 0x7ff0000000000000ULL;
     const double *const     first    = data + begin[results];
     const unsigned int      n        = begin[statev] + nstatv - begin[results];

@@ -25,7 +25,8 @@ namespace greville
 
 
     /**
-     * The place among all six components of number k of those that there are.
+     * Return the position among all six components of component k of those
+     * present.
      */
     int
     component(const int k, const int ndi)
@@ -59,9 +60,7 @@ namespace greville
 
 
 
-    /**
-     * The text with the numbers and words that it asks for.
-     */
+    /// Return the text with its numbers and words filled in.
     std::string
     filled(const std::string &text,
            const int         *integers,

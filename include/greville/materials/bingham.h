@@ -8,14 +8,14 @@
 namespace greville
 {
   /**
-   * A weakly compressible Bingham fluid, regularized
-   * (@ref Papanastasiou1987 "Papanastasiou, 1987"): TaitFluid (pressure, rate
-   * d, state, exceptions) with the shear stress
+   * A weakly compressible Bingham fluid, regularized (@ref Papanastasiou1987
+   * "Papanastasiou, 1987"): TaitFluid (pressure, rate d, state, exceptions)
+   * with the shear stress
    *   2 eta dev(d), eta = mu + tau_y (1 - exp(-m g)) / g,
    *   g = sqrt(2 dev(d) : dev(d)),
-   * so that simple shear at a rate g has the shear stress mu g + tau_y
-   * (1 - exp(-m g)): for m g >> 1 Bingham's, for m g << 1 that of a fluid of
-   * the largest viscosity mu + tau_y m. It creeps at any stress.
+   * so that simple shear at a rate g has the shear stress mu g + tau_y (1 -
+   * exp(-m g)): the law is Bingham's for m g >> 1 and a Newtonian fluid of the
+   * largest viscosity mu + tau_y m for m g << 1. It creeps at any stress.
    * Parameters: mu ("Plastic viscosity", Pa s), tau_y ("Yield stress", Pa, in
    * simple shear), m ("Regularization", s).
    */

@@ -8,9 +8,7 @@
 
 namespace greville
 {
-  /**
-   * A step without plastic flow.
-   */
+  /// The trial state of a step without plastic flow.
   struct CriticalStateStep
   {
     /// ln(P / a), see PressureElasticity, and q = sqrt(3 J2), Pa.
@@ -35,29 +33,30 @@ namespace greville
 
 
   /**
-   * What laws of critical state soil mechanics share that depend on the
+   * Base class of laws of critical state soil mechanics that depend on the
    * pressure and on q = sqrt(3 J2), not on Lode's angle: an ElastoplasticLaw
    * with PressureElasticity, whose return keeps the direction of the deviator,
    *   eps = eps_v / 3 1 + q / q(trial) e(trial).
    *
-   * State: that of ElastoplasticLaw; the size of the yield surface, Pa; the
-   * void ratio; and what the law has besides. Zeros are the stress-free state,
-   * with what the parameters say of the rest.
+   * State: the variables of ElastoplasticLaw; the size of the yield surface,
+   * Pa; the void ratio; and further variables of the law. All zeros stand for
+   * the stress-free state, with the other variables from the parameters.
    *
-   * Parameters: those of PressureElasticity, "Critical stress ratio" M = q / P
-   * of the critical state, and "Overconsolidation ratio" R.
+   * Parameters: the parameters of PressureElasticity, "Critical stress ratio" M
+   * = q / P in the critical state, and "Overconsolidation ratio" R.
    *
    * A @p Law has
    *   static constexpr const char *name, *size_name;
    *   static std::vector<std::string> more_names();
    *   void set_initial(State &state,
    *                    double log_pressure, double q) const,
-   * the size, the void ratio and the rest of a point with this stress;
+   * which sets the size, the void ratio and the other variables of a point with
+   * this stress;
    *   bool return_map(const CriticalStateStep &trial,
    *                   State &state,
    *                   CriticalStateReturn &result, bool differentiate) const,
-   * which updates them, and leaves the stress of an elastic step alone and
-   * returns false.
+   * which updates these variables; for an elastic step, it leaves the stress
+   * unchanged and returns false.
    */
   template <typename Law>
   class CriticalStateLaw : public ElastoplasticLaw<Law, PressureElasticity>
@@ -95,8 +94,8 @@ namespace greville
     }
 
     /**
-     * Throws dealii::ExcMessage for a mean stress beyond the attraction, and
-     * for q > M P, which is beyond the critical state.
+     * Throw dealii::ExcMessage for a mean stress beyond the attraction, and for
+     * q > M P, beyond the critical state.
      */
     void
     initialize(MaterialPoint                       &point,
@@ -106,7 +105,7 @@ namespace greville
       const Principal eps       = elastic.invert(point, e, stress, Law::name);
       const double log_pressure = -(eps[0] + eps[1] + eps[2]) / elastic.kappa,
                    pressure     = elastic.attraction * std::exp(log_pressure);
-      // Of the stress: strains of stiff soil are rounded.
+      // Computed from the stress, since the strains of stiff soil are rounded.
       const double q = point.J * std::sqrt(1.5) * deviator(stress).norm();
       check_stress(
         q <= (1. + 1e-12) * ratio * pressure, Law::name, stress, [&]() {
@@ -238,9 +237,7 @@ namespace greville
     /// Void ratios are given at this pressure, Pa.
     static constexpr double reference_pressure = 1000.;
 
-    /**
-     * ln(P / reference_pressure) from ln(P / a).
-     */
+    /// Return ln(P / reference_pressure) from ln(P / a).
     double
     log_of_reference(const double log_pressure) const
     {
@@ -276,9 +273,7 @@ namespace greville
       return -elastic.attraction * std::expm1(log_pressure);
     }
 
-    /**
-     * A state of zeros is that of a stress-free point.
-     */
+    /// Replace a state of zeros by the state of a stress-free point.
     void
     begin(State &state) const
     {

@@ -8,17 +8,17 @@
 namespace greville
 {
   /**
-   * The neo-Hookean law with an energy that is a sum of one of volume and one
-   * of shape (@ref Simo1985 "Simo, Taylor and Pister, 1985";
-   * @ref Simo1998 "Simo and Hughes, 1998", section 9.2):
+   * The neo-Hookean law whose energy is the sum of a volumetric and an
+   * isochoric part (@ref Simo1985 "Simo, Taylor and Pister, 1985"; @ref
+   * Simo1998 "Simo and Hughes, 1998", section 9.2):
    * @f{align*}{
    *   W &= \tfrac{K}{4} (J^2 - 1 - 2 \ln J)
    *        + \tfrac{\mu}{2} (\mathrm{tr}\, \bar b - 3),
    *   \quad \bar b = J^{-2/3} F F^T, \\
    *   J \sigma &= \tfrac{K}{2} (J^2 - 1) \, 1 + \mu \, \mathrm{dev}\, \bar b
    * @f}
-   * with K and mu = G from E and nu; stresses in Pa. In plane strain bbar has
-   * its entry along z, too.
+   * with K and mu = G from E and nu; stresses in Pa. In plane strain, bbar
+   * includes its entry along z.
    *
    * A wave along a principal stretch s has rho c^2 = (K (J^2 + 1) / 2 + mu (5
    * tr(bbar) - 3 J^(-2/3) s^2) / 9) / J, which is positive; wave_modulus takes
@@ -26,8 +26,8 @@ namespace greville
    * of b = F F^T.
    *
    * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
-   * 0.5), initialize() for a stress that is not finite: one deformation has
-   * each other one.
+   * 0.5), initialize() for a stress that is not finite; each finite stress
+   * belongs to one deformation.
    */
   class DecoupledNeoHookean : public ElasticMaterial<LanesMaterial>
   {
@@ -35,9 +35,10 @@ namespace greville
     static constexpr const char *name = "decoupled-neo-hookean";
 
     /**
-     * K (J^2 - 1) = 2 J p gives J. The principal values of bbar are m + e_a
-     * with e_a = J s_a / mu and the deviator s of sigma; m makes their product
-     * one. Newton's method for m comes from above, where the product is convex.
+     * Solve K (J^2 - 1) = 2 J p for J. The principal values of bbar are m + e_a
+     * with e_a = J s_a / mu and the deviator s of sigma, and m makes their
+     * product one. Newton's method for m starts from above, where the product
+     * is convex.
      */
     void
     initialize(MaterialPoint                       &point,
@@ -101,9 +102,9 @@ namespace greville
     }
 
     /**
-     * To round-off of its own size, see NeoHookean: with ln(det(b)) = 3 q,
-     * tr(bbar) / 3 - 1 = exp(-q) (tr(b) / 3 - 1 - (exp(q) - 1)), where all that
-     * is linear in b - 1 cancels.
+     * The energy is exact to round-off relative to itself, see NeoHookean: with
+     * ln(det(b)) = 3 q, tr(bbar) / 3 - 1 = exp(-q) (tr(b) / 3 - 1 - (exp(q) -
+     * 1)), in which all terms linear in b - 1 cancel.
      */
     EnergyLanes
     energies(const MaterialLanes &points) const override
@@ -167,9 +168,7 @@ namespace greville
     }
 
   private:
-    /**
-     * J^(-2/3), not a number where J is not positive.
-     */
+    /// Return J^(-2/3), or NaN if J is not positive.
     template <typename Number>
     static Number
     shape_factor(const Number &J)
@@ -178,9 +177,7 @@ namespace greville
              exp_less_one(Number(-2. / 3. * log_of_one_plus(Number(J - 1.))));
     }
 
-    /**
-     * The mean Cauchy stress.
-     */
+    /// Return the mean Cauchy stress.
     template <typename Number>
     Number
     pressure(const Number &J) const

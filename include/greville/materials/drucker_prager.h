@@ -12,14 +12,15 @@
 namespace greville
 {
   /**
-   * The cone of @ref Drucker1952 "Drucker and Prager", non-associated,
-   * (@ref Neto2008 "de Souza Neto", section 8.3), without hardening, with a
-   * cut-off of tension; in the Kirchhoff stress tau with mean p (positive in
-   * tension), deviator s:
+   * Non-associated plasticity with the cone of @ref Drucker1952 "Drucker and
+   * Prager" (@ref Neto2008 "de Souza Neto", section 8.3), without hardening,
+   * with a tension cut-off, in the Kirchhoff stress tau with mean p (positive
+   * in tension) and deviator s:
    *   f1 = sqrt(J2) + eta p - xi c <= 0, g1 = sqrt(J2) + eta' p,
    *   f2 = p - p_t <= 0,                 g2 = f2,
-   * J2 = s : s / 2. The "Cone" fits Mohr-Coulomb's surface of friction angle
-   * phi: for plastic flow in plane strain, at its outer or at its inner edges,
+   * J2 = s : s / 2. The parameter "Cone" selects how the cone fits
+   * Mohr-Coulomb's surface of friction angle phi: for plastic flow in plane
+   * strain, at the outer or at the inner edges,
    *   plane strain: eta = sin(phi) / n, xi = cos(phi) / n,
    *                 n = sqrt(1 - eta'^2 / 3) + eta' sin(phi) / 3,
    *   plane strain associated: eta = 3 tan(phi) / sqrt(9 + 12 tan(phi)^2),
@@ -27,25 +28,26 @@ namespace greville
    *   outer: eta = 6 sin(phi) / (sqrt(3) (3 - sin(phi))),
    *          xi = 6 cos(phi) / (sqrt(3) (3 - sin(phi))),
    *   inner: the same with 3 + sin(phi).
-   * eta' is the eta of an associated cone, of the second line or of outer or
-   * inner, with the dilatancy angle psi for phi. Flow without strain along z
-   * has s_zz = -2 / 3 eta' sqrt(J2), which is what n stands for: "plane strain"
-   * has the strength of Mohr-Coulomb for any psi. "plane strain associated" has
-   * it for psi = phi only, is weaker for smaller psi (@ref Bui2008 "Bui et al."
-   * and others use it with psi = 0). The return is closed: to the cone,
+   * eta' is the eta of the associated cone (the second formula, outer or inner)
+   * with the dilatancy angle psi in place of phi. Flow without strain along z
+   * has s_zz = -2 / 3 eta' sqrt(J2), which gives n: "plane strain" has the
+   * strength of Mohr-Coulomb for any psi. "plane strain associated" has this
+   * strength only if psi = phi and is weaker for smaller psi (@ref Bui2008 "Bui
+   * et al." and others use it with psi = 0). The return has a closed form: to
+   * the cone,
    *   dgamma = f1(trial) / (G + K eta eta'), p = p(trial) - K eta' dgamma,
    *   sqrt(J2) = sqrt(J2)(trial) - G dgamma;
-   * to the cut-off, p = p_t with s = s(trial); or to where both meet, p = p_t
-   * and sqrt(J2) = xi c - eta p_t. Without a cut-off p_t is the apex xi c /
-   * eta. Plastic flow on the cone has the volume eta' dgamma and the
-   * equivalent strain dgamma / sqrt(3). State: see HenckyPlasticity.
+   * to the cut-off, p = p_t with s = s(trial); or to their intersection, p =
+   * p_t and sqrt(J2) = xi c - eta p_t. Without a cut-off, p_t is the apex xi c
+   * / eta. Plastic flow on the cone has the volumetric strain eta' dgamma and
+   * the equivalent strain dgamma / sqrt(3). State: see HenckyPlasticity.
    *
    * Parameters: "Cohesion" c, Pa, "Friction angle" phi and "Dilatancy angle"
    * psi, degrees, "Tension cut-off" p_t, Pa, "Cone" and "Strength reduction",
    * see StrengthReduction.
    *
    * reinit() throws dealii::ExcMessage for psi > phi, for phi = c = 0, a
-   * cut-off beyond the apex, and a wrong Poisson's ratio, initialize() for a
+   * cut-off beyond the apex, and an invalid Poisson's ratio, initialize() for a
    * stress outside of the yield surface.
    */
   class DruckerPrager : public HenckyPlasticity<DruckerPrager>
@@ -135,8 +137,8 @@ namespace greville
     }
 
     /**
-     * Where an opening closes without stress, it takes the strain of volume of
-     * the trial state away, whose place in the flow rule nothing takes.
+     * An opening that closes without stress takes its volumetric strain out of
+     * the trial state, for which the flow rule has no counterpart.
      */
     bool
     has_symmetric_tangent() const override
@@ -205,13 +207,13 @@ namespace greville
               opening +=
                 std::max((p - mean) / K - dilatancy * (q - radius) / G, 0.);
             }
-          // equivalent strain |dev(d eps_p)| sqrt(2 / 3)
+          // The equivalent strain |dev(d eps_p)| sqrt(2 / 3).
           alpha += (q - radius) / (std::sqrt(3.) * G);
         }
       else
         {
           opening += (p - mean) / elastic.bulk;
-          // At the apex q is 0.
+          // At the apex, q is 0.
           if (tangent != nullptr)
             set_tangent(
               *tangent, tau, q, corner_radius > 0. ? 1. : 0., 0., 0., 0.);
@@ -221,9 +223,7 @@ namespace greville
     }
 
   private:
-    /**
-     * eta, eta', xi c, and the radius of the cone at p_t.
-     */
+    /// The coefficients eta, eta', xi c, and the radius of the cone at p_t.
     struct Surface
     {
       double friction, dilatancy, strength, corner_radius;
@@ -245,9 +245,7 @@ namespace greville
       return is_cut_off ? s.strength - s.friction * largest_mean : 0.;
     }
 
-    /**
-     * All but the radius.
-     */
+    /// Return the coefficients of the surface without the radius.
     Surface
     make_surface(const double reduction) const
     {
@@ -266,9 +264,7 @@ namespace greville
       return {factors[0], dilatancy, factors[1] * cohesion / reduction, 0.};
     }
 
-    /**
-     * eta and xi of the cone that fits for associated flow.
-     */
+    /// Return eta and xi of the fitted cone with associated flow.
     std::array<double, 2>
     associated_cone(const double angle) const
     {

@@ -34,9 +34,7 @@ namespace greville
         "Poisson's ratio nu, between -1 and 0.5 (both excluded). Unit: none.");
     }
 
-    /**
-     * Throws dealii::ExcMessage unless -1 < nu < 0.5.
-     */
+    /// Compute the constants. Throws dealii::ExcMessage unless -1 < nu < 0.5.
     void
     reinit(const std::string &section)
     {
@@ -82,11 +80,11 @@ namespace greville
     }
 
     /**
-     * Of longitudinal waves in Hencky's law along principal direction a:
-     * rho c^2 = (K + 4 G / 3 - tau_a) / J; here the largest of the three. It
-     * vanishes in strong tension, where the law softens. Time steps and
-     * estimates need a positive one: waves go at least a tenth as fast as in
-     * the stress-free state.
+     * Return the modulus of longitudinal waves in Hencky's law, the largest of
+     * the values rho c^2 = (K + 4 G / 3 - tau_a) / J along the principal
+     * directions a. It vanishes in strong tension, as the law softens. Since
+     * time steps and estimates need a positive modulus, the wave speed is at
+     * least a tenth of its value in the stress-free state.
      */
     template <typename Number>
     Number
@@ -105,10 +103,10 @@ namespace greville
     }
 
     /**
-     * The inverse of Hencky's law: fill stress, F, J and wave_modulus of
-     * @p point and return the principal Kirchhoff stresses; @p e becomes b - 1.
-     * ln J solves ln J = J tr(sigma) / (3 K), which has no solution for
-     * tr(sigma) / 3 > K / exp(1): throws dealii::ExcMessage.
+     * Invert Hencky's law: fill stress, F, J and wave_modulus of @p point and
+     * return the principal Kirchhoff stresses; @p e becomes b - 1. ln J solves
+     * ln J = J tr(sigma) / (3 K), which has no solution for tr(sigma) / 3 > K /
+     * exp(1): throws dealii::ExcMessage.
      */
     Principal
     invert_hencky(MaterialPoint                       &point,
@@ -158,8 +156,9 @@ namespace greville
 
 
   /**
-   * A law with elastic constants, or with another elastic law that has the same
-   * functions: a Material or a MaterialLaw with them.
+   * A base class of laws with elastic constants: derives from @p Base, a
+   * Material or a MaterialLaw, and holds an ElasticConstants or another elastic
+   * law with the same functions.
    */
   template <typename Base, typename Elastic = ElasticConstants>
   class ElasticMaterial : public Base

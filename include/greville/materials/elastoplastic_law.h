@@ -12,15 +12,15 @@
 namespace greville
 {
   /**
-   * A HenckyLaw whose points keep the elastic part of their deformation, with F
-   * = F_e F_p and the exponential map (de Souza Neto, Peric, Owen,
+   * A HenckyLaw whose points store the elastic part of their deformation, with
+   * F = F_e F_p and the exponential map (de Souza Neto, Peric, Owen,
    * Computational Methods for Plasticity, section 14.4): the trial state of a
    * step with the increment f is b_e = f b_e f^T.
    *
    * State: the elastic left Cauchy-Green tensor less the identity, b_e - 1 (all
    * zeros are the stress-free state); the equivalent plastic strain; the
-   * plastic work per volume of the stress-free state, J / m^3, all of which is
-   * taken for heat; and what the @p Law has besides.
+   * plastic work per volume of the stress-free state, J / m^3, all of which
+   * counts as heat; and further variables of the @p Law.
    */
   template <typename Law, typename Elastic = ElasticConstants>
   class ElastoplasticLaw : public HenckyLaw<Law, Elastic>
@@ -56,7 +56,7 @@ namespace greville
     static constexpr unsigned int plastic_strain = 6, work = 7, more = 8;
 
     /**
-     * The names of the state, with those of the law at the end.
+     * Return the names of the state variables, followed by the names @p of_law.
      */
     static std::vector<std::string>
     names_with(const std::vector<std::string> &of_law)
@@ -73,9 +73,7 @@ namespace greville
       return names;
     }
 
-    /**
-     * The state of a point without plastic strain.
-     */
+    /// Set the state of a point without plastic strain.
     static void
     set_elastic(MaterialPoint &point, const dealii::SymmetricTensor<2, 3> &e)
     {

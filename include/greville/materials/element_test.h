@@ -13,59 +13,54 @@
 namespace greville
 {
   /**
-   * What an element test begins with and how far it goes. Strains and stresses
-   * are positive in compression, as in soil mechanics.
+   * The parameters of an element test: its initial state and its path. Strains
+   * and stresses are positive in compression, as in soil mechanics.
    */
   struct ElementTestParameters
   {
     static constexpr char section[] = "Element test";
 
     /**
-     * Declare the section with these defaults in a file of simulations, which
-     * have no use for its values.
+     * Declare the section with these defaults in a simulation's parameter file,
+     * which does not use its values.
      */
     static void
     declare_section(dealii::ParameterHandler &prm);
 
-    /**
-     * Those that a parameter file's @p text sets.
-     */
+    /// Return the parameters that the @p text of a parameter file sets.
     static ElementTestParameters
     from(const std::string &text);
 
-    /// Axial and lateral, Pa; one number: both.
+    /// The axial and lateral stress, Pa; one number sets both.
     std::vector<double> initial_stress = {1e5};
-    /// Where the controlled strain turns or ends, one after the other.
+    /// The values at which the controlled strain turns or ends, in order.
     std::vector<double> strains = {0.2};
-    /// From one of them to the next.
+    /// The number of steps between two of these values.
     unsigned int steps       = 200;
     double       strain_rate = 1e-2; // 1 / s
-    /// At the start, of laws that have none of their own.
+    /// The initial void ratio, for laws that have none of their own.
     double void_ratio = 0.7;
   };
 
 
 
   /**
-   * The names of columns, and a row for the start and for each step.
+   * The results: the names of columns, and a row for the start and for each
+   * step.
    */
   struct ElementTestTable
   {
     std::vector<std::string>         names;
     std::vector<std::vector<double>> rows;
 
-    /**
-     * The values of a column.
-     */
+    /// Return the values of a column.
     std::vector<double>
     column(const std::string &name) const;
   };
 
 
 
-  /**
-   * The names of all tests, separated by '|'.
-   */
+  /// Return the names of all tests, separated by '|'.
   std::string
   element_test_names();
 
@@ -73,30 +68,30 @@ namespace greville
 
   /**
    * Lead a material point through a test of a soil laboratory. With F = S F_0
-   * from the state at the start and z for the axis, a step sets S, and finds
-   * what is unknown in it by Newton's method with Material::tangents():
+   * from the state at the start and z for the axis, a step sets S and finds its
+   * unknown entry by Newton's method with Material::tangents():
    *
    * - isotropic: S = exp(-e / 3) 1 for the volumetric strain e;
    * - oedometer: S = diag(1, 1, exp(-e)) for the axial strain e;
    * - triaxial-drained: S = diag(l, l, exp(-e)), where l keeps the lateral
    *   stress;
    * - triaxial-undrained: S = diag(exp(e / 2), exp(e / 2), exp(-e)); the total
-   *   lateral stress stays, and what the effective one, the law's, lacks is the
-   *   pore pressure;
+   *   lateral stress is constant, and the pore pressure is the difference
+   * between the total and the effective stress, which is the stress of the law;
    * - simple-shear: S = 1 + e e_x e_z^T + (l - 1) e_z e_z^T for the shear e,
    *   where l keeps the axial stress, and lateral strains are zero.
    *
    * Columns: strain_axial = -ln S_zz, strain_volumetric = -ln(det S), and
-   * strain_shear, which is 2 / 3 of the axial minus the lateral strain, or e of
-   * simple shear; p = -tr(sigma) / 3, q, which is the axial minus the lateral
-   * compression, or sqrt(3 J2) of simple shear, Pa; the void_ratio, of the law
-   * if its history has one, else from det S with incompressible grains; the
-   * pore_pressure, Pa; stress_axial (compression) and stress_shear, Pa; and the
-   * history of the law.
+   * strain_shear, which is 2 / 3 of the axial minus the lateral strain, or e in
+   * simple shear; p = -tr(sigma) / 3; q, which is the axial minus the lateral
+   * compression, or sqrt(3 J2) in simple shear, Pa; the void_ratio, taken from
+   * the history of the law if it has one, otherwise from det S with
+   * incompressible grains; the pore_pressure, Pa; stress_axial (compression)
+   * and stress_shear, Pa; and the history of the law.
    *
    * Throws dealii::ExcMessage with @p section, the section of the material, for
-   * an unknown test, for parameters without a meaning, for a start that the law
-   * cannot have, and where a step does not converge.
+   * an unknown test, for invalid parameters, for an initial state that the law
+   * does not allow, and if a step does not converge.
    */
   ElementTestTable
   run_element_test(const Material              &material,

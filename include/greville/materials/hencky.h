@@ -22,13 +22,12 @@ namespace greville
 
 
 
-  /**
-   * b - 1 for the left Cauchy-Green tensor b = F F^T.
-   */
+  /// Return b - 1 for the left Cauchy-Green tensor b = F F^T.
   inline dealii::SymmetricTensor<2, 3>
   left_cauchy_green_less_one(const dealii::Tensor<2, 3> &F)
   {
-    // Squares less one as (F_ii - 1) (F_ii + 1), without cancellation.
+    // Squares less one are computed as (F_ii - 1) (F_ii + 1), without
+    // cancellation.
     dealii::SymmetricTensor<2, 3> e;
     const double h0 = F[0][0] - 1., h1 = F[1][1] - 1., h2 = F[2][2] - 1.;
     e.access_raw_entry(0) =
@@ -49,8 +48,8 @@ namespace greville
 
 
   /**
-   * Principal logarithmic strains ln(1 + e_a) / 2 from those of b - 1, of one
-   * point or of several.
+   * Return the principal logarithmic strains ln(1 + e_a) / 2 from the principal
+   * values e_a of b - 1, for one or several points.
    */
   template <typename Number>
   std::array<Number, 3>
@@ -63,9 +62,7 @@ namespace greville
 
 
 
-  /**
-   * The inverse: exp(2 strain) - 1.
-   */
+  /// Return the inverse: exp(2 strain) - 1.
   template <typename Number>
   std::array<Number, 3>
   stretches_less_one(const std::array<Number, 3> &strains)
@@ -87,9 +84,7 @@ namespace greville
       : SpectralDecomposition<double>(entries_of(A))
     {}
 
-    /**
-     * The tensor with other values and the same directions.
-     */
+    /// Return the tensor with other values and the same directions.
     dealii::SymmetricTensor<2, 3>
     tensor(const Principal &v) const
     {

@@ -8,9 +8,9 @@
 namespace greville
 {
   /**
-   * Principal Kirchhoff stresses tau_a of points, d tau_a / d eps_b by their
-   * trial strains, and (tau_a - tau_b) / (eps_a - eps_b) for (a, b) = (0, 1),
-   * (0, 2), (1, 2), Pa.
+   * Principal Kirchhoff stresses tau_a of points, their derivatives d tau_a / d
+   * eps_b by the trial strains, and (tau_a - tau_b) / (eps_a - eps_b) for (a,
+   * b) = (0, 1), (0, 2), (1, 2), Pa.
    */
   struct PrincipalTangent
   {
@@ -22,9 +22,9 @@ namespace greville
 
 
   /**
-   * What laws in logarithmic elastic strains eps share: elastic constants, the
-   * stored energy, and the way from strains to stresses in principal axes,
-   * which takes as many points at once as Lanes hold.
+   * Base class of laws in logarithmic elastic strains eps: elastic constants,
+   * the stored energy, and the computation of stresses from strains in
+   * principal axes, for as many points at once as Lanes hold.
    *
    * A @p Law has
    *   std::array<Lanes, 6> trial(const MaterialLanes &points) const,
@@ -32,27 +32,28 @@ namespace greville
    * of a step without plastic flow;
    *   std::array<Lanes, 6> current(const MaterialLanes &points) const,
    *   Lanes heat(const MaterialLanes &points) const,
-   * that of points whose state is up to date, and their dissipation; and
+   * the same tensor for points whose state is up to date, and their
+   * dissipation;
    *   std::array<Lanes, 3>
    *   respond(MaterialLanes &points,
    *           const SpectralDecomposition<Lanes> &spectrum,
    *           const std::array<Lanes, 6> &e, std::array<Lanes, 3> eps) const,
-   * which updates the state of points from the trial tensor e, its
-   * spectrum and its strains eps and returns the principal Kirchhoff stresses;
+   * which updates the state of points from the trial tensor e, its spectrum and
+   * its strains eps and returns the principal Kirchhoff stresses; and
    *   PrincipalTangent
    *   linearize(const MaterialPoint *points, unsigned int count,
    *             const std::array<Lanes, 3> &eps) const,
    * the derivatives of these stresses.
    *
-   * The tangent is that of an isotropic function tau of the trial tensor b (de
-   * Souza Neto, Peric, Owen, appendix A): a change l has db = l b + b l^T, in
-   * principal axes d eps_a = l_aa and
+   * The tangent is the derivative of an isotropic function tau of the trial
+   * tensor b (de Souza Neto, Peric, Owen, appendix A): a change l has db = l b
+   * + b l^T, in principal axes d eps_a = l_aa and
    *   d tau_aa = sum_b (d tau_a / d eps_b) l_bb,
    *   d tau_ab = (tau_a - tau_b) / (b_a - b_b) (b_b l_ab + b_a l_ba).
-   * With tau_a - tau_b = s_ab (eps_a - eps_b), where laws know s_ab without
-   * cancellation, and x = b_a / b_b - 1 the last line is
+   * With tau_a - tau_b = s_ab (eps_a - eps_b), where laws compute s_ab without
+   * cancellation, and x = b_a / b_b - 1, the last line becomes
    *   d tau_ab = s_ab ln(1 + x) / (2 x) (l_ab + (1 + x) l_ba),
-   * which holds to round-off for values that are close or equal.
+   * which is exact to round-off even if values are close or equal.
    *
    * @p Elastic has the functions of ElasticConstants that this class calls.
    */
@@ -115,7 +116,8 @@ namespace greville
 
   private:
     /**
-     * NaN where J is not positive: b = F F^T does not see its sign.
+     * Return 1 / J, or NaN if J is not positive: b = F F^T does not depend on
+     * the sign of J.
      */
     static Lanes
     inverse_of(const Lanes &J)
@@ -138,8 +140,8 @@ namespace greville
       PrincipalTangent                   tangent =
         law().linearize(points, count, logarithmic_strains(spectrum.values));
 
-      // Factors of l_ab and l_ba for pairs (a, b), and the tensors n_a n_a^T
-      // and n_a n_b^T + n_b n_a^T.
+      // The factors of l_ab and l_ba for pairs (a, b), and the tensors n_a
+      // n_a^T and n_a n_b^T + n_b n_a^T.
       constexpr unsigned int first[] = {0, 0, 1}, second[] = {1, 2, 2};
       std::array<Lanes, 3>   there, back;
       std::array<Lanes, 6>   normal[3], shear[3];

@@ -10,44 +10,45 @@ namespace greville
 {
   /**
    * Isotropic elastoplasticity with Hencky's elastic law (see
-   * ElastoplasticLaw): the return in principal axes is the one of small
+   * ElastoplasticLaw): the return in principal axes has the form of small
    * strains.
    *   b_e = f b_e f^T (trial), eps = ln(b_e) / 2,
    *   tau = lambda tr(eps) 1 + 2 G eps,
    *   eps = eps(trial) - sum_i dgamma_i dg_i / dtau,
    *   sigma = tau / J.
-   * Yield functions take the Kirchhoff stress tau, Pa (per stress-free area
-   * and volume), so that the strength in Cauchy stress is divided by J.
+   * Yield functions take the Kirchhoff stress tau, Pa (per stress-free area and
+   * volume), so the strength in terms of Cauchy stress is divided by J.
    *
-   * State: that of ElastoplasticLaw, with the accumulated equivalent plastic
-   * strain, d alpha = sqrt(2 / 3 dev(d eps_p) : dev(d eps_p)), and the plastic
-   * work tau : d eps_p; and for laws with a largest mean stress the opening v.
+   * State: the variables of ElastoplasticLaw, with the accumulated equivalent
+   * plastic strain, d alpha = sqrt(2 / 3 dev(d eps_p) : dev(d eps_p)), and the
+   * plastic work tau : d eps_p; for laws with a largest mean stress also the
+   * opening v.
    *
-   * The opening is the plastic strain of volume (logarithmic, v >= 0) that the
-   * largest mean stress has caused, without that of dilatancy: grains that part
-   * or cracks that open. It has to close before the material bears pressure
-   * again (@ref Tampubolon2017 "Tampubolon et al., 2017", section 4.3):
-   * without it each cycle of opening and
-   * closing would leave more volume and more pressure behind. So
+   * The opening is the plastic volumetric strain (logarithmic, v >= 0) caused
+   * by the largest mean stress, without dilatancy: separated grains or open
+   * cracks. It must close before the material bears pressure again (@ref
+   * Tampubolon2017 "Tampubolon et al., 2017", section 4.3): otherwise each
+   * cycle of opening and closing would leave more volume and more pressure
+   * behind. Therefore
    *   eps(trial) += w / 3 1, v -= w,
-   * with w = v where the largest mean stress is 0: what is still open then
-   * opens again in the return. A material that bears tension takes w =
-   * min(v, max(-tr(eps), 0)), so that it closes without stress. Closing does no
+   * with w = v if the largest mean stress is 0; the part that remains open then
+   * opens again in the return. A material that bears tension takes w = min(v,
+   * max(-tr(eps), 0)), so that it closes without stress. Closing does no
    * plastic work.
    *
    * A @p Law has
    *   static constexpr const char *name, *yield_condition;
    *   static constexpr bool opens,
-   * whether it has an opening;
+   * true if it has an opening;
    *   double yield_function(const Principal &tau, double alpha,
    *                         double reduction) const,
-   * positive where the stress is not possible, Pa;
+   * positive for an inadmissible stress, Pa;
    *   bool return_map(Principal &tau, double &alpha, double &opening,
    *                   double reduction, ReturnTangent *tangent = nullptr)
-   * const, which leaves an elastic trial stress alone and returns false, or
-   * else returns it to the yield surface, adds to alpha and to the opening, and
-   * fills the @p tangent if there is one (the @p reduction is
-   * MaterialPoint::strength_reduction); and if it opens
+   * const, which leaves an elastic trial stress unchanged and returns false;
+   * otherwise it returns the stress to the yield surface, adds to alpha and to
+   * the opening, and fills the @p tangent unless null (@p reduction is
+   * MaterialPoint::strength_reduction); and, if it has an opening,
    *   double largest_mean_stress(double alpha) const, Pa.
    */
   template <typename Law>
@@ -62,8 +63,8 @@ namespace greville
     }
 
     /**
-     * Throws dealii::ExcMessage for a stress outside of the yield surface by
-     * more than 1e-10 of its norm.
+     * Initialize the state. Throws dealii::ExcMessage for a stress outside the
+     * yield surface by more than 1e-10 of its norm.
      */
     void
     initialize(MaterialPoint                       &point,
@@ -144,7 +145,7 @@ namespace greville
               const unsigned int   count,
               std::array<Lanes, 3> eps) const
     {
-      // What closes without stress takes the strain of volume away.
+      // Openings that close without stress take away volumetric strain.
       bool keeps_volume[n_lanes] = {};
       if constexpr (Law::opens)
         for (unsigned int lane = 0; lane < count; ++lane)
@@ -203,8 +204,8 @@ namespace greville
 
   protected:
     /**
-     * The equivalent plastic strain of a return from one Kirchhoff stress to
-     * another: 2 G dev(d eps_p) = dev(trial - returned).
+     * Return the equivalent plastic strain of a return from the Kirchhoff
+     * stress @p trial to @p returned: 2 G dev(d eps_p) = dev(trial - returned).
      */
     double
     equivalent_strain(const Principal &trial, const Principal &returned) const
@@ -225,7 +226,8 @@ namespace greville
     static constexpr unsigned int opening = ElastoplasticLaw<Law>::more;
 
     /**
-     * The part of an opening that closes at an elastic strain of volume.
+     * Return the part of an opening that closes at an elastic volumetric
+     * strain.
      */
     double
     closing(const double open,

@@ -9,8 +9,8 @@
 namespace greville
 {
   /**
-   * The history of one point, or of several (Number is Lanes), of any length:
-   * the first numbers lie in the object, so that laws with a short history
+   * The history variables of one point, or of several if Number is Lanes. The
+   * first numbers are stored in the object, so that laws with a short history
    * never allocate memory.
    */
   template <typename Number>
@@ -18,9 +18,7 @@ namespace greville
   {
     static constexpr unsigned int n_first = 12;
 
-    /**
-     * Make room for @p n numbers; all are zero behind the first n_first.
-     */
+    /// Make room for @p n numbers; all beyond the first n_first are zero.
     void
     resize(const unsigned int n)
     {

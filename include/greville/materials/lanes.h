@@ -11,8 +11,8 @@
 namespace greville
 {
   /**
-   * One number of each of several points, in one SIMD register where the
-   * machine has such wide ones.
+   * One number for each of several points, in one SIMD register if the machine
+   * has registers of this width.
    */
   using Lanes = FixedSimd<double, 4>;
 
@@ -20,8 +20,8 @@ namespace greville
 
 
 
-  // What algorithms for a double and for Lanes need of both: choose() takes
-  // each lane of a where the condition holds, else that of b.
+  // Return, lane by lane, a where the condition holds and b elsewhere. With
+  // this and the following functions, algorithms take a double or Lanes.
   inline double
   choose(const bool condition, const double a, const double b)
   {
@@ -74,9 +74,7 @@ namespace greville
 
 
 
-  /**
-   * ln(1 + x) to round-off, relative to the result, of small x too.
-   */
+  /// Return ln(1 + x), with a relative error of round-off also for small x.
   inline double
   log_of_one_plus(const double x)
   {
@@ -114,9 +112,7 @@ namespace greville
 
 
 
-  /**
-   * exp(x) - 1 to round-off, relative to the result, of small x too.
-   */
+  /// Return exp(x) - 1, with a relative error of round-off also for small x.
   inline double
   exp_less_one(const double x)
   {

@@ -18,7 +18,7 @@ namespace greville
    * Cauchy stress has a maximum (mean stress K / exp(1) at ln J = 1).
    *
    * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
-   * 0.5), initialize() for a mean stress of K / exp(1) and more.
+   * 0.5), initialize() for a mean stress of K / exp(1) or more.
    */
   class LinearElastic : public HenckyLaw<LinearElastic>
   {

@@ -39,16 +39,17 @@ namespace greville
   /**
    * The derivative D_ijkl = d sigma_ij / d l_kl of the Cauchy stress at the end
    * of a step by l = df f^-1, where f is the increment F_(n+1) F_n^-1: by all
-   * nine l_kl, not only the symmetric ones. Where the law is objective, a spin
-   * w gives w sigma - sigma w.
+   * nine l_kl, not only the symmetric part. If the law is objective, a spin w
+   * gives w sigma - sigma w.
    */
   using MaterialTangent = dealii::Tensor<4, 3>;
 
 
 
   /**
-   * A constitutive law: from the deformation of points to their Cauchy stress.
-   * A material knows nothing of grids and acts on many points per call.
+   * Base class of constitutive laws, which compute Cauchy stresses from the
+   * deformation of points. A material knows nothing of grids and acts on many
+   * points per call.
    *
    * A new material is one header with a class that derives from MaterialLaw,
    * and one line in the list of source/materials/material.cc; or a call of
@@ -60,24 +61,24 @@ namespace greville
     virtual ~Material() = default;
 
     /**
-     * Declare the density and the parameters of the law in the section that
-     * @p prm is in. What is read into @p prm goes to this object.
+     * Declare the density and the parameters of the law in the section that @p
+     * prm is in. Values read by @p prm are written into this object.
      */
     virtual void
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * Compute derived constants; to be called after reading and before
-     * anything else. Throws dealii::ExcMessage, which names the @p section,
-     * where parameters contradict each other.
+     * Compute derived constants; to be called after reading and before any
+     * other function. Throws dealii::ExcMessage with the @p section if
+     * parameters contradict each other.
      */
     virtual void
     reinit(const std::string & /*section*/)
     {}
 
     /**
-     * The names of history variables, after reinit(); MaterialPoint::state
-     * holds them in this order.
+     * Return the names of history variables, after reinit(), in the order of
+     * MaterialPoint::state.
      */
     virtual std::vector<std::string>
     state_names() const
@@ -86,7 +87,8 @@ namespace greville
     }
 
     /**
-     * The unit of one of them where the list of run_notes.cc has none.
+     * Return the unit of a history variable that is missing in the list of
+     * run_notes.cc.
      */
     virtual std::string
     state_unit(const std::string & /*name*/) const
@@ -95,28 +97,28 @@ namespace greville
     }
 
     /**
-     * The state of a point with Cauchy stress @p stress at rest: fill
-     * stress, state, F (a symmetric stretch from the stress-free state), J
-     * and wave_modulus of @p point. Throws dealii::ExcMessage where the law
-     * cannot have this stress (a fluid with shear stress, a stress outside of
-     * the yield surface).
+     * Initialize a point at rest with the Cauchy stress @p stress: fill stress,
+     * state, F (a symmetric stretch from the stress-free state), J and
+     * wave_modulus of @p point. Throws dealii::ExcMessage if the law does not
+     * allow this stress (a fluid with shear stress, a stress outside the yield
+     * surface).
      */
     virtual void
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const = 0;
 
     /**
-     * Compute stress, state and wave_modulus of @p points at the end of a
-     * step. Results of impossible deformations (J <= 0) are not finite. May
-     * throw dealii::ExcMessage where a step is too long for the law: implicit
-     * steps are then tried again with a shorter one, explicit ones end the run.
+     * Compute stress, state and wave_modulus of @p points at the end of a step.
+     * Results of impossible deformations (J <= 0) are not finite. May throw
+     * dealii::ExcMessage if a step is too long for the law: implicit steps are
+     * then repeated with a shorter step, explicit steps end the run.
      */
     virtual void
     update(const dealii::ArrayView<MaterialPoint> &points) const = 0;
 
     /**
-     * Whether update_lanes() does the same for several points at once. See
-     * LanesMaterial.
+     * Return whether update_lanes() is implemented, which updates several
+     * points at once. See LanesMaterial.
      */
     virtual bool
     has_lanes() const
@@ -125,7 +127,8 @@ namespace greville
     }
 
     /**
-     * Does not see the stress of the beginning of the step.
+     * Update several points. The result must not depend on the stress at the
+     * beginning of the step.
      */
     virtual void
     update_lanes(MaterialLanes & /*points*/) const
@@ -134,16 +137,17 @@ namespace greville
     }
 
     /**
-     * The derivatives of the stresses that update() gives for @p points, which
-     * are as update() takes them: stress and state of the beginning of the
-     * step, increment, F and J at the end. A change l dt of the velocity's
-     * gradient changes all three: (1 + l) f, (1 + l) F, (1 + tr(l)) J. For @p
-     * dim 2 the columns with k = 2 or l = 2 are zero, which are not needed in
-     * plane strain. On a kink (at the onset of yield, for instance) the
-     * derivative is that of one side or a mean of both. Throws nothing.
+     * Compute the derivatives of the stresses that update() returns for @p
+     * points. The points are given as for update(): stress and state at the
+     * beginning of the step, increment, F and J at the end. A change l dt of
+     * the velocity's gradient changes all three: (1 + l) f, (1 + l) F, (1 +
+     * tr(l)) J. If @p dim is 2, the columns with k = 2 or l = 2, which plane
+     * strain does not need, are zero. At a kink (for instance the onset of
+     * yield), the derivative is one-sided or a mean of both sides. Throws
+     * nothing.
      *
-     * The default takes central differences of update(), which costs 2 dim^2
-     * calls of it per point and is exact to about 1e-8.
+     * The default uses central differences of update(), at 2 dim^2 calls per
+     * point and with an error of about 1e-8.
      */
     virtual void
     tangents(const dealii::ArrayView<const MaterialPoint> &points,
@@ -151,9 +155,9 @@ namespace greville
              const unsigned int                            dim) const;
 
     /**
-     * Whether J (D_ijkl + sigma_ij delta_kl - sigma_il delta_jk), which is the
+     * Return whether J (D_ijkl + sigma_ij delta_kl - sigma_il delta_jk), the
      * derivative of the first Piola-Kirchhoff stress, is symmetric under ij <->
-     * kl in all states: of hyperelastic and of associated laws.
+     * kl in all states, as for hyperelastic and associated laws.
      */
     virtual bool
     has_symmetric_tangent() const
@@ -162,14 +166,15 @@ namespace greville
     }
 
     /**
-     * Stored elastic energy per volume of the stress-free state, J / m^3.
+     * Return the stored elastic energy per volume of the stress-free state, J /
+     * m^3.
      */
     virtual double
     strain_energy(const MaterialPoint &point) const = 0;
 
     /**
-     * Energy per volume of the stress-free state that plastic and viscous flow
-     * have turned into heat, J / m^3.
+     * Return the energy per volume of the stress-free state that plastic and
+     * viscous flow have turned into heat, J / m^3.
      */
     virtual double
     dissipation(const MaterialPoint &) const
@@ -178,18 +183,18 @@ namespace greville
     }
 
     /**
-     * strain_energy() and dissipation() of several points at once, to
-     * round-off: sums over all points ask for them. The default calls the two
-     * for one point after the other.
+     * Return strain_energy() and dissipation() of several points at once, to
+     * round-off, for sums over all points. The default calls the two functions
+     * point by point.
      */
     virtual EnergyLanes
     energies(const MaterialLanes &points) const;
 
     /**
-     * What the strength of the material is divided by at a time: the value of
-     * MaterialPoint::strength_reduction for the points of a step that ends
-     * then. Throws dealii::ExcMessage, which names the parameter, on all
-     * processes alike, where the parameters give none.
+     * Return the divisor of the material's strength at a given time: the value
+     * of MaterialPoint::strength_reduction in a step that ends at this time.
+     * Throws dealii::ExcMessage with the name of the parameter, on all
+     * processes alike, if the parameters give no value.
      */
     virtual double
     strength_reduction(const double /*time*/) const
@@ -198,10 +203,10 @@ namespace greville
     }
 
     /**
-     * Whether points next to one another are to share their changes of volume
-     * (PointTransfer::share_volume()): where only J makes the pressure and
-     * nothing else couples J to the place that a point has, so that errors of
-     * J add up.
+     * Return whether neighboring points share their changes of volume
+     * (PointTransfer::share_volume()). Laws whose pressure depends on J only
+     * need this, since J is not otherwise coupled to the positions of points
+     * and its errors accumulate.
      */
     virtual bool
     shares_volume() const
@@ -210,16 +215,16 @@ namespace greville
     }
 
     /**
-     * In the stress-free state, viscosities in any. They set the critical time
-     * step.
+     * Return the moduli in the stress-free state and bounds of the viscosity in
+     * any state, which determine the critical time step.
      */
     virtual Moduli
     moduli() const = 0;
 
     /**
-     * Whether bodies of this material spread into layers that are thinner than
-     * a cell or break up into drops and grains, where the exact mass matrix is
-     * dearer than it is worth.
+     * Return whether bodies of this material spread into layers thinner than a
+     * cell or break up into drops and grains, for which the exact mass matrix
+     * is not worth its cost.
      */
     virtual bool
     spreads() const
@@ -227,9 +232,7 @@ namespace greville
       return false;
     }
 
-    /**
-     * In the stress-free state, kg / m^3.
-     */
+    /// The density in the stress-free state, kg / m^3.
     double density = 1000.;
 
     /// With pore water: the fraction of the volume that it fills in the
@@ -243,7 +246,7 @@ namespace greville
 
 
   /**
-   * A Material from a class Law with
+   * A Material made from a class Law with
    *   void update_point(MaterialPoint &point) const,
    * which the loop over points calls without virtual dispatch.
    */
@@ -271,16 +274,11 @@ namespace greville
     return std::make_unique<Law>();
   }
 
-  /**
-   * Add a material to the list, before parameters are read. Not from several
-   * threads.
-   */
+  /// Add a material to the list, before parameters are read. Not thread-safe.
   void
   add_material(const std::string &name, const MakeMaterial make);
 
-  /**
-   * The same for a class with a default constructor and a static name.
-   */
+  /// Add a class with a default constructor and a static name to the list.
   template <typename Law>
   void
   add_material()
@@ -288,16 +286,13 @@ namespace greville
     add_material(Law::name, new_material<Law>);
   }
 
-  /**
-   * The names of all materials, separated by '|'.
-   */
+  /// Return the names of all materials, separated by '|'.
   std::string
   material_names();
 
   /**
-   * A material by name. Throws dealii::ExcMessage with material_names() for an
-   * unknown @p name, where @p parameter is the parameter that the message
-   * names.
+   * Return a new material. Throws dealii::ExcMessage with material_names() and
+   * the name of the @p parameter if @p name is unknown.
    */
   std::unique_ptr<Material>
   make_material(const std::string &name, const std::string &parameter);

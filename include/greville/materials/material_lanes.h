@@ -9,9 +9,8 @@
 namespace greville
 {
   /**
-   * Several points at once, see MaterialPoint for the numbers. Groups have
-   * stress-free lanes where they have no point. Energies do not look at the
-   * last four.
+   * Several points at once, see MaterialPoint for the numbers. Lanes without a
+   * point are stress-free. Energies do not depend on the last four members.
    */
   struct MaterialLanes
   {
@@ -22,7 +21,8 @@ namespace greville
     {}
 
     /**
-     * Of @p count points, in the first lanes; the others repeat the last one.
+     * Copy @p count points into the first lanes and repeat the last one in the
+     * others.
      */
     MaterialLanes(const MaterialPoint *points, const unsigned int count)
       : count(count)
@@ -55,9 +55,7 @@ namespace greville
           lanes_of([&](const MaterialPoint &point) { return point.state[k]; });
     }
 
-    /**
-     * What update_lanes() has written, to the points.
-     */
+    /// Copy the results of update_lanes() to the points.
     void
     write(MaterialPoint *points) const
     {
@@ -73,14 +71,14 @@ namespace greville
     }
 
     unsigned int count = n_lanes, n_state = 0;
-    /// Row by row.
+    /// The deformation gradient, row by row.
     std::array<Lanes, 9> F;
     Lanes                J;
-    /// xx, yy, zz, xy, xz, yz.
+    /// The Cauchy stress: xx, yy, zz, xy, xz, yz.
     std::array<Lanes, 6> stress;
-    /// The first n_state of them.
+    /// The history, of which the first n_state entries are used.
     History<Lanes> state;
-    /// Row by row.
+    /// The increment of the deformation gradient, row by row.
     std::array<Lanes, 9> increment;
     double               dt = 0., strength_reduction = 1.;
     Lanes                wave_modulus;
@@ -89,8 +87,9 @@ namespace greville
 
 
   /**
-   * A Material that computes as many points at once as Lanes hold: a law has
-   * update_lanes(), and the kernels of explicit steps give it their groups.
+   * A Material that updates as many points at once as Lanes hold: a law
+   * implements update_lanes(), which the kernels of explicit steps call with
+   * their groups of points.
    */
   class LanesMaterial : public Material
   {
@@ -131,12 +130,14 @@ namespace greville
 
 
   /**
-   * b - 1 for the left Cauchy-Green tensor b = F F^T: xx, yy, zz, xy, xz, yz.
+   * Return b - 1 for the left Cauchy-Green tensor b = F F^T: xx, yy, zz, xy,
+   * xz, yz.
    */
   inline std::array<Lanes, 6>
   left_cauchy_green_less_one(const std::array<Lanes, 9> &F)
   {
-    // Squares less one as (F_ii - 1) (F_ii + 1), without cancellation.
+    // Squares less one are computed as (F_ii - 1) (F_ii + 1), without
+    // cancellation.
     const Lanes h0 = F[0] - 1., h1 = F[4] - 1., h2 = F[8] - 1.;
     return {{h0 * (F[0] + 1.) + F[1] * F[1] + F[2] * F[2],
              h1 * (F[4] + 1.) + F[3] * F[3] + F[5] * F[5],
@@ -149,8 +150,8 @@ namespace greville
 
 
   /**
-   * f b f^T - 1 from @p e = b - 1: the elastic left Cauchy-Green tensor at the
-   * end of a step without plastic flow (less 1).
+   * Return f b f^T - 1 from @p e = b - 1, the elastic left Cauchy-Green tensor
+   * less one at the end of a step without plastic flow.
    */
   inline std::array<Lanes, 6>
   push_forward(const std::array<Lanes, 9> &f, const std::array<Lanes, 6> &e)
@@ -187,9 +188,7 @@ namespace greville
 
 
 
-  /**
-   * For e = b - 1: det(b) - 1 and the part of it that is not linear in e.
-   */
+  /// For e = b - 1: det(b) - 1 and its part that is not linear in e.
   struct SquaredVolume
   {
     explicit SquaredVolume(const std::array<Lanes, 6> &e)
@@ -206,9 +205,7 @@ namespace greville
 
 
 
-  /**
-   * x - ln(1 + x) to round-off, relative to the result, of small x too.
-   */
+  /// Return x - ln(1 + x), with a relative error of round-off also for small x.
   inline Lanes
   less_log_of_one_plus(const Lanes &x)
   {
@@ -228,7 +225,7 @@ namespace greville
 
 
   /**
-   * exp(x) - 1 - x to round-off, relative to the result, of small x too.
+   * Return exp(x) - 1 - x, with a relative error of round-off also for small x.
    */
   inline Lanes
   exp_less_one_less(const Lanes &x)

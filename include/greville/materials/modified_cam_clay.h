@@ -15,31 +15,31 @@ namespace greville
    *   f = q^2 / M^2 + P (P - C) <= 0,
    *   d eps_p = dgamma df / dtau,
    *   d ln C = -d eps_v^p / (lambda - kappa),
-   * where eps_v^p is the logarithmic plastic strain of volume. So on the line
-   * of normal compression, P = C, ln V = -lambda ln P + const; the critical
-   * state is q = M P, P = C / 2; and in all states, with the void ratio e_1 of
-   * normal compression to P_1 = 1 kPa,
+   * where eps_v^p is the logarithmic plastic volumetric strain. On the normal
+   * compression line, P = C and ln V = -lambda ln P + const; the critical state
+   * is q = M P, P = C / 2; and in all states, with the void ratio e_1 of normal
+   * compression to P_1 = 1 kPa,
    *   ln(1 + e) = ln(1 + e_1) - kappa ln(P / P_1)
    *               - (lambda - kappa) ln(C / P_1).
-   * A start with the stress (P, q) has C = R (P + q^2 / (M^2 P)) for the
+   * An initial stress (P, q) has C = R (P + q^2 / (M^2 P)) for the
    * overconsolidation ratio R.
    *
-   * The return: t = q / (M P) is the unknown, from which follow
+   * The unknown of the return is t = q / (M P), from which follow
    *   P = C / (1 + t^2),
    *   d = kappa (lambda - kappa) / lambda ln(P(trial) / C_n (1 + t^2)),
    *   C = C_n exp(d / (lambda - kappa)),
-   * where d is the plastic compaction, and which solves
+   * where d is the plastic compaction; t solves
    *   (1 - t^2) (q - q(trial)) + 6 G / M t d = 0.
-   * There is a root between t = 1, the critical state, and the t of the
-   * elastic pressure on the surface of the beginning of the step: it is found
-   * for any step. P is positive in all of them, so that no stress is beyond
-   * the apex.
+   * A root lies between t = 1, the critical state, and the t of the elastic
+   * pressure on the surface at the beginning of the step, for any step. P is
+   * positive in between, so no stress is beyond the apex.
    *
    * State: see CriticalStateLaw; the size of the yield surface is C, the
    * "preconsolidation".
    *
-   * Parameters: those of CriticalStateLaw, "Compression slope" lambda, and
-   * "Void ratio" e_1. reinit() throws dealii::ExcMessage unless lambda > kappa.
+   * Parameters: the parameters of CriticalStateLaw, "Compression slope" lambda,
+   * and "Void ratio" e_1. reinit() throws dealii::ExcMessage unless lambda >
+   * kappa.
    */
   class ModifiedCamClay : public CriticalStateLaw<ModifiedCamClay>
   {
@@ -98,7 +98,7 @@ namespace greville
                const bool               differentiate) const
     {
       const double a = elastic.attraction, C_n = state[size];
-      // ln(P / C_n) of the trial state, within what exp() can take.
+      // ln(P / C_n) of the trial state, limited to arguments that exp() takes.
       const double L = std::max(trial.log_pressure + std::log(a / C_n), -600.);
       const double P_trial = C_n * std::exp(L);
       if (square(trial.q / ratio) <= -P_trial * C_n * std::expm1(L))
@@ -116,7 +116,7 @@ namespace greville
       set_void_ratio(state, result.log_pressure);
       if (differentiate)
         {
-          // The slopes of h, ln P and q by t, L and q(trial).
+          // The derivatives of h, ln P and q by t, L and q(trial).
           const double chi = equation.chi(), kappa = elastic.kappa;
           const double P_by_t = -p.d_by_t / kappa, P_by_L = 1. - chi / kappa;
           const double q_by_t = ratio * p.P + p.q * P_by_t,
@@ -140,9 +140,7 @@ namespace greville
       return x * x;
     }
 
-    /**
-     * The state for one t, h and its slope.
-     */
+    /// The state for one t, with h and its derivative.
     struct Point
     {
       double P, C, q, d_by_t, h, h_by_t;
@@ -183,8 +181,8 @@ namespace greville
       }
 
       /**
-       * Newton's method, with bisection (of logarithms) where it leaves the
-       * interval.
+       * Solve by Newton's method, with bisection (of logarithms) if it leaves
+       * the interval.
        */
       double
       solve() const
@@ -201,7 +199,7 @@ namespace greville
             if (!(next >= lower && next <= upper))
               next = upper > 4. * lower && lower > 0. ? std::sqrt(lower * upper)
                                                       : 0.5 * (lower + upper);
-            // What round-off leaves of the terms of h.
+            // The round-off error of the terms of h.
             const double round_off =
               4e-16 *
               (std::abs(1. - t * t) * (p.q + q_trial) +

@@ -14,23 +14,24 @@ namespace greville
    * tau_2 >= tau_3 (positive in tension, Pa):
    *   f = tau_1 - tau_3 + (tau_1 + tau_3) sin(phi) - 2 c cos(phi) <= 0,
    *   g = tau_1 - tau_3 + (tau_1 + tau_3) sin(psi).
-   * The return goes to one of: the plane; the right edge, where also
-   * f(tau_1, tau_2) = 0 and tau_2 = tau_3; the left edge, where also
-   * f(tau_2, tau_3) = 0 and tau_1 = tau_2; the apex tau = c cot(phi) 1. Each
-   * is closed (section 8.2.2 of the book); with more than one plane the flow
-   * is the sum of the two (Koiter).
+   * The return goes to one of: the plane; the right edge, where also f(tau_1,
+   * tau_2) = 0 and tau_2 = tau_3; the left edge, where also f(tau_2, tau_3) = 0
+   * and tau_1 = tau_2; the apex tau = c cot(phi) 1. Each return has a closed
+   * form (section 8.2.2 of the book); on an edge or the apex, the flow is the
+   * sum over the planes (Koiter).
    *
    * Cohesion c and friction angle phi fall over the accumulated equivalent
    * plastic strain alpha (of the deviator, see HenckyPlasticity) from the peak
    * to the residual value, x = alpha / "Softening strain":
    *   linear:      c = c_r + (c_p - c_r) max(1 - x, 0),
    *   exponential: c = c_r + (c_p - c_r) exp(-x),
-   * phi alike. alpha at the end of the step solves alpha = alpha_n +
-   * d alpha(alpha): a secant method in a bracket, since the plastic strain of
-   * a return is at most the deviatoric trial strain. The returned stress is on
-   * the surface of the new alpha to round-off. Softening faster than the
-   * elastic unloading has several solutions, of which one is taken; results
-   * then depend on the grid, as with any local softening.
+   * and phi in the same way. alpha at the end of the step solves alpha =
+   * alpha_n + d alpha(alpha), by a secant method in a bracket, since the
+   * plastic strain of a return is at most the deviatoric trial strain. The
+   * returned stress lies on the surface of the new alpha to round-off. If the
+   * material softens faster than it unloads elastically, there are several
+   * solutions, of which one is taken; results then depend on the grid, as with
+   * any local softening.
    *
    * Parameters: "Cohesion", "Residual cohesion", Pa, "Friction angle",
    * "Residual friction angle", "Dilatancy angle", degrees, "Softening",
@@ -38,8 +39,8 @@ namespace greville
    * HenckyPlasticity.
    *
    * reinit() throws dealii::ExcMessage for residual > peak values, psi > the
-   * residual phi, for phi = c = 0, and a wrong Poisson's ratio, initialize()
-   * for a stress outside of the yield surface.
+   * residual phi, for phi = c = 0, and an invalid Poisson's ratio, initialize()
+   * for a stress outside the yield surface.
    */
   class MohrCoulomb : public HenckyPlasticity<MohrCoulomb>
   {
@@ -59,8 +60,8 @@ namespace greville
     }
 
     /**
-     * For associated flow without softening; see DruckerPrager for materials
-     * that bear tension.
+     * Symmetric for associated flow without softening; see DruckerPrager for
+     * materials that bear tension.
      */
     bool
     has_symmetric_tangent() const override;
@@ -82,8 +83,8 @@ namespace greville
     }
 
     /**
-     * That of the apex, which no reduction moves; without friction there is
-     * none.
+     * Return the mean stress of the apex, which a strength reduction does not
+     * move; infinite without friction.
      */
     double
     largest_mean_stress(const double alpha) const
@@ -98,7 +99,7 @@ namespace greville
                const double   reduction,
                ReturnTangent *tangent = nullptr) const
     {
-      // Sort.
+      // Sort the stresses.
       unsigned int i = 0, j = 1, k = 2;
       if (tau[i] < tau[j])
         std::swap(i, j);
@@ -130,7 +131,8 @@ namespace greville
 
   private:
     /**
-     * A yield surface: sin(phi), 2 c cos(phi), c cot(phi); and sin(psi).
+     * The coefficients of a yield surface: sin(phi), 2 c cos(phi), c cot(phi);
+     * and sin(psi).
      */
     struct Surface
     {
@@ -143,9 +145,7 @@ namespace greville
       }
     };
 
-    /**
-     * Where a return goes to.
-     */
+    /// The part of the yield surface to which a stress returns.
     enum class Region
     {
       plane,
@@ -165,9 +165,7 @@ namespace greville
     Surface
     make_surface(const double alpha, const double reduction) const;
 
-    /**
-     * The return of sorted stresses to a given surface.
-     */
+    /// Return sorted stresses to a given surface.
     Principal
     returned(const Principal &t,
              const Surface   &s,
@@ -176,8 +174,8 @@ namespace greville
       const double K = elastic.bulk, G = elastic.shear;
       const double phi = s.sine, psi = s.sin_dilatancy;
 
-      // What a plane's flow takes from its largest and its smallest stress, and
-      // adds to the one between.
+      // The changes of a plane's largest and smallest stress by its flow, and
+      // of the intermediate stress.
       const double upper  = 2. * G * (1. + psi / 3.) + 2. * K * psi,
                    lower  = 2. * G * (1. - psi / 3.) - 2. * K * psi,
                    middle = (4. / 3. * G - 2. * K) * psi;
@@ -224,11 +222,11 @@ namespace greville
     }
 
     /**
-     * The plastic strain of volume of a return from sorted stresses to the
-     * apex, less what dilatancy adds to its deviator e: planes' flows (1 + m,
-     * 0, m - 1) gamma, m = sin(psi), that meet at the right edge have the
-     * volume 2 m sum(gamma) with sum(gamma) = e_1 / (1 + m / 3), those of the
-     * left edge with -e_3 / (1 - m / 3).
+     * Return the plastic volumetric strain of a return from sorted stresses to
+     * the apex, less the dilatancy of its deviator e: the flows (1 + m, 0, m -
+     * 1) gamma, m = sin(psi), of the planes that meet at the right edge have
+     * the volumetric strain 2 m sum(gamma) with sum(gamma) = e_1 / (1 + m / 3),
+     * and at the left edge with sum(gamma) = -e_3 / (1 - m / 3).
      */
     double
     opening_at_apex(const Principal &trial,
@@ -236,8 +234,8 @@ namespace greville
                     const double     m) const;
 
     /**
-     * Solve h(x) = alpha + d alpha(x) - x = 0, from a first @p growth d alpha
-     * of the old strength; set @p alpha to x and return the stress.
+     * Solve h(x) = alpha + d alpha(x) - x = 0, beginning with the @p growth d
+     * alpha for the old strength; set @p alpha to x and return the stress.
      */
     Principal
     soften(const Principal &trial,
@@ -245,16 +243,14 @@ namespace greville
            const double     reduction,
            double          &alpha) const;
 
-    /**
-     * The derivatives of a surface by alpha.
-     */
+    /// Return the derivatives of a surface by alpha.
     Surface
     slope_of_surface(const double alpha, const double reduction) const;
 
     /**
-     * The tangent of a return of sorted stresses, which are the ones with the
-     * numbers @p order, to the surface at @p alpha, which has grown in it if it
-     * @p grows.
+     * Compute the tangent of a return of sorted stresses, with the original
+     * numbers @p order, to the surface at @p alpha. @p grows says whether alpha
+     * has grown in this return.
      */
     void
     differentiate(ReturnTangent                     &tangent,
@@ -266,8 +262,9 @@ namespace greville
                   const std::array<unsigned int, 3> &order) const;
 
     /**
-     * The derivatives of what returned() gives by the trial stresses @p t, and
-     * by the parameter whose derivatives of the surface are @p slope.
+     * Compute the derivatives of the result of returned() by the trial stresses
+     * @p t and by the parameter for which the surface has the derivatives @p
+     * slope.
      */
     void
     differentiate_return(const Principal &t,

@@ -8,8 +8,8 @@
 namespace greville
 {
   /**
-   * The compressible neo-Hookean law
-   * (@ref Bonet2008 "Bonet and Wood, 2008", section 6.4.3):
+   * The compressible neo-Hookean law (@ref Bonet2008 "Bonet and Wood, 2008",
+   * section 6.4.3):
    * @f{align*}{
    *   W &= \tfrac{\mu}{2} (F : F - 3) - \mu \ln J
    *        + \tfrac{\lambda}{2} (\ln J)^2, \\
@@ -18,17 +18,17 @@ namespace greville
    *   \sigma &= \frac{1}{J} P F^T
    *          = \frac{1}{J} (\lambda \ln J \, 1 + \mu (F F^T - 1))
    * @f}
-   * with Lame's constants lambda and mu = G from E and nu; stresses in Pa.
-   * With nu = 0 a bar in uniaxial strain F has P = mu (F - 1 / F), mu = E / 2:
-   * the law P = E / 2 (F - 1 / F) of one-dimensional manufactured solutions.
+   * with Lame's constants lambda and mu = G from E and nu; stresses in Pa. With
+   * nu = 0 a bar in uniaxial strain F has P = mu (F - 1 / F), mu = E / 2: the
+   * law P = E / 2 (F - 1 / F) of one-dimensional manufactured solutions.
    *
-   * A wave along a principal stretch s has rho c^2 = (lambda (1 - ln(J)) +
-   * mu + mu s^2) / J; wave_modulus takes for s^2 the upper bound tr(b) / 3 +
-   * sqrt(2 / 3) |dev(b)| of the eigenvalues of b = F F^T, and at least lambda /
-   * 100 + mu / 50 for the bracket, which vanishes at large J.
+   * A wave along a principal stretch s has rho c^2 = (lambda (1 - ln(J)) + mu +
+   * mu s^2) / J; wave_modulus takes for s^2 the upper bound tr(b) / 3 + sqrt(2
+   * / 3) |dev(b)| of the eigenvalues of b = F F^T, and at least lambda / 100 +
+   * mu / 50 for the bracket, which vanishes at large J.
    *
    * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
-   * 0.5), initialize() for a stress that no deformation has.
+   * 0.5), initialize() for a stress that no deformation produces.
    */
   class NeoHookean : public ElasticMaterial<LanesMaterial>
   {
@@ -36,7 +36,7 @@ namespace greville
     static constexpr const char *name = "neo-hookean";
 
     /**
-     * ln J solves b_1 b_2 b_3 = J^2 with the principal values b_a = 1 + e_a,
+     * Solve b_1 b_2 b_3 = J^2 for ln J with the principal values b_a = 1 + e_a,
      * e_a = (J sigma_a - lambda ln(J)) / mu.
      */
     void
@@ -46,8 +46,8 @@ namespace greville
       const Spectrum spectrum(stress);
       const double   lambda = elastic.lambda, mu = elastic.shear;
 
-      // Newton's method with a largest step; where a b_a is not positive, ln J
-      // goes where it grows.
+      // Newton's method with a limited step; if a b_a is not positive, ln J
+      // moves in the direction in which it grows.
       double    log_J     = 0.;
       bool      converged = false;
       Principal stretch;
@@ -110,8 +110,9 @@ namespace greville
     }
 
     /**
-     * To round-off of its own size, of small strains too: steps that conserve
-     * energy divide its change by that of the strain.
+     * The energy is exact to round-off relative to itself for small strains,
+     * too: steps that conserve energy divide its change by the change of
+     * strain.
      */
     EnergyLanes
     energies(const MaterialLanes &points) const override

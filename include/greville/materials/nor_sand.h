@@ -10,39 +10,40 @@ namespace greville
   /**
    * NorSand (@ref Jefferies1993 "Jefferies, 1993"; @ref Jefferies2016
    * "Jefferies and Been, 2016") for finite strains (@ref Borja2006 "Borja and
-   * Andrade, 2006"), in the Kirchhoff stress, with one M for all of Lode's
-   * angles: with the pressure P = p + a above the apex (compression is
-   * positive, see PressureElasticity), q = sqrt(3 J2) and eta = q / P,
+   * Andrade, 2006"), in the Kirchhoff stress, with M independent of Lode's
+   * angle: with the pressure P = p + a above the apex (compression is positive,
+   * see PressureElasticity), q = sqrt(3 J2) and eta = q / P,
    *   f = eta - M (1 - ln(P / P_i)) <= 0,
    *   d eps_v^p = (M - eta) dm, d eps_q^p = dm,
    *   dP_i = H (P_max - P_i) dm, P_max = P exp(-chi psi_i / M),
    *   psi_i = e - e_c(P_i), e_c(P) = Gamma - lambda ln(P / 1 kPa),
    * where P_i is the image pressure, at which eta = M on the surface, and e the
-   * void ratio, with 1 + e proportional to the volume. Dense sand, psi < 0, has
-   * the largest dilatancy chi psi_i; its surface grows beyond the critical
-   * state and shrinks back to it, and that of loose sand shrinks to it. At the
-   * tip of the surface, P = e P_i with q = 0, the flow has any direction
-   * between those of the two sides, and d eps_v^p = M dm.
+   * void ratio, with 1 + e proportional to the volume. Dense sand, psi < 0,
+   * reaches the largest dilatancy chi psi_i; its surface grows beyond the
+   * critical state and shrinks back to it, whereas the surface of loose sand
+   * shrinks to it. At the tip of the surface, P = e P_i with q = 0, the flow
+   * has any direction between the normals of the two sides, and d eps_v^p = M
+   * dm.
    *
-   * A start with the stress (P, q) has the state parameter psi = e - e_c(P)
-   * that is given, and the P_i of the surface through the stress times the
+   * An initial stress (P, q) has the given state parameter psi = e - e_c(P).
+   * Its P_i is the image pressure of the surface through the stress, times the
    * overconsolidation ratio R.
    *
-   * The return is implicit. Its unknown m has, with q = max(q(trial) - 3 G m,
-   * 0), the pressure
+   * The return is implicit. Its unknown m gives q = max(q(trial) - 3 G m, 0)
+   * and the pressure
    *   ln P = ln P(trial) - M m / kappa + w, w + ln(w) =
    *          ln(m q / (kappa P(trial))) + M m / kappa,
    * (w = m eta / kappa) and solves, with P_i from f = 0,
    *   P_i (1 + H m) = P_i(n) + H m P_max.
-   * The left side is larger for m = 0, the right one for large m: there is a
-   * root for any step.
+   * The left side is larger for m = 0 and the right side for large m, so there
+   * is a root for any step.
    *
    * State: see CriticalStateLaw; the size of the yield surface is P_i, the
-   * "image_pressure", and besides the "state_parameter" psi.
+   * "image_pressure"; the further variable is the "state_parameter" psi.
    *
-   * Parameters: those of CriticalStateLaw, "Critical void ratio" Gamma,
-   * "Critical slope" lambda, "State parameter" psi, "Dilatancy factor" chi, and
-   * "Hardening" H.
+   * Parameters: the parameters of CriticalStateLaw, "Critical void ratio"
+   * Gamma, "Critical slope" lambda, "State parameter" psi, "Dilatancy factor"
+   * chi, and "Hardening" H.
    */
   class NorSand : public CriticalStateLaw<NorSand>
   {
@@ -115,7 +116,8 @@ namespace greville
       state[more]         = state[void_ratio] - critical_void_ratio(p.y);
       if (differentiate)
         {
-          // By eps_v, which changes ln P(trial) and e, and by q(trial).
+          // Derivatives by eps_v, which changes ln P(trial) and e, and by
+          // q(trial).
           const double r_by_volume = -p.r.by_x / kappa +
                                      (1. + state[void_ratio]) * p.r.by_e,
                        m_by_volume = -r_by_volume / p.r.by_m,
@@ -155,8 +157,8 @@ namespace greville
     };
 
     /**
-     * The state for one m: y = ln(P / a), ln(P_i / a), and the logarithm of
-     * the ratio of both sides.
+     * The state for one m: y = ln(P / a), q, ln(P_i / a), and the logarithm of
+     * the ratio of both sides of the equation, with their derivatives.
      */
     struct Point
     {
@@ -186,7 +188,7 @@ namespace greville
             w   = solve_product(std::log(m * p.q / (kappa * a)) - dry);
             p.y = dry + w;
             eta = w * kappa / m;
-            // Of w + ln(w) and of eta = q exp(-y) / a.
+            // Derivatives of w + ln(w) and of eta = q exp(-y) / a.
             const Slopes dq_by_q{-3. * G / p.q, 0., 1. / p.q, 0.};
             const Slopes dz = Slopes{1. / m, 0., 0., 0.} + dq_by_q + -1. * p.dy;
             p.dy            = p.dy + (w / (1. + w)) * dz;
@@ -210,8 +212,8 @@ namespace greville
       }
 
       /**
-       * Newton's method, with bisection (of logarithms) where it leaves the
-       * interval.
+       * Solve by Newton's method, with bisection (of logarithms) if it leaves
+       * the interval.
        */
       double
       solve() const
@@ -240,9 +242,7 @@ namespace greville
         return m;
       }
 
-      /**
-       * w with w + ln(w) = z: Newton's method from below.
-       */
+      /// Return w with w + ln(w) = z, by Newton's method from below.
       static double
       solve_product(const double z)
       {

@@ -15,9 +15,7 @@
 
 namespace greville
 {
-  /**
-   * Numbers greater than zero.
-   */
+  /// A pattern for numbers greater than zero.
   inline dealii::Patterns::Double
   positive()
   {
@@ -27,8 +25,8 @@ namespace greville
 
 
   /**
-   * Throw dealii::ExcMessage with the parameter, its value and what is @p
-   * allowed if not @p valid.
+   * Throw dealii::ExcMessage with the parameter, its value and the @p allowed
+   * values if not @p valid.
    */
   inline void
   check_parameter(const bool         valid,
@@ -46,9 +44,9 @@ namespace greville
 
 
   /**
-   * Throw dealii::ExcMessage with the @p material, its Cauchy @p stress and
-   * the @p reason why it cannot have it if not @p possible: a text, or a
-   * function that makes it, since each point asks.
+   * Throw dealii::ExcMessage with the @p material, its Cauchy @p stress and the
+   * @p reason if not @p possible. The reason is a text, or a function that
+   * makes it, since each point is checked.
    */
   template <typename Reason>
   void

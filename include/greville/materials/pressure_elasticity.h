@@ -12,21 +12,21 @@ namespace greville
 {
   /**
    * Hyperelasticity of soil in principal logarithmic strains eps_a, with a bulk
-   * modulus that grows with the pressure and a constant shear modulus
-   * (@ref Borja1998 "Borja and Tamagnini, 1998", with alpha = 0, for which
-   * volume and shear are not coupled). With the deviatoric strains e_a,
-   * eps_v = sum_a eps_a, and the Kirchhoff stress tau:
+   * modulus that grows with the pressure and a constant shear modulus (@ref
+   * Borja1998 "Borja and Tamagnini, 1998", with alpha = 0, for which volume and
+   * shear are not coupled). With the deviatoric strains e_a, eps_v = sum_a
+   * eps_a, and the Kirchhoff stress tau:
    *   W = a (eps_v + kappa (exp(-eps_v / kappa) - 1)) + G sum_a e_a^2,
    *   tau_a = a (1 - exp(-eps_v / kappa)) + 2 G e_a.
-   * P = a - tr(tau) / 3 = a exp(-eps_v / kappa) > 0 is the pressure above that
-   * of the apex, where the soil tears: the mean stress is below the attraction
-   * a in any deformation. The bulk modulus is P / kappa, and a change of
-   * pressure from P_1 to P_2 changes ln V by -kappa ln(P_2 / P_1). (A part
-   * alpha P of the shear modulus would couple volume and shear, and without a
-   * constant part bear no q / P beyond sqrt(3 alpha kappa / 2).)
+   * P = a - tr(tau) / 3 = a exp(-eps_v / kappa) > 0 is the pressure above the
+   * apex, where the soil tears: the mean stress is below the attraction a in
+   * any deformation. The bulk modulus is P / kappa, and a change of pressure
+   * from P_1 to P_2 changes ln V by -kappa ln(P_2 / P_1). (A part alpha P of
+   * the shear modulus would couple volume and shear, and, without a constant
+   * part, limit q / P to sqrt(3 alpha kappa / 2).)
    *
-   * Parameters: "Shear modulus" G, Pa, "Swelling slope" kappa, and
-   * "Attraction" a, Pa.
+   * Parameters: "Shear modulus" G, Pa, "Swelling slope" kappa, and "Attraction"
+   * a, Pa.
    */
   class PressureElasticity
   {
@@ -59,9 +59,7 @@ namespace greville
              shear * (e0 * e0 + e1 * e1 + e2 * e2);
     }
 
-    /**
-     * As ElasticConstants::wave_modulus().
-     */
+    /// See ElasticConstants::wave_modulus().
     template <typename Number>
     Number
     wave_modulus(const std::array<Number, 3> &tau,
@@ -80,10 +78,10 @@ namespace greville
     }
 
     /**
-     * Fill stress, F, J and wave_modulus of @p point for a Cauchy stress
-     * sigma, and return eps; @p e becomes b - 1. ln J solves
-     * exp(ln J) tr(sigma) / 3 = a (1 - exp(-ln J / kappa)); throws
-     * dealii::ExcMessage where it has no solution.
+     * Fill stress, F, J and wave_modulus of @p point for a Cauchy stress sigma,
+     * and return eps; @p e becomes b - 1. ln J solves exp(ln J) tr(sigma) / 3 =
+     * a (1 - exp(-ln J / kappa)); throws dealii::ExcMessage if it has no
+     * solution.
      */
     Principal
     invert(MaterialPoint                       &point,

@@ -5,9 +5,7 @@
 
 #include <greville/materials/hencky.h>
 
-/**
- * What returns to a yield surface in principal stresses share.
- */
+/// Functions shared by returns to a yield surface in principal stresses.
 namespace greville
 {
   /**
@@ -22,9 +20,7 @@ namespace greville
 
 
 
-  /**
-   * (tau_1 + tau_2 + tau_3) / 3.
-   */
+  /// Return (tau_1 + tau_2 + tau_3) / 3.
   inline double
   mean_of(const Principal &tau)
   {
@@ -33,9 +29,7 @@ namespace greville
 
 
 
-  /**
-   * J2 = dev(tau) : dev(tau) / 2.
-   */
+  /// Return J2 = dev(tau) : dev(tau) / 2.
   inline double
   second_invariant(const Principal &tau)
   {
@@ -59,8 +53,8 @@ namespace greville
 
 
   /**
-   * The tangent of a return that scales the deviator: to a @p radius sqrt(J2)
-   * and a mean stress that depend on q = sqrt(J2) and p of the trial stress
+   * Compute the tangent of a return that scales the deviator. The new radius
+   * sqrt(J2) and mean stress depend on q = sqrt(J2) and p of the trial stress
    * with the given derivatives.
    */
   inline void

@@ -12,19 +12,19 @@ namespace greville
   /**
    * The spectral decomposition A = sum_a values[a] n_a n_a^T of a symmetric
    * tensor with the entries (xx, yy, zz, xy, xz, yz), to round-off of its norm,
-   * also where values are close or equal. Of one tensor (Number is double) or
-   * of several at once (Lanes), without iterations:
+   * also if values are close or equal. It takes one tensor (Number is double)
+   * or several at once (Lanes) and needs no iteration until convergence:
    *
    * Let m = tr(A) / 3, B = (A - m 1) / s with s such that B : B = 6. The values
    * t of B solve t^3 - 3 t = det B, |det B| <= 2. The largest by magnitude has
    * sqrt(3) <= |t| <= 2, is apart from the other two by at least sqrt(3) and
    * depends smoothly on det B: Newton's method finds it from a polynomial. The
    * adjugate of B - t 1 is a multiple of n n^T, of norm 6 to 9, so that its
-   * largest column gives the direction n. What remains is a tensor in the plane
-   * normal to n, which is decomposed as below.
-   * (@ref Eberly2014 "Eberly, 2014", goes the same way from the cosine.)
+   * largest column gives the direction n. The remaining tensor in the plane
+   * normal to n is decomposed as below. (@ref Eberly2014 "Eberly, 2014", does
+   * the same, beginning with the cosine.)
    *
-   * Without xz and yz (plane strain) n is z and m need not be taken out: with
+   * Without xz and yz (plane strain), n is z and m need not be subtracted: with
    * m = (A_xx + A_yy) / 2, d = (A_xx - A_yy) / 2 and r = sqrt(d^2 + A_xy^2) the
    * values are m + r, m - r, A_zz, and 2 n_1 n_1^T - 1 = ((d, A_xy), (A_xy,
    * -d)) / r in the plane.
@@ -51,9 +51,7 @@ namespace greville
         decompose(A);
     }
 
-    /**
-     * The tensor sum_a v[a] n_a n_a^T.
-     */
+    /// Return the tensor sum_a v[a] n_a n_a^T.
     Entries
     assemble(const std::array<Number, 3> &v) const
     {
@@ -79,14 +77,12 @@ namespace greville
       return A;
     }
 
-    /**
-     * The directions n_0, n_1, n_2, of unit length, up to their signs.
-     */
+    /// Return the directions n_0, n_1, n_2, of unit length, up to their signs.
     std::array<std::array<Number, 3>, 3>
     directions() const
     {
       using std::sqrt;
-      // Half the angle, from the larger of its cosine and sine.
+      // Half the angle is computed from the larger of its cosine and sine.
       const auto   near   = cosine >= 0.;
       const Number larger = sqrt(0.5 + 0.5 * choose(near, cosine, -cosine));
       const Number other  = 0.5 * sine / larger;
@@ -104,7 +100,7 @@ namespace greville
     std::array<Number, 3> values;
 
   private:
-    // The first two values and their directions.
+    // Compute the first two values and their directions.
     void
     decompose_in_plane(const Number &xx, const Number &yy, const Number &xy)
     {
@@ -137,8 +133,8 @@ namespace greville
       for (Number &entry : B)
         entry *= inverse_scale;
 
-      // t^3 - 3 t = |det B|. The polynomial through t = sqrt(3) and t = 2 is
-      // within 1e-2; each step squares the error and divides it by 2.
+      // t^3 - 3 t = |det B|. The polynomial through t = sqrt(3) and t = 2 has
+      // an error below 1e-2; each step squares the error and divides it by 2.
       const Number determinant = B[0] * (B[1] * B[2] - B[5] * B[5]) -
                                  B[3] * (B[3] * B[2] - B[5] * B[4]) +
                                  B[4] * (B[3] * B[5] - B[1] * B[4]);
@@ -186,9 +182,9 @@ namespace greville
         value = mean + scale * value;
     }
 
-    const bool            plane;
-    Number                cosine, sine; // of twice the angle of direction 0
-    std::array<Number, 3> n, u, w;      // not used in the plane
+    const bool plane;
+    Number cosine, sine; // cosine and sine of twice the angle of direction 0
+    std::array<Number, 3> n, u, w; // not used in the plane
   };
 } // namespace greville
 

@@ -9,22 +9,22 @@
 namespace greville
 {
   /**
-   * Return whether a text is a name: of letters, digits and _, without a digit
-   * at the beginning.
+   * Return whether a text is a valid name: letters, digits and _, not beginning
+   * with a digit.
    */
   bool
   is_state_name(const std::string &text);
 
   /**
-   * Return whether other numbers or fields of points have this name, or the one
-   * of a component: "stress_xy".
+   * Return whether another number or field of points has this name, or a
+   * component with this name such as "stress_xy".
    */
   bool
   is_taken_by_points(const std::string &text);
 
   /**
-   * Throw dealii::ExcMessage if history variables of the law of the section
-   * @p section cannot be fields of points with these @p names.
+   * Throw dealii::ExcMessage if a history variable of the law in @p section
+   * cannot be a field of points under its name.
    */
   void
   check_state_names(const std::vector<std::string> &names,

@@ -16,11 +16,9 @@
 namespace greville
 {
   /**
-   * A factor r(t) that the cohesion and tan(phi) of a frictional law are
-   * divided by: the one at which a slope fails is its factor of safety
-   * (@ref Matsui1992 "Matsui and San, 1992").
-   * The apex
-   * c cot(phi) stays where it is.
+   * A factor r(t) that divides the cohesion and tan(phi) of a frictional law:
+   * its value at which a slope fails is the factor of safety (@ref Matsui1992
+   * "Matsui and San, 1992"). The apex c cot(phi) stays fixed.
    */
   class StrengthReduction
   {
@@ -35,8 +33,8 @@ namespace greville
     }
 
     /**
-     * Throws dealii::ExcMessage for what is no formula of t, and for a value
-     * at t = 0 that is not positive.
+     * Parse the formula. Throws dealii::ExcMessage if it is not a formula of t
+     * or not positive at t = 0.
      */
     void
     reinit(const std::string &section)
@@ -48,9 +46,7 @@ namespace greville
       at(0.);
     }
 
-    /**
-     * Throws dealii::ExcMessage where it is not positive.
-     */
+    /// Return the factor. Throws dealii::ExcMessage if it is not positive.
     double
     at(const double time) const
     {
@@ -74,7 +70,7 @@ namespace greville
     }
 
     /**
-     * The angle (radians) whose tangent is that of @p degrees over @p
+     * Return the angle (radians) whose tangent is tan(@p degrees) / @p
      * reduction.
      */
     static double

@@ -10,21 +10,21 @@
 namespace greville
 {
   /**
-   * A weakly compressible viscous fluid with Tait's equation of state
-   * (@ref Cole1948 "Cole, 1948"; @ref Monaghan1994 "Monaghan, 1994"):
-   * with rho / rho0 = 1 / J
+   * A weakly compressible viscous fluid with Tait's equation of state (@ref
+   * Cole1948 "Cole, 1948"; @ref Monaghan1994 "Monaghan, 1994"): with rho / rho0
+   * = 1 / J
    *   p = B (J^-gamma - 1), B = rho0 c^2 / gamma,
    *   sigma = (-p + zeta tr(d)) 1 + 2 eta dev(d), d = sym(f - 1) / dt,
    *   W = B ((J^(1 - gamma) - 1) / (gamma - 1) + J - 1), for gamma = 1:
    *   W = B (J - 1 - ln(J)),
    *   D = D + dt J (2 eta dev(d) : dev(d) + zeta tr(d)^2).
-   * d is the rate whose power the internal forces of an explicit step have. It
-   * is objective in velocities (a spin adds no stress), not for an increment f
-   * that is a finite rotation.
+   * d is the rate of deformation that is power-conjugate to the internal forces
+   * of an explicit step. It is objective in velocities (a spin adds no stress),
+   * but not for an increment f that is a finite rotation.
    *
    * Without "Allow tension" a fluid with J > 1 has torn: p, zeta and W are
    * zero, eta dev(d) stays. The wave modulus is -J dp / dJ = B gamma J^-gamma,
-   * in a torn fluid too.
+   * also in a torn fluid.
    *
    * Parameters: "Sound speed" c, m/s, at J = 1, "Exponent" gamma, "Bulk
    * viscosity" zeta, Pa s, "Allow tension". State: the dissipated energy D per
@@ -36,9 +36,10 @@ namespace greville
    * A @p Law has
    *   static constexpr const char *name;
    *   double viscosity(double square) const,
-   * eta (Pa s) at the @p square of the shear rate 2 dev(d) : dev(d), 1/s^2;
+   * eta (Pa s) for the @p square of the shear rate 2 dev(d) : dev(d), 1/s^2;
    *   double viscosity_slope(double square) const,
-   * the derivative of eta; what grows less than 1 / square at 0 will do; and
+   * the derivative of eta, which may be singular at 0, but less than 1 /
+   * square; and
    *   double largest_viscosity() const.
    */
   template <typename Law>
@@ -160,9 +161,7 @@ namespace greville
         result[p] = tangent(points[p], dim);
     }
 
-    /**
-     * Without viscosity.
-     */
+    /// Symmetric without viscosity.
     bool
     has_symmetric_tangent() const override
     {

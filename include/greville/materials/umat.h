@@ -12,57 +12,54 @@
 namespace greville
 {
   /**
-   * A law that a user brings as a shared library with an Abaqus UMAT (Abaqus
-   * User Subroutines Reference, "UMAT"): the function umat_ (Fortran) or umat
-   * (C), by its binary interface.
+   * A user-defined law in a shared library with an Abaqus UMAT (Abaqus User
+   * Subroutines Reference, "UMAT"): the function umat_ (Fortran) or umat (C),
+   * called by its binary interface.
    *
    * From the increment f = V R (its polar decomposition) and the stress
    * sigma_n, the law gets
    *   DROT = R, DSTRAN = ln V, STRESS = R sigma_n R^T,
    *   STRAN_(n+1) = R STRAN_n R^T + ln V,
-   * so that the answer turns with a superposed rotation to round-off (Abaqus
-   * has the integration of Hughes and Winget, 1980, in place of R and V, equal
-   * up to the cube of the increment); DFGRD1 = F_(n+1), DFGRD0 = F_n, TIME and
-   * DTIME, COORDS, PROPS, STATEV. Order 11, 22, 33, 12, 13, 23 with engineering
+   * so that the result is objective to round-off (Abaqus uses the integration
+   * of Hughes and Winget, 1980, in place of R and V, which agrees up to the
+   * cube of the increment); DFGRD1 = F_(n+1), DFGRD0 = F_n, TIME and DTIME,
+   * COORDS, PROPS, STATEV. Order 11, 22, 33, 12, 13, 23 with engineering
    * shears; in plane strain NTENS = 4 (NDI = 3, NSHR = 1). TEMP, DTEMP, PREDEF
    * and DPRED are zero, NOEL, NPT, KSTEP and KINC one.
    *
-   * DDSDDE is the derivative of the Jaumann rate of the Kirchhoff stress by
-   * the rate of deformation d, over J. The derivative of the Cauchy stress by
-   * l = d + w is therefore
+   * DDSDDE is the derivative of the Jaumann rate of the Kirchhoff stress by the
+   * rate of deformation d, over J. The derivative of the Cauchy stress by l = d
+   * + w is therefore
    *   d sigma = DDSDDE : d - tr(d) sigma + w sigma - sigma w.
-   * "Tangent" = differences takes differences of calls instead.
+   * "Tangent" = differences uses finite differences of calls instead.
    *
-   * F of an initial stress is 1, as in Abaqus: the density is that of the
-   * initial state. wave_modulus is the largest of K + 4 G / 3 of moduli() and
-   * of all D_11, D_22 and D_33 that the point has had, since laws unload with
-   * more than their plastic tangent.
+   * F is 1 in the initial state, as in Abaqus, also under an initial stress:
+   * the density refers to the initial state. wave_modulus is the maximum of K +
+   * 4 G / 3 of moduli() and of all D_11, D_22 and D_33 so far at the point,
+   * since laws unload with a larger stiffness than their plastic tangent.
    *
-   * Energies: J SSE, where the law writes it, otherwise the work of stresses
-   * (trapezoidal rule) less the dissipation, which is the sum of J times the
-   * changes of SPD + SCD.
+   * The stored energy is J SSE if the law writes it, otherwise the stress work
+   * (trapezoidal rule) less the dissipation. The dissipation is the sum of J
+   * times the changes of SPD + SCD.
    *
    * Parameters: "Library", "Properties", "State variables", "Initial state",
    * "Tangent", "Element length" (CELENT, m), "Bulk modulus" and "Shear modulus"
-   * (Pa), which are taken from DDSDDE without stress where they are zero, and
-   * "Time limit" (s) of a call.
-   * State: STRAN, SSE, SPD, SCD, the work, the dissipation and the largest
-   * modulus, then STATEV.
+   * (Pa), which are taken from DDSDDE in the stress-free state if they are
+   * zero, and "Time limit" (s) of a call. State: STRAN, SSE, SPD, SCD, the
+   * work, the dissipation and the largest modulus, then STATEV.
    *
-   * update() throws dealii::ExcMessage where PNEWDT < 1 or results are not
-   * finite, and UmatFault where the UMAT writes where it must not or throws. It
-   * ends the process where the UMAT does (UmatCall). reinit() throws ExcMessage
-   * for a library without a UMAT, wrong names or formulas, and a law without a
-   * stiffness.
+   * update() throws dealii::ExcMessage if PNEWDT < 1 or results are not finite,
+   * and UmatFault if the UMAT throws or writes to memory that is not its own.
+   * The process ends if the UMAT ends it (UmatCall). reinit() throws ExcMessage
+   * for a library without a UMAT, invalid names or formulas, and a law without
+   * a stiffness.
    */
   class Umat : public Material
   {
   public:
     static constexpr const char *name = "umat";
 
-    /**
-     * The UMAT of a library. Throws as function_of_library().
-     */
+    /// Return the UMAT of a library. Throws as function_of_library().
     static void *
     find_function(const std::string &library, const std::string &parameter);
 
@@ -100,30 +97,28 @@ namespace greville
     moduli() const override;
 
   private:
-    /// Rows and columns of the entries of stresses.
+    /// Matrices by rows and columns, in the order of stress entries.
     using Matrix = std::array<std::array<double, 6>, 6>;
 
     struct Increment;
 
-    /**
-     * Rotations and strains of @p count increments.
-     */
+    /// Compute rotations and strains of @p count increments.
     static void
     decompose(const MaterialPoint *points,
               const unsigned int   count,
               Increment           *increments);
 
     /**
-     * Call the function with what is in the memory, and check what it has left
-     * there. @p first, the beginning of the history, has SSE, SPD and SCD. The
-     * @p point is for messages, and null without an increment.
+     * Call the function with the arguments in the memory and check what it has
+     * written. @p first, the beginning of the history, receives SSE, SPD and
+     * SCD. The @p point is for messages; it is null without an increment.
      */
     void
     invoke(const MaterialPoint *point, double *first) const;
 
     /**
-     * One call: stress, state and wave_modulus of @p point at the end of the
-     * step, and DDSDDE[i][j] = d sigma_i / d eps_j.
+     * Call the UMAT once: compute stress, state and wave_modulus of @p point at
+     * the end of the step, and DDSDDE[i][j] = d sigma_i / d eps_j.
      */
     void
     call(MaterialPoint   &point,
@@ -131,16 +126,12 @@ namespace greville
          Matrix          &C,
          const bool       has_increment = true) const;
 
-    /**
-     * The state of a point at rest but for wave_modulus.
-     */
+    /// Set the state of a point at rest, without wave_modulus.
     void
     begin(MaterialPoint                       &point,
           const dealii::SymmetricTensor<2, 3> &stress) const;
 
-    /**
-     * DDSDDE in the state of @p point, without an increment.
-     */
+    /// Return DDSDDE in the state of @p point, without an increment.
     Matrix
     stiffness(MaterialPoint point) const;
 
@@ -154,7 +145,7 @@ namespace greville
     std::vector<std::string> names, units; // of STATEV
     std::vector<Expression>  initial_formulas;
     UmatCall::Law            law{"", "", 10.};
-    // Of one call at a time.
+    // The arguments of the current call.
     mutable UmatMemory memory;
   };
 } // namespace greville

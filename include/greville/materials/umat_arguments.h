@@ -8,7 +8,7 @@
 /**
  * The arguments of an Abaqus UMAT, for C and C++ (in C++ with extern "C"):
  *   void umat_(GREVILLE_UMAT_ARGUMENTS) { ... }
- * All come by reference, as Fortran has it; the first index of arrays runs
+ * All are passed by reference, as in Fortran; the first index of arrays runs
  * fastest; the length of cmname, which is padded with blanks, is the last one.
  */
 #define GREVILLE_UMAT_ARGUMENTS                                               \

@@ -13,9 +13,7 @@
 
 namespace greville
 {
-  /**
-   * A fault of a UMAT that a shorter step does not mend.
-   */
+  /// A fault of a UMAT that a shorter step cannot remedy.
   class UmatFault : public dealii::ExcMessage
   {
   public:
@@ -25,15 +23,17 @@ namespace greville
 
 
   /**
-   * Exists while a UMAT is called, and lets messages say which one and where. A
-   * fault that ends the process does so between steps of all processes, so that
-   * no file is half written.
+   * The call of a UMAT during its lifetime, which lets messages name the law
+   * and the point. A fault that ends the process does so between steps of all
+   * processes, so that no file is left half written.
    */
   class UmatCall : public ForeignCall
   {
   public:
-    /// Of a law: its section and library, and the longest time of a call, s,
-    /// or 0 if there is none.
+    /**
+     * The section and the library of a law, and the time limit of a call, s, or
+     * 0 without a limit.
+     */
     struct Law
     {
       std::string section, library;
@@ -41,8 +41,9 @@ namespace greville
     };
 
     /**
-     * A call with this @p point at the end of the step, or a null pointer if it
-     * asks for the stiffness without an increment. All have to live as long.
+     * Begin a call with the @p point at the end of the step, or a null pointer
+     * if the stiffness without an increment is called for. The arguments must
+     * outlive the object.
      */
     UmatCall(const Law           &law,
              const MaterialPoint *point,
@@ -50,20 +51,16 @@ namespace greville
 
     /**
      * "the UMAT of 'Material sand' @p what (<soil.so>, call 7 at (0, 1), t =
-     * 0.2 s, step 0.1 s)", of the call under way; "a UMAT @p what" without one.
+     * 0.2 s, step 0.1 s)", for the current call; "a UMAT @p what" without one.
      */
     static std::string
     message(const std::string &what);
 
-    /**
-     * "the UMAT of 'Material sand'".
-     */
+    /// Return "the UMAT of 'Material sand'".
     static std::string
     caller();
 
-    /**
-     * The same as message().
-     */
+    /// Write the text of message() into a buffer.
     void
     write_message(char             *buffer,
                   const std::size_t size,

@@ -14,20 +14,19 @@
 namespace greville
 {
   /**
-   * The arguments of a UMAT in memory of their own, with guards between them:
-   * NaNs with a mark, which a UMAT changes that writes beyond an array, and
-   * which it gets from reading beyond one. Before and behind all arguments
-   * there are pages that may neither be read nor written; STATEV is the last
-   * array, since it is the one whose length laws get wrong.
+   * The arguments of a UMAT in separate memory, with guards between them:
+   * marked NaNs, which change if a UMAT writes beyond an array, and which
+   * spread if it reads beyond one. The pages before and behind all arguments
+   * may neither be read nor written. STATEV is the last array, since its length
+   * is the one that laws most often get wrong.
    */
   class UmatMemory
   {
   public:
-    /// Scalars of a kind share an array.
+    /// Arguments. Scalars of a kind share an array.
     enum Array
     {
-      // A UMAT has to leave these as they are. KINC alone changes between
-      // calls.
+      // A UMAT must not change these. Only KINC changes between calls.
       props,
       cmname,
       predef,
@@ -53,9 +52,7 @@ namespace greville
       n_arrays
     };
 
-    /**
-     * Set what is the same in all calls. The name has 80 letters.
-     */
+    /// Set the values that all calls share. The name has 80 letters.
     void
     reinit(const std::vector<double> &properties,
            const std::string         &padded_name,
@@ -100,28 +97,29 @@ namespace greville
     }
 
     /**
-     * Return whether a call has written no memory that it must not write.
+     * Return whether a call has left all memory outside its arguments
+     * unchanged.
      */
     bool
     is_intact() const;
 
     /**
-     * Return the fault of such a call, such as "has written beyond STATEV,
-     * which has 3 entries", and restore the memory.
+     * Return the fault of a call, such as "has written beyond STATEV, which has
+     * 3 entries", and restore the memory.
      */
     std::string
     damage();
 
     /**
-     * Return whether all results are finite. If not, not_finite() says whether
-     * one of them has to be.
+     * Return whether all results are finite. If not, not_finite() finds an
+     * entry that must be.
      */
     bool
     is_finite() const;
 
     /**
-     * The first entry of STRESS, DDSDDE, STATEV, SSE, SPD and SCD that is
-     * infinite or NaN, as in "nan in STATEV(2)", or nothing.
+     * Return the first entry of STRESS, DDSDDE, STATEV, SSE, SPD and SCD that
+     * is infinite or NaN, as in "nan in STATEV(2)", or an empty text.
      */
     std::string
     not_finite() const;
@@ -142,14 +140,14 @@ namespace greville
     std::string         padded_name;
     double              element_length = 1.;
     unsigned int        ntens = 0, nstatv = 0;
-    // All pages, where the arguments begin in them, the first numbers of
+    // All pages, the position of the arguments in them, the first numbers of
     // arrays, and their lengths.
     std::shared_ptr<void>              pages;
     std::size_t                        n_all_bytes = 0;
     double                            *data        = nullptr;
     std::array<unsigned int, n_arrays> begin, size;
-    // The numbers at which the guards behind arrays begin, and what a UMAT has
-    // to leave as it is, with its guards.
+    // The first numbers of the guards behind arrays, and a copy of the
+    // arguments that a UMAT must not change, with their guards.
     std::array<unsigned int, n_arrays> guards;
     std::vector<double>                image;
   };

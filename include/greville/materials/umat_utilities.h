@@ -7,13 +7,13 @@
 
 namespace greville
 {
-  // Routines that Abaqus supplies for UMATs, by the names that Fortran gives
-  // them. Tensors are 11, 22, 33, 12, 13, 23, of which there are the first ndi
-  // direct components and nshr shears; shears of strains (lstr = 2) are twice
-  // those of the tensor, those of stresses (lstr = 1) are not.
+  // Routines that Abaqus supplies for UMATs, under their Fortran names. Tensors
+  // have the order 11, 22, 33, 12, 13, 23, with the first ndi direct components
+  // and nshr shears; shears of strains (lstr = 2) are twice the tensor entries,
+  // shears of stresses (lstr = 1) are not.
   extern "C"
   {
-    /// The mean tr(s) / 3, and sqrt(3 / 2 dev(s) : dev(s)).
+    /// Compute the mean tr(s) / 3, and sqrt(3 / 2 dev(s) : dev(s)).
     void
     sinv_(const double *stress,
           double       *sinv1,
@@ -21,7 +21,7 @@ namespace greville
           const int    *ndi,
           const int    *nshr);
 
-    /// The three principal values, the largest first.
+    /// Compute the three principal values, the largest first.
     void
     sprinc_(const double *s,
             double       *ps,
@@ -29,7 +29,10 @@ namespace greville
             const int    *ndi,
             const int    *nshr);
 
-    /// Those, and AN(k, i), the component i of the direction of PS(k).
+    /**
+     * Compute the principal values, and AN(k, i), component i of the direction
+     * of PS(k).
+     */
     void
     sprind_(const double *s,
             double       *ps,
@@ -38,7 +41,7 @@ namespace greville
             const int    *ndi,
             const int    *nshr);
 
-    /// R S R^T; sprime may be s.
+    /// Compute R S R^T; sprime may be s.
     void
     rotsig_(const double *s,
             const double *r,
@@ -47,14 +50,17 @@ namespace greville
             const int    *ndi,
             const int    *nshr);
 
-    /// Throws dealii::ExcMessage: the step fails.
+    /// End the step: throws dealii::ExcMessage.
     void
     xit_();
 
-    /// A message with %I, %R and %S for the next entry of intv, realv and charv
-    /// (8 characters each): on the error output, once for each text, where lop
-    /// is 1 (information) or -1 (a warning); with -2 and -3, errors, it throws
-    /// dealii::ExcMessage. The lengths are the hidden ones of the two strings.
+    /**
+     * Write a message with %I, %R and %S for the next entry of intv, realv and
+     * charv (8 characters each). If lop is 1 (information) or -1 (a warning),
+     * each text is written once to the error output; if lop is -2 or -3
+     * (errors), dealii::ExcMessage is thrown. The lengths are Fortran's hidden
+     * arguments for the two strings.
+     */
     void
     stdb_abqerr_(const int    *lop,
                  const char   *text,

@@ -8,16 +8,16 @@
 namespace greville
 {
   /**
-   * Von Mises plasticity with linear isotropic hardening (de Souza Neto,
-   * Peric, Owen, section 7.3), in the Kirchhoff stress tau with deviator s:
+   * Von Mises plasticity with linear isotropic hardening (de Souza Neto, Peric,
+   * Owen, section 7.3), in the Kirchhoff stress tau with deviator s:
    *   f = sqrt(3 J2) - (sigma_y + H alpha) <= 0, J2 = s : s / 2,
    *   d eps_p = dgamma df / dtau, d alpha = dgamma.
-   * Radial return: dgamma = f(trial) / (3 G + H), s = (1 - 3 G dgamma /
-   * sqrt(3 J2(trial))) s(trial). Parameters: sigma_y ("Yield stress", Pa) and
-   * H ("Hardening modulus", Pa). State: see HenckyPlasticity.
+   * Radial return: dgamma = f(trial) / (3 G + H), s = (1 - 3 G dgamma / sqrt(3
+   * J2(trial))) s(trial). Parameters: sigma_y ("Yield stress", Pa) and H
+   * ("Hardening modulus", Pa). State: see HenckyPlasticity.
    *
-   * reinit() throws dealii::ExcMessage for a wrong Poisson's ratio,
-   * initialize() for a stress outside of the yield surface.
+   * reinit() throws dealii::ExcMessage for an invalid Poisson's ratio,
+   * initialize() for a stress outside the yield surface.
    */
   class VonMises : public HenckyPlasticity<VonMises>
   {
