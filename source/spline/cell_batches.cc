@@ -40,7 +40,7 @@ namespace greville
           {
             Batch batch{
               first, 0, std::min(native_simd_width, end - first), index, false};
-            // A full batch is faster than a part of one: begin earlier.
+            // A full batch is faster than a partial one, so it begins earlier.
             if (batch.end_lane < native_simd_width &&
                 end - begin >= native_simd_width)
               {

@@ -21,7 +21,7 @@ namespace greville
     has_rims      = with_rims;
     neighbors.reinit(space);
     const auto &positions = neighbors.positions();
-    // Other than any class: the first update() is a change also where no cell
+    // A value that is no class: the first update() is a change even if no cell
     // has points.
     classes.assign(positions.size(), 255);
     given.assign(space.owned_cells().size(), 255);
@@ -79,9 +79,9 @@ namespace greville
     };
 
     exchange(classes);
-    // Call visit(offset, index) for the neighbours of a cell and itself: the
-    // offset is 0, 1, or 2 in each direction, and the index lies beyond the
-    // extents behind walls.
+    // Call visit(offset, index) for a cell and its neighbours: the offset is 0,
+    // 1, or 2 in each direction, and the index is beyond the extents behind
+    // walls.
     constexpr unsigned int n_neighbors = Utilities::pow(3, dim);
     MultiIndex<dim>        three;
     three.fill(3);
@@ -131,8 +131,8 @@ namespace greville
       if (classes[c] != empty)
         filled.push_back(c);
 
-    // Whether the cell and its neighbours are well-filled, in 3D those by
-    // faces.
+    // Return whether the cell and its neighbours, in 3D its face neighbours,
+    // are well-filled.
     const auto is_inside_body = [&](const unsigned int c) {
       bool result = true;
       for_each_neighbor(
@@ -177,8 +177,8 @@ namespace greville
 
     // Find hosts of cells, and return the cells that have none.
     const auto find_hosts_of = [&](const std::vector<unsigned int> &cells) {
-      // Which neighbours of a cell are its nearest hosts: bits, which travel as
-      // doubles.
+      // The neighbours of a cell that are its nearest hosts, as bits, which are
+      // exchanged as doubles.
       std::vector<std::uint32_t> near(positions.size(), 0);
       for (const unsigned int c : cells)
         {
@@ -202,7 +202,8 @@ namespace greville
         }
       exchange(near);
 
-      // Cells that have none take the nearest hosts that their neighbours have.
+      // Cells without such a neighbour take the nearest hosts of their
+      // neighbours.
       std::vector<unsigned int> without;
       for (const unsigned int c : cells)
         {
@@ -245,8 +246,8 @@ namespace greville
       return without;
     };
 
-    // Give cells beyond the body the nearest hosts that their neighbours have,
-    // and return the cells that have none.
+    // Give cells beyond the body the nearest hosts of their neighbours, and
+    // return the cells that have none.
     const auto find_hosts_of_rims = [&](
                                       const std::vector<unsigned int> &cells) {
       std::vector<std::vector<std::uint64_t>> lists(positions.size());
@@ -258,7 +259,7 @@ namespace greville
       n_rounds = Utilities::MPI::max(n_rounds, spline_space->communicator());
       for (unsigned int r = 0; r < n_rounds; ++r)
         {
-          // Positions plus one, so that 0 is none.
+          // Positions plus one are exchanged; 0 means none.
           std::vector<double> travelling(positions.size(), 0.);
           for (unsigned int c = 0; c < n_owned; ++c)
             if (r < lists[c].size())

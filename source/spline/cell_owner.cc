@@ -14,8 +14,8 @@ namespace greville
              const Lattice<dim>                  &lattice,
              const MultiIndex<dim>               &index)
   {
-    // All active cells are as fine. The place of one is that of its coarse
-    // cell, and the place in this.
+    // All active cells have the same level. The position of a cell is the
+    // position of its coarse cell and the position in the coarse cell.
     const unsigned int level = triangulation.n_global_levels() - 1;
     MultiIndex<dim>    coarse_index, n_coarse;
     for (unsigned int d = 0; d < dim; ++d)
@@ -54,7 +54,8 @@ namespace greville
     quadrant.y = place(1);
     if constexpr (dim == 3)
       quadrant.z = place(2);
-    // p4est does not change its forest.
+    // p4est's function takes a forest that is not const, but does not change
+    // it.
     return P4est::comm_find_owner(
       const_cast<typename internal::p4est::types<dim>::forest *>(
         triangulation.get_p4est()),

@@ -38,7 +38,8 @@ namespace greville
             for (unsigned int d = 0; d < dim; ++d)
               {
                 // The first function of the lower neighbour is one less than
-                // that of the cell, which has the number of the cell.
+                // the first function of the cell, which has the number of the
+                // cell.
                 function[d] +=
                   cell[d] + (lattice.is_periodic(d) ? extents[d] : 0);
                 if (lattice.is_periodic(d))
@@ -53,7 +54,7 @@ namespace greville
           }
       }
 
-    // Only those that the cells of the space do not see have to be asked for.
+    // Only functions that are not local in the space must be asked for.
     std::vector<std::uint64_t> others = positions;
     std::sort(others.begin(), others.end());
     others.erase(std::unique(others.begin(), others.end()), others.end());

@@ -9,7 +9,7 @@ namespace greville
 {
   namespace
   {
-    // Coarse cells that no process feels.
+    // Numbers of coarse cells without a noticeable cost.
     constexpr double many = 1e4, few = 1000.;
 
 
@@ -73,7 +73,7 @@ namespace greville
     const double n_coarse = CoarseCells<dim>(n_cells).n_all();
     if (n_coarse <= many || n_coarse * n_processes <= product<dim>(n_cells))
       return "";
-    // Multiples of a power of two.
+    // Round up to multiples of a power of two.
     MultiIndex<dim> better = n_cells;
     for (unsigned int unit = 2; CoarseCells<dim>(better).n_all() > few;
          unit *= 2)

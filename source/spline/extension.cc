@@ -13,12 +13,12 @@ namespace greville
 
   namespace
   {
-    // Numbers of the cells that functions see: hosts count as with_host, others
-    // that hold points as 1, those beyond the body as 0.
+    // The weight of a cell in the sum over a function's support: with_host for
+    // host cells, 1 for other cells with points, 0 beyond the body.
     constexpr double with_host = 1024.;
 
-    // Hosts count with this power of their squared distance, relative to that
-    // of the nearest one; below the limit they do not count.
+    // The weight of a host is its squared distance, relative to the distance of
+    // the nearest host, to this power; below the limit it is not used.
     template <int dim>
     constexpr double distance_power = dim == 2 ? -6. : -50.;
     constexpr double smallest_share = 0.01;
@@ -75,8 +75,7 @@ namespace greville
   {
     const SplineSpace<dim> &space = *spline_space;
 
-    // Of functions without a host among their cells, those that their owned
-    // cells have.
+    // Hosts of the owned cells of functions without a host among their cells.
     using HostOfFunction = std::pair<unsigned int, std::uint64_t>;
     std::vector<HostOfFunction> found;
     for (const auto &entry : cell_filling->hosts())
@@ -94,8 +93,8 @@ namespace greville
 
     if (Utilities::MPI::n_mpi_processes(space.communicator()) > 1)
       {
-        // The owners of functions collect their hosts, and tell them to all
-        // that see the function.
+        // The owners of functions collect their hosts and send them to all
+        // processes that know the function.
         using Message = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
         const auto &partitioner = *space.partitioner();
         const auto  n_owned     = space.owned_functions().size();
@@ -177,8 +176,8 @@ namespace greville
     const std::size_t begin = hosts_begin[place - extended_numbers.begin()],
                       end   = hosts_begin[place - extended_numbers.begin() + 1];
 
-    // Squared distances of centers, in half cells. Where the grid is periodic,
-    // the function is seen where it is the nearest to the host.
+    // Squared distances of centers, in half cells. In a periodic grid, the
+    // image of the function nearest to the host counts.
     const auto &lattice = space.lattice();
     const auto  periods = [&](const unsigned int host, const int d) {
       if (!lattice.is_periodic(d))

@@ -113,7 +113,7 @@ namespace greville
       }
 
     // Functions of order p - derivative: values[p - order + a] belongs to
-    // function span - order + a, the ones before it are zero on the element.
+    // function span - order + a; earlier entries are zero on the element.
     std::fill(values.begin(), values.end(), 0.);
     values[p] = 1.;
     for (unsigned int order = 1; order <= p; ++order)
@@ -148,8 +148,8 @@ namespace greville
     const unsigned int span = spans[element];
 
     // The algorithm of de Boor with another argument in every step, run
-    // backwards on the weights: weights of the single point of the last step
-    // are spread over the p + 1 coefficients of the first.
+    // backwards on the weights: the weight of the single point of the last step
+    // is distributed to the p + 1 coefficients of the first step.
     std::fill(weights.begin(), weights.end(), 0.);
     weights[p] = 1.;
     for (unsigned int step = p; step >= 1; --step)
@@ -199,8 +199,7 @@ namespace greville
     matrix.n_rows    = rows.n_functions();
     matrix.n_columns = columns.n_functions();
 
-    // The columns that a row meets: the functions of the elements in its
-    // support.
+    // The columns of a row: the functions of the elements in its support.
     matrix.first_column.assign(matrix.n_rows, matrix.n_columns);
     for (unsigned int e = 0; e < rows.n_elements(); ++e)
       for (unsigned int a = 0; a < n_rows; ++a)

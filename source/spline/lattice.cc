@@ -17,8 +17,8 @@ namespace greville
   {
     const MPI_Comm comm = get_communicator(triangulation);
 
-    // Smallest and largest corners and cell sizes, negated where the minimum
-    // serves as maximum: one reduction.
+    // Smallest and largest corners and cell sizes, with signs such that one
+    // reduction suffices.
     const double        infinity = std::numeric_limits<double>::max();
     std::vector<double> local(4 * dim, infinity), global(4 * dim);
     for (const auto &cell : triangulation.active_cell_iterators())
@@ -53,7 +53,7 @@ namespace greville
                            "box."));
     set_sizes();
 
-    // The coarsest faces are known on all processes.
+    // The faces of coarse cells are known on all processes.
     for (const auto &pair : triangulation.get_periodic_face_map())
       periodic[pair.first.second / 2] = true;
   }
@@ -101,7 +101,8 @@ namespace greville
         const double position = (point[d] - lower_corner[d]) / h;
         index[d] = std::min<double>(std::max(position, 0.), cells[d] - 1);
 
-        // The corners of cells decide, not the rounded quotient.
+        // The cell follows from the corners of cells, not from the rounded
+        // quotient.
         if (index[d] > 0 && point[d] < lower_corner[d] + index[d] * h)
           --index[d];
         else if (index[d] + 1 < cells[d] &&

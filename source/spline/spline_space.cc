@@ -141,8 +141,8 @@ namespace greville
       },
       comm);
 
-    // The functions of a cell's Greville points are a run in each direction,
-    // and one where it is periodic.
+    // The functions of the Greville points of a cell form a contiguous range in
+    // each direction, also in a periodic one.
     owned.clear();
     for (const std::uint64_t position : cells)
       {
@@ -186,9 +186,9 @@ namespace greville
   void
   SplineSpace<dim>::number_functions()
   {
-    // A cell's functions are runs of p + 1 in x, which go on at 0 where x is
-    // periodic. Owned parts of a run are contiguous in owned, so one search per
-    // run mostly suffices.
+    // The functions of a cell are runs of p + 1 in x, which continue at 0 if x
+    // is periodic. Owned parts of a run are contiguous in owned, so one search
+    // per run mostly suffices.
     const unsigned int n_runs = functions_per_cell / (p + 1);
     MultiIndex<dim>    runs;
     runs.fill(p + 1);
@@ -232,7 +232,7 @@ namespace greville
              positions.begin();
     };
 
-    // Ghosts in the order of their global numbers, as in a Partitioner.
+    // Ghosts are sorted by their global numbers, as in a Partitioner.
     const auto numbers = global_numbers(positions);
     std::vector<std::pair<types::global_dof_index, std::uint64_t>> order;
     for (unsigned int k = 0; k < positions.size(); ++k)
@@ -506,7 +506,7 @@ namespace greville
     const auto                           own = dof_handler.locally_owned_dofs();
     bernstein                                = 0.;
 
-    // The 1D matrices repeat from cell to cell; they are made once.
+    // The 1D matrices repeat from cell to cell and are computed once.
     std::array<std::vector<FullMatrix<double>>, dim> matrices;
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int e = 0; e < mesh_lattice.n_cells()[d]; ++e)
@@ -553,7 +553,7 @@ namespace greville
               }
         }
 
-    // The owner of a dof has one of its cells, so all owned entries are set.
+    // The owner of a dof owns one of its cells, so all owned entries are set.
     bernstein.update_ghost_values();
   }
 

@@ -8,37 +8,37 @@
 namespace greville
 {
   /**
-   * Which cells of a mesh a body fills: a cell is *empty*, *cut* (it holds
-   * points, but too few for splines to be determined by them) or *well-filled*.
+   * Classes of the cells of a mesh by the material in them: a cell is *empty*,
+   * *cut* (it contains too few points to determine splines) or *well-filled*.
    * The polynomials of a spline on certain well-filled cells, the *hosts*, are
    * extended to the other cells of the body. Hosts are the cells inside the
-   * body: all neighbours (in 3D those by a face) are well-filled, too, and none
-   * is beyond a wall. The hosts of a cell are the nearest ones among its
-   * neighbours (by a face, an edge or a vertex), or, where none is a host, the
-   * nearest ones among the hosts that its neighbours have. All of these cells
-   * hold points, so that a host never lies across a gap. Several hosts can be
-   * equally near: all of them count, so that results do not depend on the
-   * direction in which the grid is numbered. Cells without a host are
-   * *fragments*: spray, and parts less than three cells thick.
+   * body: all their neighbours (in 3D, the face neighbours) are well-filled,
+   * too, and none is beyond a wall. The hosts of a cell are the nearest hosts
+   * among its neighbours (by a face, an edge or a vertex) or, if no neighbour
+   * is a host, the nearest among the hosts of its neighbours. All of these
+   * cells contain points, so a host never lies across a gap. If several hosts
+   * are equally near, all of them count, so results do not depend on the
+   * numbering of the grid. Cells without a host are *fragments*: spray, and
+   * parts less than three cells thick.
    *
-   * With *outer hosts* the well-filled cells among fragments are hosts
-   * themselves, so that few functions of tips and thin parts depend on the few
-   * points of cut cells. Quasi-static steps use them: fragments have a
-   * stiffness there, and no mass that could hold such functions. Where mass
-   * counts, that of fragments is lumped, which needs no host.
+   * With *outer hosts*, the well-filled cells among fragments are hosts, too,
+   * so that few functions of tips and thin parts depend on the few points of
+   * cut cells. Quasi-static steps use outer hosts, since the functions of
+   * fragments then have a stiffness, but no mass. In dynamic steps, the mass of
+   * fragments is lumped, which needs no host.
    *
-   * Because surface cells are no hosts, functions that touch a body by a corner
-   * only are not in its space, and the polynomials of the two outermost layers
-   * of cells are joined, as by the not-a-knot condition of spline
-   * interpolation. The order of approximation remains the same; the highest
-   * frequencies, outliers of surface and walls, vanish
-   * (doc/results/mass_of_points.md). Walls are ignored in directions of one or
-   * two cells, and at *contact walls*. Contact can begin and end within a step,
-   * so functions that do not vanish there have to be unknowns, if possible.
+   * Because surface cells are no hosts, functions that touch a body only at a
+   * corner are not unknowns, and the polynomials of the two outermost layers of
+   * cells are joined, as by the not-a-knot condition of spline interpolation.
+   * The order of approximation is unchanged; the highest frequencies, outliers
+   * of surfaces and walls, vanish (doc/results/mass_of_points.md). The
+   * condition on walls is ignored in directions of one or two cells and at
+   * *contact walls*. Since contact can begin and end within a step, functions
+   * that do not vanish at contact walls are unknowns if possible.
    *
-   * With *rims*, the empty cells around those that hold points are beyond the
-   * body, so that functions are extended to all cells that domains of points
-   * reach (CellWindows).
+   * With *rims*, the empty cells around cells with points are marked as beyond
+   * the body, so that functions are extended to all cells that the points'
+   * domains reach (CellWindows).
    *
    * The classes depend on the mesh only, not on the order of the splines.
    */
@@ -51,26 +51,22 @@ namespace greville
 
     CellFilling() = default;
 
-    /**
-     * The space is that of any order; it is kept by reference.
-     */
+    /// The space may have any order; it is kept by reference.
     CellFilling(const SplineSpace<dim> &space)
     {
       reinit(space);
     }
 
     /**
-     * Collective. Begin with the cells of another space, none of which has a
-     * class before update().
+     * Collective. Begin with the cells of another space, which have no class
+     * before update().
      */
     void
     reinit(const SplineSpace<dim> &space,
            const Walls            &contact_walls = {},
            const bool              with_rims     = false);
 
-    /**
-     * Whether a function of a space does not vanish at a contact wall.
-     */
+    /// Return whether a function does not vanish at a contact wall.
     bool
     is_at_contact_wall(const MultiIndex<dim> &function,
                        const MultiIndex<dim> &n_functions) const
@@ -83,22 +79,20 @@ namespace greville
     }
 
     /**
-     * Collective. @p filling, of each owned cell, is the part of it that is
-     * filled; 0 is empty, and from @p threshold on the cell is well-filled. A
-     * negative number marks a cell *beyond* the body, without points, to which
-     * functions are to be extended if it has a host.
-     * With the threshold 0 all cells with points are hosts. With outer hosts
-     * or without them in all calls. Returns whether the class of any cell, on
-     * any process, changed.
+     * Collective. Compute the classes. @p filling is the filled fraction of
+     * each owned cell: 0 for an empty cell; from @p threshold on, the cell is
+     * well-filled. A negative number marks a cell *beyond* the body, without
+     * points, to which functions are extended if it has a host. With the
+     * threshold 0, all cells with points are hosts. All calls must agree on
+     * outer hosts. Returns whether the class of any cell, on any process,
+     * changed.
      */
     bool
     update(const std::vector<double> &filling,
            const double               threshold,
            const bool                 with_outer_hosts = false);
 
-    /**
-     * The owned cells that are not empty, ascending.
-     */
+    /// Return the owned cells that are not empty, ascending.
     const std::vector<unsigned int> &
     filled_cells() const
     {
@@ -106,7 +100,8 @@ namespace greville
     }
 
     /**
-     * Of an owned cell: 0 empty, 1 cut, 2 well-filled, 3 a host, 4 beyond.
+     * Return the class of an owned cell: 0 empty, 1 cut, 2 well-filled, 3 host,
+     * 4 beyond.
      */
     unsigned char
     cell_class(const unsigned int cell) const
@@ -127,7 +122,7 @@ namespace greville
     }
 
     /**
-     * Pairs of an owned cell, unless it is a host itself, and the position (in
+     * Return pairs of an owned cell that is not a host and the position (in
      * Lattice::n_cells()) of one of its hosts, ascending.
      */
     const std::vector<std::pair<unsigned int, std::uint64_t>> &
@@ -136,9 +131,7 @@ namespace greville
       return hosts_of_cells;
     }
 
-    /**
-     * Number of fragments of all processes. Collective.
-     */
+    /// Collective. Return the number of fragments on all processes.
     std::uint64_t
     n_fragments() const
     {
@@ -167,11 +160,11 @@ namespace greville
     bool                    all_are_hosts = false, has_rims = false;
     Walls                   contact_walls{};
 
-    // By local cell of the neighbours, or owned cells.
+    // The classes of local cells (see CellNeighbors) or of owned cells.
     CellNeighbors<dim>         neighbors;
     std::vector<unsigned char> classes;
-    // What update() was given, of owned cells: no hosts, and beyond the body
-    // only what was marked.
+    // The classes of owned cells that follow from the arguments of update():
+    // without hosts, and beyond the body only for marked cells.
     std::vector<unsigned char> given;
     std::vector<unsigned int>  filled;
 

@@ -8,23 +8,19 @@
 namespace greville
 {
   /**
-   * Owned cells and those around them, and values that cells tell their
-   * neighbours. Local numbers: owned cells as in the space, then those of the
+   * Owned cells and their neighbours, with an exchange of values between them.
+   * Local numbers: owned cells as in the space, followed by the cells of the
    * ghost layer.
    */
   template <int dim>
   class CellNeighbors
   {
   public:
-    /**
-     * Collective. The space is that of any order.
-     */
+    /// Collective. The space may have any order.
     void
     reinit(const SplineSpace<dim> &space);
 
-    /**
-     * Lexicographic positions of the local cells.
-     */
+    /// Return the lexicographic positions of the local cells.
     const std::vector<std::uint64_t> &
     positions() const
     {
@@ -32,8 +28,8 @@ namespace greville
     }
 
     /**
-     * The local number of a cell at a position; invalid_unsigned_int where it
-     * is not local.
+     * Return the local number of the cell at a position, or
+     * invalid_unsigned_int if it is not local.
      */
     unsigned int
     find(const std::uint64_t position) const;
@@ -57,11 +53,11 @@ namespace greville
     std::vector<std::uint64_t> cells;
     Lattice<dim>               lattice;
 
-    // On several processes.
+    // Local numbers by position; empty on one process.
     std::vector<std::pair<std::uint64_t, unsigned int>> numbers;
-    std::vector<unsigned int> places; // in the buffer, of local cells
-    // Owned cells with the places of their children, if these are cells of the
-    // mesh.
+    std::vector<unsigned int> places; // of local cells in the buffer
+    // Owned cells with the places of their children, if the children are the
+    // cells of the mesh.
     std::vector<std::pair<unsigned int, unsigned int>> of_children;
     mutable VectorType                                 buffer;
     unsigned int                                       n_owned = 0;

@@ -8,11 +8,10 @@
 namespace greville
 {
   /**
-   * The process that owns the cell @p index of a triangulation, whose lattice
-   * is @p lattice. Not collective: p4est tells where each process begins along
-   * its curve, and a search in that takes the logarithm of their number. (What
-   * deal.II offers for points, find_point_owner_rank(), looks at all coarse
-   * cells for each of them.)
+   * Return the process that owns the cell @p index of a triangulation with the
+   * lattice @p lattice. Not collective: p4est stores the begin of each process
+   * along its curve, and the search takes logarithmic time. (deal.II's
+   * find_point_owner_rank() visits all coarse cells for each point.)
    */
   template <int dim>
   unsigned int

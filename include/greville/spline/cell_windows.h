@@ -13,21 +13,22 @@ namespace greville
   /**
    * The *window* of a cell: the @f$ (p + 3)^\text{dim} @f$ functions of a space
    * that do not vanish on the cell or on one of its neighbours (by a face, an
-   * edge or a vertex). Points whose domains reach over the faces of their cell
-   * see these functions.
+   * edge or a vertex). These functions can be nonzero on a point's domain that
+   * extends over the faces of its cell.
    *
    * Coefficients lie in a buffer, function by function. Its last place stands
-   * for the functions of windows that there are not, at the edges of the grid.
+   * for functions of a window that lie outside the grid.
    *
-   * Splines are averaged over domains either as a whole, or their derivatives
-   * alone, each in its direction, with values at the points in the others. The
-   * first kind balances loads at points that are no quadrature, but the mass
-   * matrix that goes with it couples functions of neighbouring windows. The
-   * second one goes with the mass matrix of the points.
+   * Either the splines themselves are averaged over the domains, or only their
+   * derivatives, each in its own direction, with point values in the other
+   * directions. The first kind balances loads even if the points are no
+   * quadrature rule, but its mass matrix couples functions of neighbouring
+   * windows. The second kind works with the mass matrix of the points.
    *
    * A cell *reaches* its neighbours if all functions of its window are stable
-   * or extended. The others are determined by nothing but the points in their
-   * own cells, and points in cells that do not reach see no neighbour.
+   * or extended. Other functions are determined only by the points in their own
+   * cells; points in cells that do not reach use the functions of their own
+   * cell only.
    */
   template <int dim>
   class CellWindows
@@ -35,8 +36,8 @@ namespace greville
   public:
     /**
      * Collective. The space, of one component, is kept by reference. No cell
-     * reaches its neighbours before update(). @p averages_values tells whether
-     * splines are averaged as a whole.
+     * reaches its neighbours before update(). @p averages_values selects
+     * averages of the splines themselves.
      */
     void
     reinit(const SplineSpace<dim> &space, const bool averages_values);
@@ -53,9 +54,7 @@ namespace greville
     void
     update(const Extension<dim> &extension);
 
-    /**
-     * Let all cells reach their neighbours, where no function is extended.
-     */
+    /// Let all cells reach their neighbours, if no function is extended.
     void
     reach_all()
     {
@@ -69,7 +68,7 @@ namespace greville
     }
 
     /**
-     * Places in the buffer of the functions of the window of an owned cell, in
+     * Return the buffer places of the functions of an owned cell's window, in
      * lexicographic order.
      */
     const unsigned int *
@@ -78,9 +77,7 @@ namespace greville
       return places.data() + std::size_t(cell) * n_in_window;
     }
 
-    /**
-     * Places of the buffer.
-     */
+    /// Return the number of places in the buffer.
     std::size_t
     n_places() const
     {
@@ -89,8 +86,8 @@ namespace greville
     }
 
     /**
-     * Collective. Copy the coefficients of a vector into the buffer from @p
-     * numbers on, one for each place, @p stride apart.
+     * Collective. Copy the coefficients of a vector into the buffer @p numbers,
+     * one for each place, @p stride apart.
      */
     void
     read(const VectorType  &vector,
@@ -98,15 +95,15 @@ namespace greville
          const unsigned int stride) const;
 
     /**
-     * The same for the components of a field, into a buffer that has nothing
-     * else and is resized.
+     * Collective. Copy the components of a field into a buffer, which is
+     * resized.
      */
     void
     read(const VectorField<dim> &field, std::vector<double> &buffer) const;
 
     /**
-     * Collective. Add what the buffers of all processes have of each function
-     * to the vector.
+     * Collective. Add the entries of each function in the buffers of all
+     * processes to the vector.
      */
     void
     add_to(VectorType        &vector,

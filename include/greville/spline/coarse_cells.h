@@ -10,8 +10,8 @@
 namespace greville
 {
   /**
-   * The coarse cells of a mesh by create_box_mesh(), trees of p4est, in each
-   * direction, and how often all of them are refined.
+   * The coarse cells, or trees of p4est, of a mesh by create_box_mesh() in each
+   * direction, and the number of global refinements.
    */
   template <int dim>
   struct CoarseCells
@@ -28,9 +28,9 @@ namespace greville
 
 
   /**
-   * Each process keeps all coarse cells, whatever it owns. A sentence about
-   * them where they are many and more than the cells that a process has in the
-   * mean, with numbers of cells that make few; else nothing.
+   * Return a sentence about the coarse cells, with numbers of cells that need
+   * few of them, if they are many and more than the cells per process;
+   * otherwise an empty text. Each process stores all coarse cells.
    */
   template <int dim>
   std::string

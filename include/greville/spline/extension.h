@@ -41,9 +41,7 @@ namespace greville
       lumped
     };
 
-    /**
-     * How many functions, of all processes, there are of each class.
-     */
+    /// The numbers of functions of each class on all processes.
     struct Counts
     {
       std::uint64_t stable = 0, extended = 0, lumped = 0;
@@ -57,10 +55,10 @@ namespace greville
     }
 
     /**
-     * Collective. Space and filling, which lives on the same mesh, are kept by
-     * reference until the next call. If the extension is @p constant, an
-     * extended function has the coefficient of the nearest function of its
-     * host.
+     * Collective. Compute the extension. Space and filling, which must share a
+     * mesh, are kept by reference until the next call. If the extension is @p
+     * constant, an extended function takes the coefficient of the nearest
+     * function of its host.
      */
     void
     reinit(const SplineSpace<dim> &space,
@@ -79,9 +77,7 @@ namespace greville
       return static_cast<Class>(classes[function]);
     }
 
-    /**
-     * Local numbers of the extended functions of owned cells.
-     */
+    /// Return the local numbers of the extended functions of owned cells.
     const std::vector<unsigned int> &
     extended_functions() const
     {
@@ -89,9 +85,9 @@ namespace greville
     }
 
     /**
-     * The row @f$ E_{ij} @f$ of an extended function i: lexicographic positions
-     * of the functions j, ascending, and the weights;
-     * @f$ (p + 1)^\text{dim} @f$ each at most where the function has one host.
+     * Return the row @f$ E_{ij} @f$ of an extended function i: lexicographic
+     * positions of the functions j, ascending, and the weights; at most @f$ (p
+     * + 1)^\text{dim} @f$ entries if the function has one host.
      */
     void
     row(const unsigned int          function,
@@ -99,7 +95,8 @@ namespace greville
         std::vector<double>        &weights) const;
 
     /**
-     * Collective. The numbers of functions of all processes, by what they are.
+     * Collective. Return the numbers of functions of each class on all
+     * processes.
      */
     Counts
     counts() const;
@@ -113,7 +110,7 @@ namespace greville
     bool                       is_constant  = false;
     std::vector<unsigned char> classes;
     std::vector<unsigned int>  extended_numbers;
-    std::vector<std::uint64_t> hosts;       // of the extended numbers,
+    std::vector<std::uint64_t> hosts;       // of the extended functions,
     std::vector<std::size_t>   hosts_begin; // by number, with the end
     VectorType                 seen;
   };

@@ -22,7 +22,7 @@ namespace greville
    *               + \frac{t_{i+p+1} - x}{t_{i+p+1} - t_{i+1}} N_{i+1,p-1}(x)
    * @f}
    * (@ref Piegl1997 "Piegl and Tiller, 1997", chapter 2). An *element* is a
-   * knot span of positive length; p + 1 functions live on each.
+   * knot span of positive length, on which p + 1 functions do not vanish.
    *
    * Lengths carry the unit of the knots.
    */
@@ -34,13 +34,13 @@ namespace greville
     /**
      * A general open knot vector: not decreasing, the first and the last knot
      * @p degree + 1 times, inner knots at most @p degree times. Throws
-     * dealii::ExcMessage where @p knots is none.
+     * dealii::ExcMessage if @p knots is not of this kind.
      */
     KnotVector(const unsigned int degree, const std::vector<double> &knots);
 
     /**
-     * The open uniform knot vector with @p n_elements elements of equal length
-     * on [@p lower, @p upper].
+     * Return the open uniform knot vector with @p n_elements elements of equal
+     * length on [@p lower, @p upper].
      */
     static KnotVector
     open_uniform(const unsigned int degree,
@@ -49,10 +49,10 @@ namespace greville
                  const double       upper = 1.);
 
     /**
-     * The same elements with equidistant knots that go on beyond both ends.
-     * With these knots, function n_elements + k is function k one period
-     * further on: all functions are alike, and a periodic spline has the same
-     * coefficient for both.
+     * Return a knot vector with the same elements and equidistant knots that
+     * continue beyond both ends. Function n_elements + k is function k shifted
+     * by one period: all functions are translates of one another, and a
+     * periodic spline has the same coefficient for both.
      */
     static KnotVector
     periodic_uniform(const unsigned int degree,
@@ -84,9 +84,7 @@ namespace greville
       return t;
     }
 
-    /**
-     * The end points of an element.
-     */
+    /// Return the end points of an element.
     double
     element_lower(const unsigned int element) const
     {
@@ -100,14 +98,14 @@ namespace greville
     }
 
     /**
-     * The element that contains x; the last one for @f$ x = t_{n+p} @f$. Points
-     * outside are counted to the nearest element.
+     * Return the element that contains x; the last one for @f$ x = t_{n+p} @f$,
+     * and the nearest one for points outside.
      */
     unsigned int
     find_element(const double x) const;
 
     /**
-     * The first of the p + 1 functions that do not vanish on @p element.
+     * Return the first of the p + 1 functions that do not vanish on @p element.
      */
     unsigned int
     first_function(const unsigned int element) const
@@ -116,7 +114,8 @@ namespace greville
     }
 
     /**
-     * The Greville abscissa (t_(i+1) + ... + t_(i+p)) / p of function @p i.
+     * Return the Greville abscissa (t_(i+1) + ... + t_(i+p)) / p of function @p
+     * i.
      */
     double
     greville_abscissa(const unsigned int i) const
@@ -130,9 +129,9 @@ namespace greville
     }
 
     /**
-     * Derivative of order @p derivative (0, 1 or 2) of the p + 1 functions of
-     * @p element, continued as polynomials outside of it, at @p x. @p values
-     * has p + 1 entries.
+     * Evaluate the derivative of order @p derivative (0, 1 or 2) of the p + 1
+     * functions of @p element at @p x. Outside the element, the functions
+     * continue as polynomials. @p values has p + 1 entries.
      */
     void
     evaluate(const unsigned int               element,
@@ -141,13 +140,13 @@ namespace greville
              const dealii::ArrayView<double> &values) const;
 
     /**
-     * Weights of the blossom (polar form) of the polynomial that a spline with
-     * coefficients c is on @p element:
+     * Compute the weights of the blossom (polar form) of the polynomial that
+     * represents a spline with coefficients c on @p element:
      * @f[ b(u_1, \dots, u_p) = \sum_{a=0}^p w_a \, c_{f + a} @f]
-     * with the first_function() f of the element. By the dual functionals of
-     * de Boor and Fix, b at the inner knots @f$ t_{i+1}, \dots, t_{i+p} @f$ is
-     * the coefficient @f$ c_i @f$, for any function i. @p arguments has p
-     * entries, @p weights p + 1.
+     * with the first_function() f of the element. By the dual functionals of de
+     * Boor and Fix, b at the inner knots @f$ t_{i+1}, \dots, t_{i+p} @f$ is the
+     * coefficient @f$ c_i @f$, for any function i. @p arguments has p entries,
+     * @p weights p + 1.
      */
     void
     blossom(const unsigned int                     element,
@@ -155,7 +154,7 @@ namespace greville
             const dealii::ArrayView<double>       &weights) const;
 
     /**
-     * The (p+1) x (p+1) Bezier extraction matrix C of @p element, with
+     * Return the (p+1) x (p+1) Bezier extraction matrix C of @p element, with
      * @f[ N_{f + a} = \sum_{b=0}^p C_{ab} B_b @f]
      * for the first_function() f and the Bernstein polynomials @f$ B_b @f$ of
      * the element (@ref Borden2011 "Borden et al., 2011"). Row a, column b is
@@ -174,8 +173,8 @@ namespace greville
 
 
   /**
-   * A matrix whose rows have their entries in one run of columns: entry
-   * (i, first_column[i] + k) is values[i * width + k].
+   * A matrix whose rows have their entries in one contiguous range of columns:
+   * entry (i, first_column[i] + k) is values[i * width + k].
    */
   struct BandedMatrix
   {
@@ -185,9 +184,7 @@ namespace greville
     std::vector<unsigned int> first_column;
     std::vector<double>       values;
 
-    /**
-     * An entry, zero outside the run.
-     */
+    /// Return an entry; zero outside the band.
     double
     operator()(const unsigned int i, const unsigned int j) const
     {
@@ -197,10 +194,10 @@ namespace greville
   };
 
   /**
-   * The cross matrix
+   * Return the cross matrix
    * @f$ \int N_i^\text{rows} N_j^\text{columns} \, dx @f$ of two knot vectors
-   * with the same elements, exact by Gauss quadrature. With twice the same
-   * argument it is the mass matrix.
+   * with the same elements, exact by Gauss quadrature. It is the mass matrix if
+   * both arguments are equal.
    */
   BandedMatrix
   cross_matrix(const KnotVector &rows, const KnotVector &columns);

@@ -13,15 +13,13 @@
 
 namespace greville
 {
-  /**
-   * Integer coordinates of a cell or of a function in a tensor product.
-   */
+  /// Integer coordinates of a cell or a function in a tensor product.
   template <int dim>
   using MultiIndex = std::array<unsigned int, dim>;
 
   /**
-   * The position of @p index in lexicographic order, x fastest, among
-   * extents[0] x extents[1] (x extents[2]) ones.
+   * Return the position of @p index in lexicographic order, x fastest, in an
+   * array of extents[0] x extents[1] (x extents[2]) entries.
    */
   template <int dim>
   std::uint64_t
@@ -33,9 +31,7 @@ namespace greville
     return result;
   }
 
-  /**
-   * The inverse of lexicographic().
-   */
+  /// Return the inverse of lexicographic().
   template <int dim>
   MultiIndex<dim>
   multi_index(std::uint64_t position, const MultiIndex<dim> &extents)
@@ -76,7 +72,8 @@ namespace greville
    * The cells of a box mesh, counted by integers along each axis. The lattice
    * is read off a triangulation whose active cells are equal boxes that fill a
    * larger box; it needs no memory besides these few numbers. A direction is
-   * periodic where the triangulation is. Lengths carry the unit of the mesh.
+   * periodic if it is periodic in the triangulation. Lengths carry the unit of
+   * the mesh.
    */
   template <int dim>
   class Lattice
@@ -85,14 +82,15 @@ namespace greville
     Lattice() = default;
 
     /**
-     * Collective. Throws dealii::ExcMessage where @p triangulation is not a
-     * box of equal cells.
+     * Collective. Throws dealii::ExcMessage if @p triangulation is not a box of
+     * equal cells.
      */
     Lattice(const DistributedTriangulation<dim> &triangulation);
 
     /**
-     * That of the cells of twice the size, of which each joins 2^dim cells.
-     * Throws dealii::ExcMessage for an odd number of cells in a direction.
+     * Return the lattice of cells of twice the size, each of which joins 2^dim
+     * cells. Throws dealii::ExcMessage for an odd number of cells in a
+     * direction.
      */
     Lattice
     parents() const;
@@ -117,8 +115,8 @@ namespace greville
     }
 
     /**
-     * Move the index of a cell by a period into the lattice, where it is
-     * periodic. Returns whether the cell is in the lattice.
+     * Shift the index of a cell by a period into the lattice in periodic
+     * directions. Returns whether the cell is in the lattice.
      */
     bool
     wrap(MultiIndex<dim> &index) const
@@ -127,7 +125,7 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         if (index[d] >= cells[d])
           {
-            // What lies before the first cell is a large number.
+            // An index before the first cell has wrapped to a large number.
             if (periodic[d])
               index[d] += int(index[d]) < 0 ? cells[d] : -cells[d];
             is_inside = is_inside && index[d] < cells[d];
@@ -136,8 +134,8 @@ namespace greville
     }
 
     /**
-     * How many cells to go from one to another in a direction: the shorter way
-     * where it is periodic.
+     * Return the number of cells from one cell to another in a direction, along
+     * the shorter way if it is periodic.
      */
     int
     steps(const unsigned int from,
@@ -195,7 +193,8 @@ namespace greville
     }
 
     /**
-     * The cell that contains @p point; the nearest one for points outside.
+     * Return the cell that contains @p point; the nearest one for points
+     * outside.
      */
     MultiIndex<dim>
     find_cell(const dealii::Point<dim> &point) const;
@@ -213,10 +212,10 @@ namespace greville
 
   /**
    * Fill @p triangulation with n_cells[0] x n_cells[1] (x n_cells[2]) equal
-   * cells. The trees of p4est, which deal.II keeps on every process, are as
-   * few as these numbers allow: their odd parts after division by the largest
-   * common power of two. In @p periodic directions the cells at both ends are
-   * neighbours.
+   * cells. The number of p4est's trees, which deal.II keeps on every process,
+   * is the smallest that these numbers allow: the numbers of cells divided by
+   * their largest common power of two. In @p periodic directions the cells at
+   * both ends are neighbours.
    */
   template <int dim>
   void
@@ -227,7 +226,7 @@ namespace greville
                   const std::array<bool, dim>   &periodic = {});
 
   /**
-   * The settings that a triangulation needs for a SplineSpace, which asks
+   * The settings required of a triangulation for a SplineSpace, which asks
    * p4est for the owners of points.
    */
   template <int dim>

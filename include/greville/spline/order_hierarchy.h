@@ -10,10 +10,9 @@
 namespace greville
 {
   /**
-   * The levels of p-multigrid: spline spaces of falling order on one and the
-   * same mesh (@ref Tielen2019 "Tielen, Moeller and Vuik, 2019"). As in
-   * deal.II, level 0 is the coarsest, here the one of order 1, unless there is
-   * no coarsening.
+   * The levels of p-multigrid: spline spaces of decreasing order on one mesh
+   * (@ref Tielen2019 "Tielen, Moeller and Vuik, 2019"). As in deal.II, level 0
+   * is the coarsest. It has order 1 unless the hierarchy has a single level.
    */
   template <int dim>
   class OrderHierarchy
@@ -29,8 +28,8 @@ namespace greville
     }
 
     /**
-     * Collective. @p coarsening is one of coarsenings(). The cells are those
-     * of the mesh or their parents, see SplineSpace.
+     * Collective. @p coarsening is one of coarsenings(). The cells are the
+     * cells of the mesh or their parents, see SplineSpace.
      */
     void
     reinit(DistributedTriangulation<dim> &triangulation,
@@ -44,9 +43,9 @@ namespace greville
     }
 
     /**
-     * "one by one": p, p-1, ..., 1; "by two": p, p-2, ..., 1 (the last step may
-     * be one by one); "direct": p, 1; "none": p alone. Separated by '|' as a
-     * Patterns::Selection has it.
+     * Return the names of coarsenings, separated by '|' for a
+     * Patterns::Selection. "one by one": p, p-1, ..., 1; "by two": p, p-2, ...,
+     * 1 (the last step may be by one); "direct": p, 1; "none": p alone.
      */
     static std::string
     coarsenings()
@@ -54,9 +53,7 @@ namespace greville
       return "one by one|by two|direct|none";
     }
 
-    /**
-     * The orders from the coarsest to the finest.
-     */
+    /// Return the orders from the coarsest to the finest level.
     static std::vector<unsigned int>
     orders(const unsigned int degree, const std::string &coarsening);
 

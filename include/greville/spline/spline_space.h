@@ -21,28 +21,30 @@ namespace greville
    * Tensor-product B-splines of order p on open uniform knot vectors over a
    * distributed box mesh,
    * @f[ u(x) = \sum_i c_i \prod_d N_{i_d}(x_d), @f]
-   * with one function per Greville point: n + p in a direction of n cells.
-   * In a periodic direction of the mesh knots are uniform, there are n
-   * functions, all alike, and function i of the knots is function i mod n of
-   * the space. The class has the shape of a DoFHandler; a *dof* is a
+   * with one function per Greville point: n + p in a direction of n cells. In a
+   * periodic direction of the mesh, knots are uniform, the n functions are
+   * translates of one another, and function i of the knots is function i mod n
+   * of the space. The interface resembles a DoFHandler; a *dof* is a
    * coefficient c_i of one component.
    *
    * **Ownership.** A coefficient belongs to the process that owns the cell of
-   * its Greville point (the upper one, where the point lies between two cells).
-   * The rule needs no communication for the coefficients of own cells; owners
-   * and numbers of others are asked of p4est and of the owner. No array has
-   * the size of the mesh; those of a single direction (n numbers) are kept.
+   * its Greville point (the upper one if the point lies between two cells). The
+   * rule needs no communication for the coefficients of owned cells; the owners
+   * of others are obtained from p4est and their numbers from the owners. No
+   * array has the size of the whole mesh, only of a single direction (n
+   * numbers).
    *
    * **Numbering.** Contiguous per process, lexicographic (x fastest) among the
    * coefficients of a process; incomplete factorizations depend on that order.
    * Dofs of the components of one coefficient follow each other.
    *
-   * **Parents.** The cells of a space are those of the triangulation, or their
-   * parents, the cells of the once coarser mesh. The children of a parent are
-   * on one process, as deal.II partitions a mesh so that it can be coarsened.
+   * **Parents.** The cells of a space are the cells of the triangulation or
+   * their parents, the cells of the mesh coarsened once. The children of a
+   * parent are on one process, because deal.II partitions a mesh so that it can
+   * be coarsened.
    *
-   * The triangulation has to be made with the settings ::mesh_settings and to
-   * live as long as the space. After a repartitioning call reinit() again.
+   * The triangulation must have the settings ::mesh_settings and must outlive
+   * the space. Call reinit() after each repartitioning.
    */
   template <int dim>
   class SplineSpace
@@ -53,18 +55,16 @@ namespace greville
 
     SplineSpace() = default;
 
-    /**
-     * As reinit().
-     */
+    /// Construct and call reinit().
     SplineSpace(DistributedTriangulation<dim> &triangulation,
                 const unsigned int             degree,
                 const unsigned int             n_components = 1,
                 const bool                     on_parents   = false);
 
     /**
-     * Collective. Throws dealii::ExcMessage for an order outside 1...5, no
-     * component, a mesh that is no Lattice, one with less than p + 1 cells
-     * in a periodic direction, or parents of an odd number of cells.
+     * Collective. Throws dealii::ExcMessage for an order outside 1...5, zero
+     * components, a mesh that is not a Lattice, less than p + 1 cells in a
+     * periodic direction, or parents of an odd number of cells.
      */
     void
     reinit(DistributedTriangulation<dim> &triangulation,
@@ -72,7 +72,7 @@ namespace greville
            const unsigned int             n_components = 1,
            const bool                     on_parents   = false);
 
-    /// The largest order that kernels are compiled for.
+    /// The largest order for which kernels are compiled.
     static constexpr unsigned int max_degree = 5;
 
     unsigned int
@@ -156,13 +156,13 @@ namespace greville
     communicator() const;
 
     /**
-     * The Bezier elements: FE_Bernstein of order p, or a FESystem of it where
-     * there is more than one component.
+     * Return the Bezier elements: FE_Bernstein of order p, or a FESystem of it
+     * for more than one component.
      */
     const dealii::FiniteElement<dim> &
     fe() const;
 
-    // Numbers, as of a DoFHandler.
+    // Numbers of dofs, as in a DoFHandler.
 
     dealii::types::global_dof_index
     n_dofs() const;
@@ -173,18 +173,14 @@ namespace greville
     const dealii::IndexSet &
     locally_owned_dofs() const;
 
-    /**
-     * The dofs that do not vanish on the cells of this process.
-     */
+    /// Return the dofs that do not vanish on the cells of this process.
     const dealii::IndexSet &
     locally_relevant_dofs() const
     {
       return relevant;
     }
 
-    /**
-     * Layout of vectors whose ghost entries are the relevant dofs.
-     */
+    /// Return the layout of vectors whose ghost entries are the relevant dofs.
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
     partitioner() const
     {
@@ -201,8 +197,9 @@ namespace greville
     }
 
     /**
-     * Global numbers of the dofs of a locally owned cell: function by function
-     * in lexicographic order, the components of each together.
+     * Return the global numbers of the dofs of a locally owned cell: function
+     * by function in lexicographic order, with the components of a function
+     * together.
      */
     void
     cell_dof_indices(
@@ -212,26 +209,26 @@ namespace greville
     // Bezier extraction.
 
     /**
-     * The matrix with @f$ N_a = \sum_b C_{ab} B_b @f$ on a cell, for functions
-     * and Bernstein polynomials in lexicographic order: the Kronecker product
-     * of KnotVector::extraction_matrix() of the directions.
+     * Return the matrix with @f$ N_a = \sum_b C_{ab} B_b @f$ on a cell, for
+     * functions and Bernstein polynomials in lexicographic order: the Kronecker
+     * product of KnotVector::extraction_matrix() of the directions.
      */
     dealii::FullMatrix<double>
     extraction(const CellIterator &cell) const;
 
     /**
-     * Write the spline with @p coefficients (ghost entries are not needed) as
-     * a field of @p dof_handler, which carries fe(), into @p bernstein, a
-     * vector with (at least) the locally owned dofs of @p dof_handler.
-     * Collective.
+     * Collective. Write the spline with @p coefficients (ghost entries are not
+     * needed) as a field of @p dof_handler, which has the element fe(), into @p
+     * bernstein, a vector with (at least) the locally owned dofs of @p
+     * dof_handler.
      */
     void
     extract(const VectorType              &coefficients,
             const dealii::DoFHandler<dim> &dof_handler,
             VectorType                    &bernstein) const;
 
-    // The cells and functions of this process, for those who write loops over
-    // arrays. Counted from 0; functions that are owned come first.
+    // The cells and functions of this process, for loops over arrays. Numbers
+    // begin with 0; owned functions come first.
 
     /**
      * Lexicographic positions (in cells_per_direction()) of the owned cells,
@@ -244,7 +241,8 @@ namespace greville
     }
 
     /**
-     * The place of a locally owned cell, or of its parent, in owned_cells().
+     * Return the place in owned_cells() of a locally owned cell or of its
+     * parent.
      */
     unsigned int
     cell_number(const CellIterator &cell) const;
@@ -304,8 +302,8 @@ namespace greville
     }
 
     /**
-     * Lexicographic positions of the functions of owned cells that are owned
-     * by others. Their local numbers follow those of the owned functions.
+     * Return the lexicographic positions of the functions of owned cells that
+     * other processes own. Their local numbers follow the owned functions.
      */
     const std::vector<std::uint64_t> &
     ghost_functions() const
@@ -314,8 +312,8 @@ namespace greville
     }
 
     /**
-     * Local numbers of the (p + 1)^dim functions of owned cell number @p cell,
-     * in lexicographic order.
+     * Return the local numbers of the (p + 1)^dim functions of owned cell
+     * number @p cell, in lexicographic order.
      */
     dealii::ArrayView<const unsigned int>
     cell_functions(const unsigned int cell) const
@@ -326,15 +324,13 @@ namespace greville
     }
 
     /**
-     * Global numbers of functions at lexicographic @p positions, anywhere in
-     * the mesh. Collective; the owners answer.
+     * Collective. Return the global numbers of functions at lexicographic @p
+     * positions, anywhere in the mesh.
      */
     std::vector<dealii::types::global_dof_index>
     global_numbers(const std::vector<std::uint64_t> &positions) const;
 
-    /**
-     * The lexicographic position of a function by its local number.
-     */
+    /// Return the lexicographic position of a function with a local number.
     std::uint64_t
     function_position(const unsigned int function) const;
 
@@ -354,7 +350,8 @@ namespace greville
 
   private:
     /**
-     * Processes that own the cells of the Greville points of functions.
+     * Return the processes that own the cells of the functions' Greville
+     * points.
      */
     std::vector<unsigned int>
     find_owners(const std::vector<std::uint64_t> &positions) const;
@@ -382,13 +379,15 @@ namespace greville
     std::unique_ptr<dealii::FiniteElement<dim>> element;
 
     /**
-     * The number of a function of the knots in a direction.
+     * Return the number in the space of function @p i of the knots in a
+     * direction.
      */
     unsigned int
     wrapped(const unsigned int i, const unsigned int d) const;
 
-    // Per direction: the cell of the Greville point of each function. It grows
-    // with the function, but for the first p / 2 of a periodic direction.
+    // The cell of the Greville point of each function, per direction. It
+    // increases with the function, except for the first p / 2 of a periodic
+    // direction.
     std::array<std::vector<unsigned int>, dim> anchor_cells;
 
     std::vector<std::uint64_t>                   cells;
