@@ -18,15 +18,15 @@ namespace greville
 
   namespace
   {
-    // Smaller pivots of the scaled matrix are round-off, or what IC(0) leaves
-    // of a row whose fill it drops. Far below zero the factors grow without
+    // Smaller pivots of the scaled matrix are round-off, or the result of
+    // dropped fill. If they are far below zero, the factors grow without
     // bounds.
     constexpr double smallest_pivot = 3e-5;
     constexpr double lowest_pivot   = -0.1;
 
-    // The smallest shift, and the largest one that serves the eigenvalues of
-    // the preconditioned matrix: larger ones cost more iterations than they
-    // save.
+    // The smallest shift, and the largest shift used to bound the eigenvalues
+    // of the preconditioned matrix: larger shifts cost more iterations than
+    // they save.
     constexpr double first_shift       = 1e-3;
     constexpr double largest_remedy    = 4e-3;
     constexpr double largest_tolerable = 2.;
@@ -66,7 +66,7 @@ namespace greville
     if (!(largest_diagonal > 0.))
       largest_diagonal = 1.;
 
-    // Strictly lower rows, in columns that are eliminated.
+    // The strictly lower rows, in eliminated columns.
     row_begin.resize(n + 1);
     row_begin[0] = 0;
     columns.clear();
@@ -104,7 +104,7 @@ namespace greville
                                 const double               shift,
                                 LowerTriangle             &schur)
   {
-    // Row by row, on the scaled matrix A: with u_j = L_ij D_j,
+    // Factorize row by row, for the scaled matrix A: with u_j = L_ij D_j,
     //   u_k = A_ik - sum_(j<k) u_j L_kj,   D_i = A_ii - sum_j u_j L_ij.
     const unsigned int n_eliminated = inverse_pivots.size();
     n_raised_pivots                 = 0;
@@ -119,7 +119,7 @@ namespace greville
           double u[4] = {value * scaling[i] * scaling[k], 0., 0., 0.};
           const std::size_t begin_k = row_begin[k];
           std::size_t       f       = row_begin[k + 1];
-          // Four sums, which need not wait for each other.
+          // Four independent sums.
           for (; f >= begin_k + 4 && columns[f - 4] >= first; f -= 4)
             for (unsigned int lane = 0; lane < 4; ++lane)
               u[lane] -= work[columns[f - 1 - lane]] * entries[f - 1 - lane];
@@ -139,7 +139,7 @@ namespace greville
           }
         if (i >= n_eliminated)
           {
-            // What is left of the others.
+            // The Schur complement of the other rows.
             for (std::size_t e = matrix.row_begin[i] + (end - begin);
                  e + 1 < matrix.row_begin[i + 1];
                  ++e)
@@ -223,7 +223,7 @@ namespace greville
         y[i] = largest / largest_diagonal * single[i];
     };
 
-    // Signs at random, the same in each run.
+    // Random signs, the same in each run.
     Vector        start(n, 0.);
     std::uint64_t bits = 1;
     for (unsigned int i = 0; i < n_eliminated; ++i)
@@ -245,7 +245,7 @@ namespace greville
                             const unsigned int width,
                             const HeldRows    &held) const
   {
-    // In single precision, of numbers of the size 1.
+    // Solve in single precision, with numbers of order 1.
     const std::size_t n       = std::size_t(size()) * width;
     double            largest = 0.;
     for (std::size_t k = 0; k < n; ++k)
@@ -283,9 +283,7 @@ namespace greville
       store(value, x + i * width);
     }
 
-    /**
-     * One for the vectors that the row is in, zero for the others.
-     */
+    /// Return one for the vectors that contain the row, zero for the others.
     template <int width>
     Columns<width>
     mask(const unsigned int bits, const unsigned int n_components)
@@ -329,7 +327,8 @@ namespace greville
     const unsigned int *c      = columns.data();
     const float        *l      = entries.data();
     const auto          reduce = [&](const std::size_t i) {
-      // Two sums: the last entries of a row wait for the rows just before.
+      // Two sums, since the last entries of a row wait for the rows just
+      // before.
       Columns<width>    sum = at<width>(x, i), other_sum = 0.f;
       std::size_t       e   = row_begin[i];
       const std::size_t end = row_begin[i + 1];

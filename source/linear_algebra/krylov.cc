@@ -23,7 +23,7 @@ namespace greville
     result.converged   = start == 0.;
     if (start == 0.)
       return result;
-    // deal.II's methods stop by an exception where they do not converge.
+    // deal.II's methods throw an exception if they do not converge.
     SolverControl control(parameters.max_iterations,
                           parameters.tolerance * start,
                           false,

@@ -39,7 +39,7 @@ namespace greville
     for (unsigned int k = 0; k < n; ++k)
       row_of[order[k]] = k;
 
-    // By columns, and from there by rows: columns ascend.
+    // Transpose to columns and back to rows, so that columns ascend.
     const std::size_t         n_entries = matrix.columns.size();
     std::vector<std::size_t>  column_begin(n + 1, 0), next(n + 1, 0);
     std::vector<unsigned int> rows(n_entries);

@@ -17,8 +17,8 @@ namespace greville
     using Position = std::array<int, 3>;
 
     /**
-     * Whether any of the next @p n positions in a direction is one of those
-     * that are given, sorted.
+     * Return whether any of the next @p n positions in a direction is among the
+     * given, sorted ones.
      */
     bool
     is_followed(Position                     x,
@@ -38,9 +38,7 @@ namespace greville
 
 
 
-    /**
-     * An entry of the Schur complement, by global numbers.
-     */
+    /// An entry of the Schur complement, in global numbers.
     struct Entry
     {
       types::global_dof_index row, column;
@@ -66,7 +64,7 @@ namespace greville
     const unsigned int                              reach,
     const double                                    shift)
   {
-    // Complements lose what IC(0) drops, and need not be positive.
+    // Complements miss the fill that IC(0) drops, and need not be positive.
     constexpr double       smallest_shift = 1e-3;
     constexpr unsigned int most_tries     = 12;
     double                 tried_shift    = shift;
@@ -178,7 +176,7 @@ namespace greville
                 is_shared.begin() + range.second,
                 true);
 
-    // The first process that knows an unknown manages it.
+    // The first process that stores an unknown manages it.
     const double me = Utilities::MPI::this_mpi_process(comm);
     Vector       manager(layout->partitioner(1));
     for (unsigned int u = 0; u < n; ++u)
@@ -231,7 +229,7 @@ namespace greville
       is_interior[u] = false;
     n_interior = n - interface_unknowns.size();
 
-    // On which sides of the others are those that come last?
+    // Find the sides on which the last unknowns lie.
     std::vector<Position> first;
     for (unsigned int u = 0; u < n; ++u)
       if (is_interior[u] && !may_leave_out[u])
@@ -292,7 +290,7 @@ namespace greville
         next_may_leave_out.push_back(may_leave_out[interface_unknowns[k]]);
       }
 
-    // Entries go to the first of their managers.
+    // An entry belongs to the first of its managers.
     std::vector<unsigned int> manager(n_managed, me);
     for (const auto &target : interface_layout->partitioner(1)->ghost_targets())
       manager.insert(manager.end(), target.second, target.first);
@@ -375,7 +373,7 @@ namespace greville
         held_interior.rows.emplace_back(k, held[order[k]]);
     if (!next)
       return;
-    // Managers need not own what they manage.
+    // Managers need not own the unknowns that they manage.
     Vector &bits = vector_at_interface(1);
     for (unsigned int k = 0; k < interface_unknowns.size(); ++k)
       bits.local_element(k) =
@@ -395,7 +393,7 @@ namespace greville
     const unsigned int n_owned = layout->n_owned();
     values.resize(std::size_t(layout->n_local()) * width);
 
-    // In single precision, of numbers of the size 1.
+    // Solve in single precision, with numbers of order 1.
     double largest = 0.;
     for (std::size_t k = 0; k < std::size_t(n_owned) * width; ++k)
       largest = std::max(largest, std::abs(x[k]));
@@ -427,7 +425,7 @@ namespace greville
                                        const unsigned int width,
                                        const double       largest) const
   {
-    // What the interior leaves, from all processes.
+    // The right-hand sides that the interiors of all processes leave.
     const unsigned int n_owned = layout->n_owned();
     Vector            &y       = vector_at_interface(width);
     float             *rest = values.data() + std::size_t(n_interior) * width;

@@ -17,7 +17,7 @@ namespace greville
     const MPI_Comm comm =
       PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
 
-    // PETSc's options are global: give these a prefix that nobody else has.
+    // PETSc's options are global: these get a unique prefix.
     static unsigned int counter = 0;
     const std::string   prefix  = "greville" + std::to_string(counter++) + "_";
 

@@ -11,14 +11,14 @@
 namespace greville
 {
   /**
-   * Rows of a solve for several vectors that are left out of some of them: the
-   * solve is then one with the factors of the other rows. That of the matrix
-   * of the other rows it is where the rows left out are the last ones.
+   * Rows that are left out of some of the vectors of a solve. The solve then
+   * uses the factors of the other rows; it is the solve with the matrix of the
+   * other rows if the omitted rows are the last ones.
    */
   struct HeldRows
   {
-    // Rows, ascending, and bits: bit c % n_components leaves the row out of
-    // vector c.
+    // The rows, ascending, with bits: bit c % n_components leaves the row out
+    // of vector c.
     std::vector<std::pair<unsigned int, unsigned char>> rows;
     unsigned int                                        n_components = 1;
   };
@@ -28,29 +28,28 @@ namespace greville
   /**
    * The incomplete Cholesky factorization IC(0),
    * @f[ M \approx (1 + L) D (1 + L)^T, @f]
-   * where L has entries only where M has
-   * (@ref Meijerink1977 "Meijerink and van der Vorst, 1977"). It is that of the
-   * matrix scaled to a unit diagonal, to which a shift is added where asked
-   * for. A pivot that fails, because it is not safely positive, is raised to a
-   * small number (3e-5): a shift of this one row only, which costs fewer
-   * iterations than one of all rows. Where a pivot is far below zero all rows
-   * are shifted, by 1e-3 at first and twice as much as long as it takes
-   * (@ref Manteuffel1980 "Manteuffel, 1980"). Where the pattern has room for
-   * the fill, as for a Kronecker product in lexicographic order, the
-   * factorization is exact.
+   * where L has entries only where M has (@ref Meijerink1977 "Meijerink and van
+   * der Vorst, 1977"). The factorized matrix is scaled to a unit diagonal, to
+   * which a shift is added on request. A pivot that is not safely positive is
+   * raised to a small number (3e-5), a shift of this row only, which costs
+   * fewer iterations than a shift of all rows. If a pivot is far below zero,
+   * all rows are shifted, first by 1e-3, then by twice as much until the
+   * factorization succeeds (@ref Manteuffel1980 "Manteuffel, 1980"). If the
+   * pattern contains the fill, as for a Kronecker product in lexicographic
+   * order, the factorization is exact.
    *
-   * Positive pivots do not suffice: what the pattern drops can leave factors
-   * that are nearly singular where M is not, so that few eigenvalues of the
-   * preconditioned matrix are large. Where an estimate of the largest one
-   * exceeds 2, all rows are shifted as well, by 4e-3 at most.
+   * Positive pivots do not suffice: dropped entries can make the factors nearly
+   * singular although M is not, so that a few eigenvalues of the preconditioned
+   * matrix are large. If an estimate of the largest eigenvalue exceeds 2, all
+   * rows are shifted as well, by 4e-3 at most.
    *
-   * Optionally only the first rows are eliminated, which leaves an incomplete
-   * Schur complement of the others.
+   * Optionally, only the first rows are eliminated, which leaves an incomplete
+   * Schur complement of the other rows.
    *
-   * The factors are kept, and solves are done, in single precision: half the
-   * memory traffic, at an error (1e-7) that a preconditioner does not notice.
-   * They are those of the matrix divided by its largest diagonal entry, so that
-   * the unit of mass does not matter.
+   * Factors and solves use single precision: half the memory traffic, at an
+   * error (1e-7) that is negligible in a preconditioner. The matrix is first
+   * divided by its largest diagonal entry, so that the unit of mass does not
+   * matter.
    *
    * Vectors are interleaved, @p width (1, 2, 4 or 8) of them: entry c of row i
    * is x[i * width + c].
@@ -59,16 +58,16 @@ namespace greville
   {
   public:
     /**
-     * Throws dealii::ExcMessage where the diagonal is not positive, or no shift
-     * helps.
+     * Factorize the matrix. Throws dealii::ExcMessage if the diagonal is not
+     * positive or no shift helps.
      */
     void
     factorize(const LowerTriangle &matrix, const double shift = 0.);
 
     /**
      * Eliminate the first @p n_eliminated rows. The Schur complement of the
-     * others, with the entries that the matrix has between them, goes to
-     * @p schur, whose rows are counted from zero. Their diagonal may be zero.
+     * other rows, with the pattern of their block of the matrix, is written to
+     * @p schur, whose rows are counted from zero. Its diagonal may be zero.
      */
     void
     factorize(const LowerTriangle &matrix,
@@ -76,18 +75,14 @@ namespace greville
               const unsigned int   n_eliminated,
               LowerTriangle       &schur);
 
-    /**
-     * The shift that was taken.
-     */
+    /// Return the shift that was used.
     double
     shift() const
     {
       return used_shift;
     }
 
-    /**
-     * Number of pivots that were raised.
-     */
+    /// Return the number of pivots that were raised.
     unsigned int
     n_raised() const
     {
@@ -100,9 +95,7 @@ namespace greville
       return row_begin.size() - 1;
     }
 
-    /**
-     * What the matrix was divided by.
-     */
+    /// Return the divisor of the matrix.
     double
     unit() const
     {
@@ -118,8 +111,8 @@ namespace greville
           const HeldRows    &held = HeldRows()) const;
 
     /**
-     * x <- (1 + L)^-1 x. Rows that are not eliminated get their right-hand side
-     * of the Schur complement.
+     * x <- (1 + L)^-1 x. Rows that are not eliminated receive the right-hand
+     * side of the Schur complement.
      */
     void
     forward(float             *x,
@@ -127,8 +120,8 @@ namespace greville
             const HeldRows    &held = HeldRows()) const;
 
     /**
-     * x <- (1 + L)^-T (D / unit())^-1 x, with the solution in rows that are not
-     * eliminated.
+     * x <- (1 + L)^-T (D / unit())^-1 x; rows that are not eliminated contain
+     * the solution.
      */
     void
     backward(float             *x,
@@ -137,8 +130,8 @@ namespace greville
 
   private:
     /**
-     * An estimate from below of the largest eigenvalue of the preconditioned
-     * matrix of the rows that are eliminated.
+     * Return an estimate from below of the largest eigenvalue of the
+     * preconditioned matrix of the eliminated rows.
      */
     double
     largest_eigenvalue(const LowerTriangle &matrix) const;

@@ -11,10 +11,10 @@
 namespace greville
 {
   /**
-   * Which unknowns a process owns, and which of others it knows (ghosts).
-   * Vectors have several values per unknown, their *width*: value c of local
-   * unknown u is entry u * width + c, owned unknowns come first, then ghosts in
-   * the order of their global numbers.
+   * The unknowns that a process owns, and the unknowns of others that it stores
+   * (ghosts). Vectors have several values per unknown, their *width*: value c
+   * of local unknown u is entry u * width + c. Owned unknowns come first, then
+   * ghosts in the order of their global numbers.
    */
   class InterleavedLayout
   {

@@ -14,24 +14,24 @@ namespace greville
 {
   /**
    * Collective. Let @p run(control) run a Krylov method of deal.II for the
-   * right-hand side b, until the norm of the residual has fallen to the
-   * tolerance times that of b. Where the method does not converge, the result
-   * says so; nothing is thrown. Its reduction is what the method itself has
-   * computed: the true residual may differ by round-off. For b = 0 nothing
-   * runs, so that x has to be zero.
+   * right-hand side b, until the norm of the residual is below the tolerance
+   * times the norm of b. If the method does not converge, the result says so;
+   * nothing is thrown. The reduction in the result is computed by the method
+   * itself; the true residual may differ by round-off. If b = 0, nothing runs,
+   * so x must be zero.
    */
   SolveResult
   run_krylov(const SolverParameters                             &parameters,
              const VectorType                                   &b,
              const std::function<void(dealii::SolverControl &)> &run);
 
-  /// dst = A src, or what a preconditioner makes of src.
+  /// A function dst = A src, or the application of a preconditioner to src.
   using Product = std::function<void(VectorType &dst, const VectorType &src)>;
 
   /**
-   * Collective. Solve A x = b from x = 0 with a @p preconditioner, as
-   * run_krylov() does: by conjugate gradients, or where @p n_basis_vectors is
-   * not zero by FGMRES with so many of them between restarts.
+   * Collective. Solve A x = b from x = 0 with a @p preconditioner, like
+   * run_krylov(): by conjugate gradients, or, if @p n_basis_vectors is not
+   * zero, by FGMRES with this number of basis vectors between restarts.
    */
   SolveResult
   solve_krylov(const SolverParameters &parameters,
@@ -42,7 +42,8 @@ namespace greville
                const unsigned int      n_basis_vectors = 0);
 
   /**
-   * Why a method that has ended with this reduction has not converged.
+   * Return the reason why a method that ended with this reduction has not
+   * converged.
    */
   std::string
   reason_of_failure(const unsigned int iterations, const double reduction);

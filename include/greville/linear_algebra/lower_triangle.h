@@ -29,22 +29,22 @@ namespace greville
 
 
   /**
-   * The matrix with the sums of the entries (column, value) of each row, which
-   * come in any order. Each row has one at least on the diagonal.
+   * Return the matrix of the sums of the entries (column, value) of each row,
+   * which may be in any order. Each row must have an entry on the diagonal.
    */
   LowerTriangle
   sum_entries(std::vector<std::vector<std::pair<unsigned int, double>>> &rows);
 
   /**
-   * The rows and columns of a matrix in another order: row k of the result is
-   * row order[k].
+   * Return the matrix with rows and columns in another order: row k of the
+   * result is row order[k].
    */
   LowerTriangle
   reorder(const LowerTriangle &matrix, const std::vector<unsigned int> &order);
 
   /**
-   * The matrix with zeros where the elimination of one of the first
-   * @p n_eliminated rows couples two others: its IC(0) is IC(1).
+   * Return the matrix with additional zeros where the elimination of one of the
+   * first @p n_eliminated rows couples two others: its IC(0) is IC(1).
    */
   LowerTriangle
   with_fill(const LowerTriangle &matrix, const unsigned int n_eliminated);

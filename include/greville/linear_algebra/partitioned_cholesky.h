@@ -18,49 +18,49 @@ namespace greville
    * matrices A_s of all processes s, each between the local unknowns of its
    * process.
    *
-   * Unknowns that one process alone knows are its *interior* I, the others are
-   * the *interface* B. Rows of the interior are complete, so that each process
-   * eliminates its own by IncompleteCholesky without asking others,
+   * The unknowns of one process only are its *interior* I, the others are the
+   * *interface* B. Rows of the interior are complete, so each process
+   * eliminates its interior by IncompleteCholesky without communication,
    * @f[
    *   A_s = \begin{pmatrix} A_{II} & A_{IB} \\ A_{BI} & A_{BB} \end{pmatrix},
    *   \qquad
    *   S_s = A_{BB} - A_{BI} A_{II}^{-1} A_{IB},
    * @f]
-   * with the fill that IC(0) drops. An unknown of the interface is *managed* by
-   * the first process that knows it. The sum of the S_s is the matrix of the
-   * next level, with the interface as its unknowns, which each process owns
-   * where it manages them; entries between two managers go to the first of
-   * them. Levels follow each other until there is no interface. A level needs
-   * two exchanges with neighbours in a solve: of what the interiors leave to
-   * the interface, and of the solution there. On one process there is one
-   * level, IncompleteCholesky.
+   * up to the fill that IC(0) drops. An unknown of the interface is *managed*
+   * by the first process that stores it. The sum of the S_s is the matrix of
+   * the next level, whose unknowns are the interface, owned by their managers;
+   * an entry between two managers belongs to the first of them. Levels are
+   * added until there is no interface. In a solve, a level needs two exchanges
+   * with neighbours: the right-hand sides that the interiors leave at the
+   * interface, and the solution there. One process needs one level,
+   * IncompleteCholesky.
    *
-   * The fill that IC(0) drops is that of elimination away from what comes last:
-   * a Kronecker product of banded matrices has none in lexicographic order,
-   * that is, from one corner of the body to the opposite one. So each process
-   * eliminates its interior in lexicographic order with the directions that
-   * lead towards its interface, and towards walls that hold unknowns. Further
-   * levels are small, and irregular where parts of processes meet like stairs:
-   * they keep the fill that two entries of the matrix make, IC(1), without
-   * which iterations grow with the number of processes.
+   * IC(0) drops little fill if the elimination proceeds towards the last
+   * unknowns: a Kronecker product of banded matrices has no other fill in
+   * lexicographic order, from one corner of the body to the opposite one. Each
+   * process therefore eliminates its interior in lexicographic order in
+   * directions towards its interface and towards walls that constrain unknowns.
+   * Further levels are small and irregular at staircase-shaped interfaces: they
+   * keep the fill from pairs of matrix entries, IC(1); otherwise iterations
+   * would grow with the number of processes.
    *
-   * See @ref Karypis1997 "Karypis and Kumar, 1997", and
-   * @ref Saad2003 "Saad, 2003", section 12.
+   * See @ref Karypis1997 "Karypis and Kumar, 1997", and @ref Saad2003 "Saad,
+   * 2003", section 12.
    *
-   * Vectors have several columns, which can leave out (hold at zero) unknowns,
-   * see HeldRows.
+   * Vectors have several columns. Unknowns can be constrained to zero in some
+   * of them, see HeldRows.
    */
   class PartitionedCholesky
   {
   public:
     /**
      * Collective. @p matrix has the entries of this process between the
-     * unknowns of @p layout. The owned unknowns have @p positions in a lattice,
-     * in which the matrix couples those whose positions differ by @p reach at
-     * most, apart from few others. Some of them columns @p may_leave_out.
-     * A @p shift, see IncompleteCholesky, is raised where the diagonal of the
-     * interface would not be positive. Throws ErrorOnAll where
-     * IncompleteCholesky::factorize() throws on any process.
+     * unknowns of @p layout. The owned unknowns have @p positions in a lattice.
+     * Apart from few entries, the matrix couples unknowns whose positions
+     * differ by at most @p reach. @p may_leave_out marks unknowns that may be
+     * left out of some columns. A @p shift, see IncompleteCholesky, is raised
+     * if the diagonal of the interface would not be positive. Throws ErrorOnAll
+     * if IncompleteCholesky::factorize() throws on any process.
      */
     void
     factorize(const LowerTriangle                            &matrix,
@@ -89,8 +89,8 @@ namespace greville
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
 
     /**
-     * Collective. Factorize with a shift. False where that leaves an interface
-     * with a diagonal that is not positive.
+     * Collective. Factorize with a shift. Returns false if the diagonal of the
+     * interface is then not positive.
      */
     bool
     try_shift(const LowerTriangle                            &matrix,
@@ -100,16 +100,12 @@ namespace greville
               const unsigned int                              reach,
               const double                                    shift);
 
-    /**
-     * What is known of owned unknowns, of ghosts as well.
-     */
+    /// Extend the data of owned unknowns to ghosts.
     void
     add_ghosts(std::vector<std::array<int, 3>> &positions,
                std::vector<bool>               &may_leave_out) const;
 
-    /**
-     * Find interior and interface, and who manages what.
-     */
+    /// Find interior and interface, and the manager of each unknown.
     void
     find_interface();
 
@@ -119,8 +115,8 @@ namespace greville
                const unsigned int                     reach);
 
     /**
-     * Sum up the Schur complements, and make the next level of them, as
-     * try_shift() does.
+     * Sum up the Schur complements and build the next level from them, as
+     * try_shift().
      */
     bool
     make_next_level(const LowerTriangle                   &complement,
@@ -130,17 +126,16 @@ namespace greville
                     const double                           shift);
 
     /**
-     * The part of solve() between the sweeps over the interior: @p x has the
-     * solution of owned unknowns, and their right-hand side before.
+     * Do the part of solve() between the sweeps over the interior. On entry, @p
+     * x contains the right-hand side of owned unknowns, on return their
+     * solution.
      */
     void
     solve_interface(double            *x,
                     const unsigned int width,
                     const double       largest) const;
 
-    /**
-     * A vector of the interface, with contents of no meaning.
-     */
+    /// Return a vector of the interface, with undefined entries.
     Vector &
     vector_at_interface(const unsigned int width) const
     {
@@ -161,8 +156,8 @@ namespace greville
     std::shared_ptr<const InterleavedLayout> layout;
     bool                                     has_fill = false; // IC(1)
 
-    // Unknowns of the interface that this process knows, those that it manages
-    // first, by local unknown.
+    // The unknowns of the interface on this process, managed ones first, by
+    // local unknown.
     std::unique_ptr<InterleavedLayout> interface_layout;
     std::vector<unsigned int>          interface_unknowns;
 

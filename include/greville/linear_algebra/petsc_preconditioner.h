@@ -22,9 +22,9 @@ namespace greville
   {
   public:
     /**
-     * Collective. Throws dealii::ExcMessage where PETSc does not use one of
-     * the options, or cannot make the preconditioner. It is given to @p
-     * prepare before the options.
+     * Collective. The preconditioner is passed to @p prepare before the
+     * options. Throws dealii::ExcMessage if PETSc does not use one of the
+     * options or cannot make the preconditioner.
      */
     PetscPreconditioner(const Mat                      matrix,
                         const std::string             &options,

@@ -35,8 +35,8 @@ namespace greville
 
 
   /**
-   * S = D^-1 for a diagonal matrix D, in conjugate gradients the method of
-   * Jacobi.
+   * S = D^-1 for a diagonal matrix D: Jacobi's method if used in conjugate
+   * gradients.
    */
   class DiagonalPreconditioner : public Preconditioner
   {

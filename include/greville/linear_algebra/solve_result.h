@@ -10,9 +10,7 @@
 
 namespace greville
 {
-  /**
-   * When an iterative solver ends.
-   */
+  /// The stopping criteria of an iterative solver.
   struct SolverParameters
   {
     void
@@ -37,17 +35,21 @@ namespace greville
 
 
 
-  /**
-   * What a solve did.
-   */
+  /// The outcome of a solve.
   struct SolveResult
   {
-    /// Empty where the solver does not iterate to a tolerance.
+    /**
+     * The number of iterations; empty for solvers that do not iterate to a
+     * tolerance.
+     */
     std::optional<unsigned int> iterations;
     bool                        converged = false;
-    /// Euclidean norm of b - M x relative to that of b, computed at the end.
+    /**
+     * The Euclidean norm of b - M x relative to the norm of b, computed at the
+     * end.
+     */
     double reduction = 0.;
-    /// Empty, or why the solver did not converge.
+    /// The reason why the solver did not converge; empty if it did.
     std::string reason;
   };
 } // namespace greville
