@@ -62,8 +62,8 @@ namespace greville
   void
   ExtendedMass<dim>::finish()
   {
-    // A function that a point meets with its outermost edge only has the mass
-    // of round-off.
+    // If points lie only at the outermost edge of a function's support, its
+    // mass is round-off.
     double largest = 0.;
     for (const unsigned int place : E->unknowns)
       if (place != numbers::invalid_unsigned_int)
@@ -299,7 +299,8 @@ namespace greville
         image_diagonal[u] += points_mass.diagonal(place);
       });
 
-    // What all of them hold is left out: unknowns, and extended functions.
+    // Leave out unknowns and extended functions that are constrained in all
+    // components.
     std::vector<unsigned char> is_held(n, 0);
     std::vector<unsigned char> is_held_extended(E->extended.size(), 0);
     for (const auto &entry : E->held_places)
@@ -312,7 +313,7 @@ namespace greville
             is_held_extended[-role - 1] = 1;
         }
 
-    // A row that is summed up, up to a column, and bits of its entries.
+    // A row that is being summed up, its end, and bits that mark its entries.
     constexpr unsigned int     n_bits = 64;
     std::vector<double>        sums(n, 0.);
     std::vector<std::uint64_t> touched(n / n_bits + 1, 0);
@@ -360,7 +361,7 @@ namespace greville
         });
     };
 
-    // B = M E in the rows of extended functions.
+    // Compute B = M E in the rows of extended functions.
     std::vector<std::size_t> B_begin(1, 0);
     std::vector<Entry>       B;
     for (unsigned int k = 0; k < E->extended.size(); ++k)
@@ -390,7 +391,8 @@ namespace greville
             k, E->extended_entries[e].weight};
     }
 
-    // Unknowns that no extended function meets have the entries of M.
+    // Unknowns that are not coupled to extended functions have the entries of
+    // M.
     std::vector<bool> is_plain(n, true);
     for (unsigned int u = 0; u < n; ++u)
       is_plain[u] =
@@ -402,7 +404,7 @@ namespace greville
                                      is_plain[E->roles[j] - 1] = false;
                                  });
 
-    // A = (E^T B) with the rows of B = M E, lower part.
+    // Compute the lower part of A = E^T B with the rows of B = M E.
     const unsigned int length =
       2 * points_mass.space().degree() + 1; // of a stencil
     const std::size_t n_entries =
@@ -428,14 +430,15 @@ namespace greville
           {
             points_mass.for_each_lower_entry(
               E->unknowns[i], [&](const unsigned int j, const double value) {
-                // Ghosts, which come last, have the entry in their row.
+                // The entries of ghosts, which come last, are in the rows of
+                // the ghosts.
                 const int role = E->roles[j];
                 if (role <= 0 || unsigned(role - 1) > i || is_held[role - 1])
                   return;
                 result.columns.push_back(role - 1);
                 result.values.push_back(value);
               });
-            // Where all its points are those of other processes.
+            // All points of the unknown belong to other processes.
             if (result.columns.size() == result.row_begin.back() ||
                 result.columns.back() != i)
               {

@@ -163,7 +163,7 @@ namespace greville
         lumped.push_back(place);
     });
 
-    // E of the extended functions, with positions for numbers.
+    // Rows of E for the extended functions, with positions instead of numbers.
     std::vector<std::uint64_t> all_positions, positions;
     std::vector<double>        all_weights, weights;
     extended_begin.assign(1, 0);
@@ -178,8 +178,8 @@ namespace greville
         extended_begin.push_back(all_positions.size());
       }
 
-    // Unknowns of other processes: functions of own cells, then the others that
-    // occur in E. Their places are of use only where they have one.
+    // Unknowns of other processes: functions of owned cells, followed by the
+    // others that occur in E. Only the former have places.
     std::map<std::uint64_t, unsigned int> ghost_of; // by position
     if (is_parallel)
       {
@@ -194,7 +194,7 @@ namespace greville
           if (!std::binary_search(owned.begin(), owned.end(), position))
             ghost_of.emplace(position, numbers::invalid_unsigned_int);
 
-        // The owners tell the numbers of the unknowns.
+        // Ask the owners for the numbers of the unknowns.
         std::vector<std::uint64_t> wanted;
         for (const auto &entry : ghost_of)
           wanted.push_back(entry.first);
@@ -250,7 +250,7 @@ namespace greville
         extended_entries.push_back({unknown, all_weights[e]});
       }
 
-    // Images have the rows of E that their functions have.
+    // Images have the rows of E of their functions.
     for_each_active_image([&](const unsigned int f, const std::size_t place) {
       const int role = roles[places->place(f)];
       if (role > 0)
@@ -287,7 +287,7 @@ namespace greville
         held_places.emplace_back(place, held[f]);
     });
 
-    // Components that hold something, and pairs of them that differ in E.
+    // Components with constraints, and pairs of components that differ in E.
     std::vector<unsigned int> found(dim * dim);
     for (std::size_t k = 0; k < n_held; ++k)
       {

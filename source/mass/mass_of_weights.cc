@@ -14,8 +14,8 @@ namespace greville
   namespace
   {
     /**
-     * N_a(x_q) N_b(x_q) for all pairs a <= b of functions of an element, points
-     * fastest.
+     * Return N_a(x_q) N_b(x_q) for all pairs a <= b of functions of an element,
+     * points fastest.
      */
     std::vector<double>
     products_of_pairs(const KnotVector    &knots,

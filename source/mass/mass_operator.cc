@@ -21,8 +21,9 @@ namespace greville
 
 
   /**
-   * What one of the two spaces adds to an operator: its basis values, kernels,
-   * and how the coefficients of a batch lie in memory.
+   * The part of an operator that belongs to one of the two spaces: its basis
+   * values, its kernels, and the layout of the coefficients of a batch in
+   * memory.
    */
   template <int dim>
   struct CrossMassOperator<dim>::Side
@@ -40,8 +41,8 @@ namespace greville
     }
 
     /**
-     * Whether the coefficients of each row in x of the batch follow each other
-     * in memory.
+     * Return whether the coefficients of each row in x of the batch are
+     * contiguous in memory.
      */
     bool
     is_contiguous(const typename CellBatches<dim>::Batch &batch) const
@@ -61,8 +62,8 @@ namespace greville
     }
 
     /**
-     * Coefficients of one layer (all with the same place in the last direction)
-     * of a batch.
+     * Gather the coefficients of one layer (with the same index in the last
+     * direction) of a batch.
      */
     void
     gather_layer(const std::size_t                       b,
@@ -371,8 +372,9 @@ namespace greville
   {
     constexpr double round_off = 1e-15;
     const double     norm      = diagonal.linfty_norm();
-    // Walls may hold all functions of a level, such as those of order 1 in a
-    // single row of cells between two walls: it has nothing to solve.
+    // Walls may constrain all functions of a level, such as the functions of
+    // order 1 in a single row of cells between two walls: there is nothing to
+    // solve.
     const double              largest = norm > 0. ? norm : 1.;
     std::vector<unsigned int> inactive;
     for (unsigned int i = 0; i < diagonal.locally_owned_size(); ++i)

@@ -23,7 +23,7 @@ namespace greville
     const unsigned int n_entries = Utilities::fixed_power<dim>(2 * p + 1);
     half                         = (n_entries + 1) / 2;
 
-    // Functions and their images, as they are counted without periods.
+    // A function or an image, numbered without periodicity.
     struct Entry
     {
       unsigned int         function;
@@ -52,7 +52,7 @@ namespace greville
               }
         }
 
-    // The box of lines around them, p wider.
+    // The box of lines around the functions, extended by p.
     std::array<int, dim> low, high;
     low.fill(std::numeric_limits<int>::max());
     high.fill(std::numeric_limits<int>::min());
@@ -71,7 +71,8 @@ namespace greville
       for (int dy = -p; dy <= p; ++dy)
         neighbor_lines.push_back(dz * n_y + dy);
 
-    // The range of x in each line, with what rows of lines around it reach.
+    // The range of x in each line, and the range that the rows of neighbouring
+    // lines reach.
     std::vector<std::array<int, 2>> own(n_y * n_z,
                                         {{std::numeric_limits<int>::max(),
                                           std::numeric_limits<int>::min()}});
@@ -193,7 +194,8 @@ namespace greville
   namespace
   {
     /**
-     * The number of the pair (a, b), in any order, among those of n functions.
+     * Return the number of the pair (a, b), in any order, among the pairs of n
+     * functions.
      */
     template <int n>
     constexpr int
@@ -220,7 +222,7 @@ namespace greville
     for (int a_z = 0; a_z < n_z; ++a_z)
       for (int a_y = 0; a_y < n; ++a_y)
         {
-          // The functions of a line have places one after the other.
+          // Functions of a line have consecutive places.
           const std::size_t row = cell_place(cell, 0, a_z * n + a_y);
           for (int b_z = a_z; b_z < n_z; ++b_z)
             for (int b_y = b_z == a_z ? a_y : 0; b_y < n; ++b_y)
@@ -358,8 +360,8 @@ namespace greville
   namespace
   {
     /**
-     * The products of a row and of its column, line by line: x_i is that of the
-     * row, and the sum that of its products.
+     * The products of a row and of its column, line by line, with the entry x_i
+     * of the row and the sum of its products.
      */
     template <int width>
     class LineOfEntries
@@ -370,9 +372,7 @@ namespace greville
         , sum(0.)
       {}
 
-      /**
-       * sum += m x, y += m^T x_i for @p size entries that follow each other.
-       */
+      /// Compute sum += m x and y += m^T x_i for @p size consecutive entries.
       template <int size>
       inline __attribute__((always_inline)) void
       multiply(const double *entries, const double *x, double *y)
@@ -402,8 +402,9 @@ namespace greville
 
 
     /**
-     * Three numbers at each place fill vectors of four one after another, so
-     * that a line is loaded and stored once. Lanes beyond it get zero.
+     * Vectors with three numbers per place are processed in vectors of four
+     * numbers without gaps, so that each line is loaded and stored once. Lanes
+     * beyond the line get zero.
      */
     template <>
     class LineOfEntries<3>
@@ -461,7 +462,7 @@ namespace greville
           }
       }
 
-      // Those of vectors that begin with component r.
+      // Vectors that begin with component r.
       Vector own[3], sums[3];
     };
   } // namespace

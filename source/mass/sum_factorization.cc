@@ -67,9 +67,9 @@ namespace greville
   {
     /**
      * Multiply one or two columns of a tensor, whose entries lie @p stride
-     * apart, by a matrix or its transpose. Two at a time halve the loads of the
-     * matrix and still fit 16 registers. The second column begins
-     * @p next_in and @p next_out behind the first.
+     * apart, by a matrix or its transpose. Two columns at a time halve the
+     * loads of the matrix and still fit into 16 registers. The second column is
+     * offset by @p next_in and @p next_out.
      */
     template <int  n_functions,
               int  n_points,
@@ -116,8 +116,8 @@ namespace greville
 
 
     /**
-     * out(outer, j, inner) = sum_i matrix(j, i) in(outer, i, inner), or with
-     * the transpose of the matrix, which is stored as [point][function].
+     * Compute out(outer, j, inner) = sum_i matrix(j, i) in(outer, i, inner), or
+     * use the transpose of the matrix, which is stored as [point][function].
      */
     template <int  n_functions,
               int  n_points,
@@ -131,7 +131,7 @@ namespace greville
       constexpr int n_in  = transpose ? n_points : n_functions;
       constexpr int n_out = transpose ? n_functions : n_points;
 
-      // Pairs of neighbours: in the inner index, or where there is only one,
+      // Pairs are neighbours in the inner index or, if it has one value only,
       // in the outer index.
       constexpr int n_pairs  = n_inner == 1 ? n_outer : n_inner;
       constexpr int n_groups = n_inner == 1 ? 1 : n_outer;
@@ -210,9 +210,7 @@ namespace greville
 
 
 
-    /**
-     * All of a point's column stays in registers.
-     */
+    /// The column of a point stays in registers.
     template <int dim, int n_in, int q, int n_out>
     void
     multiply_column(const NativeSimd *const *in,
@@ -283,8 +281,8 @@ namespace greville
 
 
     /**
-     * The lanes of @p value moved up by @p shift (down where negative); zeros
-     * follow.
+     * Return the lanes of @p value shifted up by @p shift (down if negative)
+     * and filled with zeros.
      */
     template <int shift>
     inline __attribute__((always_inline)) NativeSimd
@@ -302,9 +300,9 @@ namespace greville
 
 
     /**
-     * Function a of lane l is entry l + a of a row: the lanes of all functions
-     * are added up in registers before memory is touched. Stores that overlap
-     * earlier ones in part would stall the loads that follow.
+     * Function a of lane l is entry l + a of a row. All functions are summed in
+     * registers before they are stored, since stores that partly overlap
+     * earlier ones would stall subsequent loads.
      */
     template <int n, int a, int n_vectors>
     inline __attribute__((always_inline)) void
@@ -356,8 +354,8 @@ namespace greville
 
 
     /**
-     * Call an action with a number of points per direction: 2, ..., 6 for
-     * densities and 2 p + 1 for material points.
+     * Call an action with the number of points per direction as a constant: 2,
+     * ..., 6 for densities and 2 p + 1 for material points.
      */
     template <typename Action>
     void
@@ -369,10 +367,10 @@ namespace greville
 
 
     /**
-     * Whether mass of two spaces with n functions each has q points: p + 1
-     * where it is that of a density and 2 p + 1 where it is that of material
-     * points, p being the higher of the two orders, or 2 p where the orders
-     * differ. Hierarchies go down by one or two orders, or to order 1.
+     * Return whether the cross mass of spaces with n_1 and n_2 functions per
+     * direction may have q points: p + 1 for densities and 2 p + 1 for material
+     * points, p being the higher order, or 2 p if the orders differ.
+     * Hierarchies decrease the order by one or two, or to order 1.
      */
     constexpr bool
     has_points(const int n_1, const int n_2, const int q)
@@ -383,9 +381,7 @@ namespace greville
              (lower + 2 >= higher || lower == 2);
     }
 
-    /**
-     * Whether a space with n functions has a cross mass with q points.
-     */
+    /// Return whether a space with n functions has a cross mass with q points.
     constexpr bool
     meets_points(const int n, const int q)
     {

@@ -15,7 +15,7 @@ namespace greville
    * @f[ M_{ij} = \sum_q w_q N_i(x_q) N_j(x_q): @f]
    * the tensor-product Gauss points of each cell with weights in units of mass.
    * Points and basis values are the same in every cell, so only the weights are
-   * kept. They come from a density, or from material points of mass
+   * stored. They are computed from a density, or from material points of mass
    * @f$ m_p @f$,
    * @f[
    *   w_q = \rho(x_q) \, |J| \, w_q^\text{Gauss} \qquad \text{or} \qquad
@@ -34,23 +34,21 @@ namespace greville
 
     /**
      * Collective. Evaluate @p density at @p n_points_1d Gauss points per
-     * direction in the owned cells of @p space. Throws dealii::ExcMessage where
+     * direction in the owned cells of @p space. Throws dealii::ExcMessage if
      * the density is negative or not finite, with the point and the value, and
-     * where it is zero everywhere.
+     * if it is zero everywhere.
      */
     DensityWeights(const SplineSpace<dim>      &space,
                    const unsigned int           n_points_1d,
                    const dealii::Function<dim> &density);
 
-    /**
-     * Weights of zero, to be filled through at_cell().
-     */
+    /// Set all weights to zero, to be filled through at_cell().
     DensityWeights(const SplineSpace<dim> &space,
                    const unsigned int      n_points_1d);
 
     /**
-     * The weights of owned cell number @p cell: that of point q is at
-     * q * CellBatches::width().
+     * Return the weights of owned cell number @p cell: the weight of point q is
+     * at q * CellBatches::width().
      */
     double *
     at_cell(const unsigned int cell)
@@ -91,8 +89,8 @@ namespace greville
     }
 
     /**
-     * The weights of a batch, n_points() x CellBatches::width(), points in
-     * lexicographic order. Weights of lanes without a cell of their own are
+     * Return the weights of a batch, n_points() x CellBatches::width(), points
+     * in lexicographic order. Weights of lanes without a cell of their own are
      * zero.
      */
     const double *
@@ -101,9 +99,7 @@ namespace greville
       return values.data() + batch * n_points() * CellBatches<dim>::width();
     }
 
-    /**
-     * The points of a cell in the order of the weights.
-     */
+    /// Return the points of a cell in the order of the weights.
     std::vector<dealii::Point<dim>>
     points(const CellBox<dim> &box) const;
 

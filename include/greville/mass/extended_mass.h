@@ -17,14 +17,14 @@ namespace greville
    *   \tilde M = M + \sum_{\{i, j\}: i \text{ or } j \text{ lumped}}
    *              M_{ij} (e_i - e_j)(e_i - e_j)^T,
    * @f]
-   * with the mass matrix M of its points and the Extension E. In the following
-   * M~ is @f$ \tilde M @f$. It does not couple lumped functions, those of
-   * fragments, with others, but has the row sums of M: mass and momentum are
-   * kept.
+   * with the mass matrix M of its points and the Extension E. In the following,
+   * M~ denotes @f$ \tilde M @f$. It does not couple the lumped functions of
+   * fragments with others, but has the row sums of M, so that mass and momentum
+   * are conserved.
    *
-   * M~ is stored on the places of a StencilMatrix and applied as such, with E
-   * before and @f$ E^T @f$ behind it, so that a step assembles M only. The
-   * entries of A are computed where a factorization needs them.
+   * M~ is stored as a StencilMatrix, and A is applied as the product of the
+   * three matrices, so that a step assembles M only. The entries of A are
+   * computed only for factorizations.
    */
   template <int dim>
   class ExtendedMass
@@ -42,15 +42,13 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * Another matrix with the unknowns of @p other, which has to live as long:
-     * what is said to these holds for both.
+     * Set up another matrix with the unknowns of @p other, which must outlive
+     * it: calls on these unknowns affect both matrices.
      */
     void
     reinit(const ExtendedMass &other);
 
-    /**
-     * The unknowns and E.
-     */
+    /// Return the unknowns and E.
     ExtendedUnknowns<dim> &
     unknowns()
     {
@@ -63,9 +61,7 @@ namespace greville
       return *E;
     }
 
-    /**
-     * The matrix M, to be filled between begin() and finish().
-     */
+    /// Return the matrix M, to be filled between begin() and finish().
     StencilMatrix<dim> &
     matrix()
     {
@@ -79,36 +75,34 @@ namespace greville
     }
 
     /**
-     * Collective. Set M to zero. The extension, kept by reference, is that of
-     * the points to come; @p changed tells whether it differs from that of the
+     * Collective. Set M to zero. The extension, kept by reference, must belong
+     * to the points to be added; @p changed says whether it differs from the
      * last call.
      */
     void
     begin(const Extension<dim> &extension, const bool changed);
 
     /**
-     * The same for a matrix with the unknowns of another one, whose begin() has
-     * come before.
+     * Set M to zero, for a matrix with the unknowns of another one, whose
+     * begin() has been called before.
      */
     void
     begin(const bool changed);
 
-    /**
-     * M is complete.
-     */
+    /// Finish M after all points have been added.
     void
     finish();
 
     /**
-     * y = A x, of @p width columns; held entries give and get zero. Ghost
-     * entries of x are updated.
+     * Compute y = A x for @p width columns; constrained entries give and get
+     * zero. Ghost entries of x are updated.
      */
     void
     vmult(VectorType &y, VectorType &x, const unsigned int width) const;
 
     /**
-     * Subtract from @p rows what the held coefficients h of the fields, which
-     * need not be zero, contribute: E^T M~ (E h).
+     * Subtract from @p rows the contribution E^T M~ (E h) of the constrained
+     * coefficients h of the fields, which need not be zero.
      */
     void
     subtract_held(VectorType                            &rows,
@@ -124,18 +118,18 @@ namespace greville
     multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
 
     /**
-     * rows = M~ field at the functions that are held, extended ones too; zero
-     * elsewhere.
+     * Compute rows = M~ field at the constrained functions, including extended
+     * ones; zero elsewhere.
      */
     void
     multiply_at_held(VectorField<dim>       &rows,
                      const VectorField<dim> &field) const;
 
     /**
-     * Collective. rows = M~ field - b at the functions that are held; zero
-     * elsewhere. With what E^T adds of functions that are not held, but
-     * extended by such that are: the sum of all entries of M~ field - b is that
-     * of rows where A solves for the field.
+     * Collective. Compute rows = M~ field - b at the constrained functions;
+     * zero elsewhere. The rows include the contribution E^T of functions that
+     * are not constrained but depend on constrained unknowns: if A solves for
+     * the field, the sum of the rows is the sum of all entries of M~ field - b.
      */
     void
     rows_of_held(VectorField<dim>       &rows,
@@ -143,24 +137,24 @@ namespace greville
                  const VectorField<dim> &b) const;
 
     /**
-     * The entries that this process contributes to A between its unknowns, with
-     * the diagonal alone for those that are held in all @p components (bits),
-     * and nothing held elsewhere. On one process it is A.
+     * Return the entries that this process contributes to A between its
+     * unknowns. Unknowns that are constrained in all @p components (bits) have
+     * a diagonal entry only; unknowns constrained in some components are kept.
+     * On one process, the result is A.
      */
     LowerTriangle
     local_entries(const unsigned int components) const;
 
     /**
-     * Collective. The diagonal of E^T M~ E where E has the columns of unknowns
-     * that no extended function depends on, and part of it where one does.
+     * Collective. Approximate the diagonal of E^T M~ E. Entries of unknowns on
+     * which no extended function depends are exact, other entries are
+     * incomplete.
      */
     void
     approximate_diagonal(VectorType &diagonal) const;
 
   private:
-    /**
-     * The entry of M~ place_x at a place.
-     */
+    /// Return the entry of M~ place_x at a place.
     double
     row(const std::size_t place) const;
 

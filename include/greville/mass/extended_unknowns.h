@@ -19,60 +19,67 @@ namespace greville
 
 
   /**
-   * The *unknowns* of extended B-splines, which are the stable and the lumped
-   * functions only, and the matrix E that gives all functions from them (see
-   * Extension). Unknowns are numbered without gaps in lexicographic order on
-   * each process. Vectors of unknowns are interleaved: entry c of unknown i at
-   * i * width + c.
+   * The *unknowns* of extended B-splines, which are the coefficients of the
+   * stable and the lumped functions only, and the matrix E that gives all
+   * coefficients from them (see Extension). Unknowns are numbered without gaps
+   * in lexicographic order on each process. Vectors of unknowns are
+   * interleaved: entry c of unknown i at i * width + c.
    *
-   * Functions can be held, column by column, at zero (walls): they are then
-   * left out of the columns of E.
-   * E is applied on the places of a StencilMatrix. It has a row for each image,
-   * too, which is that of its function.
+   * Functions can be constrained to zero column by column (at walls): they are
+   * then left out of the columns of E. E is applied on the places of a
+   * StencilMatrix. Each image has the row of its function.
    */
   template <int dim>
   class ExtendedUnknowns
   {
   public:
-    /// The matrix is kept by reference. It is asked for places only.
+    /// The matrix is kept by reference; only its places are used.
     void
     reinit(const StencilMatrix<dim> &matrix);
 
     /**
-     * Collective. Number the unknowns of an extension, kept by reference, where
-     * it has @p changed or is the first one. Returns whether it did.
+     * Collective. Number the unknowns of an extension, kept by reference, if it
+     * has @p changed or is the first one. Returns whether they were numbered.
      */
     bool
     update(const Extension<dim> &extension, const bool changed);
 
     /**
-     * Collective. Hold functions: bit c of @p held[f] holds local function f in
-     * the columns c, c + dim, c + 2 dim, ...
+     * Collective. Constrain functions: bit c of @p held[f] constrains local
+     * function f in the columns c, c + dim, c + 2 dim, ...
      */
     void
     hold(const std::vector<unsigned char> &held);
 
     /**
-     * For each component the first one with the same E: held functions that
-     * depend on others which are not held make a difference. The same on all
-     * processes.
+     * Return, for each component, the first component with the same E.
+     * Components differ if constrained functions depend on functions that are
+     * not constrained. The result is the same on all processes.
      */
     const std::array<unsigned int, dim> &
     alike() const;
 
-    /// Number of calls of hold() so far.
+    /// Return the number of calls of hold() so far.
     unsigned int
     n_holds() const;
 
-    /// Whether any function with mass is held in a component, anywhere.
+    /**
+     * Return, for each component, whether any function with mass is constrained
+     * on any process.
+     */
     const std::array<bool, dim> &
     has_held() const;
 
-    /// The components (bits) in which the owned unknowns are held.
+    /**
+     * Return the components (bits) in which the owned unknowns are constrained.
+     */
     std::vector<unsigned char>
     held_unknowns() const;
 
-    /// Positions of owned unknowns in the lattice, zeros beyond @p dim.
+    /**
+     * Return the positions of owned unknowns in the lattice, with zeros beyond
+     * @p dim.
+     */
     std::vector<std::array<int, 3>>
     unknown_positions() const;
 
@@ -83,17 +90,20 @@ namespace greville
     communicator() const;
 
     /**
-     * The places of the unknowns of this process, the owned ones first,
-     * ascending; invalid_unsigned_int for those of others that only E asks for.
+     * Return the places of the unknowns of this process, owned ones first and
+     * ascending. Ghost unknowns that occur in E only have invalid_unsigned_int.
      */
     const std::vector<unsigned int> &
     unknown_places() const;
 
-    /// Local numbers of the functions of the owned unknowns.
+    /// Return the local numbers of the functions of the owned unknowns.
     const std::vector<unsigned int> &
     unknown_functions() const;
 
-    /// Layout of @p width columns; ghosts are those that multiply() needs.
+    /**
+     * Initialize a vector of @p width columns, with the ghosts that multiply()
+     * needs.
+     */
     void
     initialize_vector(VectorType &vector, const unsigned int width) const;
 
@@ -101,9 +111,9 @@ namespace greville
     unknown_layout() const;
 
     /**
-     * y = E^T B E x, of @p width columns, for a matrix B between the places:
-     * @p product(y, x) gives y = B x. Held entries give and get zero. Ghost
-     * entries of x are updated.
+     * Compute y = E^T B E x for @p width columns and a matrix B between the
+     * places, given as @p product(y, x), which computes y = B x. Constrained
+     * entries give and get zero. Ghost entries of x are updated.
      */
     void
     multiply(
@@ -123,9 +133,9 @@ namespace greville
     for_each_image_of_unknown(const Visit &visit) const;
 
     /**
-     * Vectors of levels have @p width components of all owned functions,
-     * interleaved. Copy the entries at unknowns, where they are not held, to a
-     * vector of unknowns, and all of these back; others become zero.
+     * Copy the entries at unconstrained unknowns from a vector of levels, which
+     * has @p width interleaved components of all owned functions, to a vector
+     * of unknowns; write() copies them back and sets all other entries to zero.
      */
     void
     read(VectorType        &unknowns,
@@ -137,32 +147,35 @@ namespace greville
           const VectorType  &unknowns,
           const unsigned int width) const;
 
-    /// Collective. See LevelOperator: x = E x for a @p component of the space.
+    /**
+     * Collective. Compute x = E x for a @p component of the space, see
+     * LevelOperator.
+     */
     void
     distribute(VectorType &x, const unsigned int component) const;
 
-    /// Collective. The same with the transpose of E.
+    /// Collective. Apply the transpose of E likewise.
     void
     condense(VectorType &x, const unsigned int component) const;
 
     /**
-     * rows = E^T b for fields b of the space, one behind the other: component c
-     * of field k is column k dim + c.
+     * Compute rows = E^T b for fields b of the space, one after another:
+     * component c of field k is column k dim + c.
      */
     void
     restrict_fields(VectorType                                  &rows,
                     const std::vector<const VectorField<dim> *> &fields,
                     const unsigned int                           width) const;
 
-    /// x = the coefficients of the unknowns in the fields.
+    /// Set x to the coefficients of the unknowns in the fields.
     void
     read_fields(VectorType                                  &x,
                 const std::vector<const VectorField<dim> *> &fields,
                 const unsigned int                           width) const;
 
     /**
-     * fields = E x, where they are not held; zero where they are inactive. The
-     * held entries of @p x become those of the fields.
+     * Set fields = E x except at constrained functions; inactive functions get
+     * zero. The constrained entries of @p x are read from the fields.
      */
     void
     write_fields(const std::vector<VectorField<dim> *> &fields,
@@ -170,15 +183,15 @@ namespace greville
                  const unsigned int                     width) const;
 
     /**
-     * Collective. Give extended functions the coefficients that E makes of
-     * those of the others. The sum of the coefficients times @p weights, the
-     * lumped mass, stays as it is: what an extended function gets is taken from
-     * the functions that it depends on.
+     * Collective. Set the coefficients of extended functions to their values by
+     * E. The sum of the coefficients times @p weights, the lumped mass, is
+     * conserved: changes of extended functions are subtracted from the
+     * functions on which they depend.
      */
     void
     extend(VectorField<dim> &field, const VectorType &weights) const;
 
-    /// Set the held entries of @p x to zero.
+    /// Set the constrained entries of @p x to zero.
     void
     zero_held_unknowns(VectorType &x, const unsigned int width) const;
 
@@ -192,8 +205,9 @@ namespace greville
     };
 
     /**
-     * Collective. rows = E^T b for @p columns b, of the @p component and those
-     * that follow it: ..., dim - 1, 0, ...; columns = E x where not held.
+     * Collective. Compute rows = E^T b for @p columns b, which belong to the @p
+     * component and the following ones: ..., dim - 1, 0, ...; write_columns()
+     * sets columns = E x except at constrained functions.
      */
     void
     restrict_columns(VectorType                            &rows,
@@ -207,11 +221,11 @@ namespace greville
                   const unsigned int               width,
                   const unsigned int               component = 0) const;
 
-    /// place_x = E x, at all places.
+    /// Compute place_x = E x, at all places.
     void
     expand(const double *x, const unsigned int width) const;
 
-    /// y = E^T place_y.
+    /// Compute y = E^T place_y.
     void
     collect(double *y, const unsigned int width) const;
 
@@ -222,14 +236,17 @@ namespace greville
     void
     zero_held(double *values, const unsigned int width) const;
 
-    /// Call visit(f, place) for the first local functions that are active.
+    /**
+     * Call visit(f, place) for the first @p n_functions local functions if they
+     * are active.
+     */
     template <typename Visit>
     void
     for_each_active(const unsigned int n_functions, const Visit &visit) const;
 
     /**
-     * Call visit(f, place) for all places of all local functions that are
-     * active, those of images last.
+     * Call visit(f, place) for all places of all active local functions, images
+     * last.
      */
     template <typename Visit>
     void
@@ -243,8 +260,9 @@ namespace greville
     is_held(const unsigned int function, const unsigned int column) const;
 
     /**
-     * Whether a function at a place is an extended one that depends on unknowns
-     * that are held in a column, or on some that this process does not know.
+     * Return whether the function at a place is an extended one that depends on
+     * unknowns that are constrained in a column or that are not stored on this
+     * process.
      */
     bool
     may_extend_held(const unsigned int place, const unsigned int column) const;
@@ -274,8 +292,8 @@ namespace greville
     number_unknowns();
 
     /**
-     * Whether a held function is an extended one that depends on some that are
-     * not held, in which components (bits).
+     * Return the components (bits) in which a constrained extended function
+     * depends on functions that are not constrained.
      */
     unsigned int
     changes_extension(const unsigned int  place,
@@ -284,8 +302,8 @@ namespace greville
     const StencilMatrix<dim> *places    = nullptr;
     const Extension<dim>     *extension = nullptr;
 
-    // Whether the unknowns have been numbered, on all processes; this one may
-    // have none of them.
+    // True if the unknowns have been numbered on all processes; this process
+    // may have no unknowns.
     bool                          is_numbered = false;
     std::vector<unsigned int>     extended_functions; // local numbers
     std::array<unsigned int, dim> first_alike{};

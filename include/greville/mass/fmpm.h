@@ -9,14 +9,10 @@
 
 namespace greville
 {
-  /**
-   * How lists of masses name FMPM(K).
-   */
+  /// The name of FMPM(K) in lists of masses.
   constexpr const char *fmpm_in_lists = "fmpm-K (K = 1, 2, ...)";
 
-  /**
-   * K of the mass "fmpm-K", 1 for "lumped", 0 for other names.
-   */
+  /// Return K for the mass "fmpm-K", 1 for "lumped", 0 for other names.
   inline unsigned int
   n_fmpm_terms(const std::string &name)
   {
@@ -35,16 +31,16 @@ namespace greville
 
 
   /**
-   * Make of @f$ x = M_L^{-1} b @f$, with the lumped mass @f$ M_L @f$, the
+   * Extend @f$ x = M_L^{-1} b @f$, with the lumped mass @f$ M_L @f$, to the
    * series FMPM(K) of K = @p n_terms terms,
    * @f[ x = \sum_{j<K} (1 - M_L^{-1} M)^j M_L^{-1} b, @f]
-   * by K - 1 steps @f$ x \leftarrow x + M_L^{-1} (b - M x) @f$
-   * (@ref Nairn2021 "Nairn and Hammerquist, 2021"). Coefficients whose entry of
-   * @p inverse_lumped is zero stay as they are. @p matrix has a vmult().
+   * by K - 1 steps @f$ x \leftarrow x + M_L^{-1} (b - M x) @f$ (@ref Nairn2021
+   * "Nairn and Hammerquist, 2021"). Coefficients whose entry of @p
+   * inverse_lumped is zero are not changed. @p matrix must have a vmult().
    *
-   * Returns M times the sum of the first K - 1 terms, empty for K = 1. With it,
-   * the sum of the entries of M_L x is that of b where these coefficients are
-   * not, and that of this product where they are.
+   * Returns M times the sum of the first K - 1 terms, empty for K = 1. The sum
+   * of the entries of M_L x is the sum of b at coefficients that change plus
+   * the sum of this product at coefficients that do not.
    */
   template <typename Matrix>
   VectorType

@@ -14,10 +14,10 @@ namespace greville
    * @f[
    *   P_{ij} = \sum_q w_q N_i^\text{rows}(x_q) N_j^\text{columns}(x_q)
    * @f]
-   * of two orders on one mesh, applied without being stored: cell by cell, by
-   * sum factorization (the coefficients of a cell are interpolated to the
-   * points direction by direction, weighted, and integrated). Per cell it reads
-   * the weights and costs @f$ 2 \, \text{dim} \, (p + 1)^{\text{dim} + 1} @f$
+   * of two orders on one mesh, applied matrix-free, cell by cell, by sum
+   * factorization (the coefficients of a cell are interpolated to the points
+   * direction by direction, weighted, and integrated). Per cell it reads the
+   * weights and costs @f$ 2 \, \text{dim} \, (p + 1)^{\text{dim} + 1} @f$
    * multiplications or fewer.
    */
   template <int dim>
@@ -52,8 +52,8 @@ namespace greville
     }
 
     /**
-     * @f$ \sum_q w_q N_i^\text{rows}(x_q) @f$: by the partition of unity, the
-     * row sums.
+     * Compute @f$ \sum_q w_q N_i^\text{rows}(x_q) @f$, the row sums by the
+     * partition of unity.
      */
     void
     row_sums(VectorType &dst) const
@@ -62,20 +62,21 @@ namespace greville
     }
 
     /**
-     * @f$ \sum_q w_q N_i^\text{rows}(x_q)^2 @f$: the diagonal, for equal
+     * Compute @f$ \sum_q w_q N_i^\text{rows}(x_q)^2 @f$, the diagonal for equal
      * spaces.
      */
     void
     diagonal(VectorType &dst) const;
 
     /**
-     * @f$ \sum_q w_q f(x_q) N_i^\text{rows}(x_q) @f$ for a function @p f.
+     * Compute @f$ \sum_q w_q f(x_q) N_i^\text{rows}(x_q) @f$ for a function @p
+     * f.
      */
     void
     integrate(VectorType &dst, const dealii::Function<dim> &f) const;
 
     /**
-     * The square roots of @f$ \sum_q w_q (u(x_q) - f(x_q))^2 @f$ and
+     * Return the square roots of @f$ \sum_q w_q (u(x_q) - f(x_q))^2 @f$ and
      * @f$ \sum_q w_q f(x_q)^2 @f$ for the spline u of the rows' space with
      * @p coefficients.
      */
@@ -101,9 +102,9 @@ namespace greville
   /**
    * The consistent mass matrix
    * @f$ M_{ij} = \sum_q w_q N_i(x_q) N_j(x_q) @f$, matrix-free (see
-   * CrossMassOperator). Coefficients whose functions meet no mass are
-   * *inactive*: their row and column would be zero; M has the largest diagonal
-   * entry there, so that a right-hand side of zero gives zero.
+   * CrossMassOperator). Coefficients whose functions have no mass in their
+   * support are *inactive*: instead of a zero row and column, M has its largest
+   * diagonal entry there, so that a right-hand side of zero gives zero.
    */
   template <int dim>
   class MassOperator
@@ -123,9 +124,7 @@ namespace greville
       return *spline_space;
     }
 
-    /**
-     * M itself.
-     */
+    /// Return M itself.
     const CrossMassOperator<dim> &
     cross_mass() const
     {
@@ -135,18 +134,14 @@ namespace greville
     void
     vmult(VectorType &dst, const VectorType &src) const;
 
-    /**
-     * The diagonal, with that of inactive coefficients.
-     */
+    /// Return the diagonal, including inactive coefficients.
     const VectorType &
     diagonal() const
     {
       return matrix_diagonal;
     }
 
-    /**
-     * Local numbers of the inactive coefficients of this process.
-     */
+    /// Return the local numbers of the inactive coefficients of this process.
     const std::vector<unsigned int> &
     inactive() const
     {
@@ -164,9 +159,9 @@ namespace greville
 
 
   /**
-   * Give @p diagonal the value of its largest entry where it is zero, up to the
-   * round-off of weights of both signs. Returns this value and the local
-   * numbers of those entries. Collective.
+   * Collective. Replace zeros of @p diagonal, up to the round-off of weights of
+   * both signs, by its largest entry. Returns this entry and the local numbers
+   * of the replaced entries.
    */
   std::pair<double, std::vector<unsigned int>>
   fill_inactive(VectorType &diagonal);

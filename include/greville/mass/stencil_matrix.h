@@ -13,20 +13,20 @@ namespace greville
   /**
    * The part of a symmetric matrix @f$ M_{ij} @f$ that the cells of this
    * process contribute, for functions with @f$ |i_d - j_d| \le p @f$ in each
-   * direction: the mass matrix is the sum over all processes. Of a row, which
-   * is a stencil of @f$ (2 p + 1)^\text{dim} @f$ entries, the half with j >= i
-   * in lexicographic order is stored, without column numbers.
+   * direction: the mass matrix is the sum over all processes. A row is a
+   * stencil of @f$ (2 p + 1)^\text{dim} @f$ entries; its half with j >= i in
+   * lexicographic order is stored, without column numbers.
    *
-   * Functions have *places*: those of a line in x follow each other, and there
-   * is room around them, so that neighbours are found by arithmetic without
-   * asking for walls. Vectors on places are interleaved, entry c of place i at
-   * i * width + c. Rows, and entries of vectors, that are never written to cost
-   * no memory.
+   * Functions have *places* in memory: the functions of a line in x have
+   * consecutive places, padded such that neighbours are found by arithmetic
+   * without tests for walls. Vectors on places are interleaved, entry c of
+   * place i at i * width + c. Rows and vector entries that are never written
+   * use no memory.
    *
-   * Where a direction of n functions is periodic, those with @f$ i_d < p @f$
-   * have a second place, an *image*, at @f$ n + i_d @f$, for cells at the upper
-   * end. The matrix is @f$ P^T B P @f$ with the stored one B, where P gives
-   * images the value of their function (see ExtendedUnknowns).
+   * If a direction of n functions is periodic, the functions with @f$ i_d < p
+   * @f$ have a second place, an *image*, at @f$ n + i_d @f$, for cells at the
+   * upper end. The matrix is @f$ P^T B P @f$ with the stored matrix B, where P
+   * gives images the value of their function (see ExtendedUnknowns).
    */
   template <int dim>
   class StencilMatrix
@@ -44,9 +44,7 @@ namespace greville
       return *spline_space;
     }
 
-    /**
-     * Number of places.
-     */
+    /// Return the number of places.
     std::size_t
     size() const
     {
@@ -54,8 +52,8 @@ namespace greville
     }
 
     /**
-     * The place of a function by its local number. Places ascend with the
-     * lexicographic position.
+     * Return the place of a function with a local number. Places ascend with
+     * the lexicographic position.
      */
     unsigned int
     place(const unsigned int function) const
@@ -64,8 +62,8 @@ namespace greville
     }
 
     /**
-     * The place of function (@p x, @p line) of an owned cell: x and the number
-     * of the line among its (p + 1)^(dim - 1) ones.
+     * Return the place of function (@p x, @p line) of an owned cell: x and the
+     * number of the line among its (p + 1)^(dim - 1) lines.
      */
     unsigned int
     cell_place(const unsigned int cell,
@@ -79,9 +77,7 @@ namespace greville
              (places[first] - line_begin[start]);
     }
 
-    /**
-     * The images of local functions: function and place.
-     */
+    /// Return the images of local functions: function and place.
     const std::vector<std::pair<unsigned int, unsigned int>> &
     images() const
     {
@@ -89,8 +85,9 @@ namespace greville
     }
 
     /**
-     * Set the matrix to zero and let it have the rows of these functions (local
-     * numbers) and of their images, those of all cells that will be added.
+     * Set the matrix to zero and allocate the rows of these functions (local
+     * numbers) and of their images: the functions of all cells that will be
+     * added.
      */
     void
     set_rows(const std::vector<unsigned int> &functions);
@@ -104,9 +101,9 @@ namespace greville
     /**
      * Add the mass matrix of an owned cell. With the pairs (a, b), a <= b, of
      * its functions in one direction, numbered (0, 0), (0, 1), ..., (1, 1),
-     * ...,
-     * @p sums has @f$ \sum_p m_p N_a(x_p) N_b(x_p) @f$ for all combinations of
-     * pairs of the directions, x fastest, with @p stride numbers for x.
+     * ..., @p sums contains @f$ \sum_p m_p N_a(x_p) N_b(x_p) @f$ for all
+     * combinations of pairs of the directions, x fastest, with @p stride
+     * numbers for x.
      */
     void
     add_cell(const unsigned int cell,
@@ -114,8 +111,8 @@ namespace greville
              const unsigned int stride);
 
     /**
-     * The same for any symmetric @p matrix of the (p + 1)^dim functions of an
-     * owned cell.
+     * Add any symmetric @p matrix of the (p + 1)^dim functions of an owned
+     * cell.
      */
     void
     add_cell(const unsigned int cell, const dealii::FullMatrix<double> &matrix);
@@ -133,9 +130,7 @@ namespace greville
     void
     lump();
 
-    /**
-     * Make the diagonal entry at @p place @p smallest at least.
-     */
+    /// Raise the diagonal entry at @p place to at least @p smallest.
     void
     raise_diagonal(const unsigned int place, const double smallest);
 
@@ -152,9 +147,7 @@ namespace greville
     void
     for_each_entry(const unsigned int i, const Visit &visit) const;
 
-    /**
-     * The same for the places j <= i only.
-     */
+    /// Call visit(j, M_ij) for the places j <= i only.
     template <typename Visit>
     void
     for_each_lower_entry(const unsigned int i, const Visit &visit) const;
@@ -180,9 +173,9 @@ namespace greville
     }
 
     /**
-     * Call visit(begin, end, distance) for all ranges of rows at places that
-     * follow each other in a line; distance(k) is that to the place with the
-     * same x in line number k of the neighbours.
+     * Call visit(begin, end, distance) for all ranges of rows at consecutive
+     * places of a line; distance(k) is the distance to the place with the same
+     * x in line number k of the neighbours.
      */
     template <typename Visit>
     void
@@ -194,10 +187,7 @@ namespace greville
         });
     }
 
-    /**
-     * The full stencil of a row, and the way back, which takes the half with
-     * j >= i.
-     */
+    /// Return the full stencil of a row; set_row() stores its half with j >= i.
     void
     get_row(const unsigned int i, double *stencil) const;
 
@@ -205,17 +195,16 @@ namespace greville
     set_row(const unsigned int i, const double *stencil);
 
     /**
-     * y = M x for @p width (1, 2, 3, 4 or 8) interleaved vectors, which have to
-     * be zero at all places without a row. With 3, up to three numbers behind a
-     * place that a row reaches are read and written, with what they have.
+     * Compute y = M x for @p width (1, 2, 3, 4 or 8) interleaved vectors, which
+     * must be zero at all places without a row. If @p width is 3, up to three
+     * numbers behind the stencil of a row are read and written without being
+     * changed.
      */
     void
     vmult(double *y, const double *x, const unsigned int width) const;
 
   private:
-    /**
-     * Rows that follow each other in a line.
-     */
+    /// Rows at consecutive places of a line.
     struct Segment
     {
       unsigned int begin, end; // places
@@ -233,8 +222,8 @@ namespace greville
     multiply(double *y, const double *x) const;
 
     /**
-     * The distance from a place in @p line to that with the same x in the
-     * line number @p k of its (2 p + 1)^(dim - 1) neighbours.
+     * Return the distance from a place in @p line to the place with the same x
+     * in line number @p k of its (2 p + 1)^(dim - 1) neighbours.
      */
     int
     distance(const unsigned int line, const unsigned int k) const
@@ -246,8 +235,8 @@ namespace greville
     unsigned int            half         = 0; // entries of a row
     std::size_t             n_places     = 0;
 
-    // Lines are counted in a box around those of this process. A function at x
-    // in a line has the place line_begin[line] + x.
+    // Lines are counted in a box around the lines of this process. A function
+    // at x in a line has the place line_begin[line] + x.
     std::vector<int>          line_begin;
     std::vector<int>          neighbor_lines; // distances of line numbers
     unsigned int              n_lines_y = 0;
@@ -266,7 +255,7 @@ namespace greville
 
   /**
    * Add the mass matrix of weights at Gauss points. All functions of cells with
-   * mass have to have a row.
+   * mass must have a row.
    */
   template <int dim>
   void

@@ -9,9 +9,9 @@
 #include <greville/spline/spline_space.h>
 
 /**
- * The inner kernels of the cell-wise operators: sum factorization over a batch
- * of cells that are neighbours in x. Basis values in x differ from lane to lane
- * (near walls), those in y and z are the same in all lanes. To be included in
+ * Kernels of the cell-wise operators: sum factorization over a batch of cells
+ * that are neighbours in x. Basis values in x differ from lane to lane (near
+ * walls), basis values in y and z are the same in all lanes. To be included in
  * sources, not in headers.
  */
 namespace greville
@@ -36,8 +36,8 @@ namespace greville
     square();
 
     /**
-     * The table [point][function] of x for the lanes of a batch that begins at
-     * cell @p first, written to @p table.
+     * Write the table [point][function] of x for the lanes of a batch that
+     * begins at cell @p first to @p table.
      */
     void
     load_x(const unsigned int first, NativeSimd *table) const
@@ -47,7 +47,8 @@ namespace greville
     }
 
     /**
-     * The table [point][function] of direction @p d (y or z) for @p cell.
+     * Return the table [point][function] of direction @p d (y or z) for @p
+     * cell.
      */
     const double *
     values(const unsigned int d, const unsigned int cell) const
@@ -97,10 +98,10 @@ namespace greville
     Function integrate_layer;
 
     /**
-     * Between the vector of coefficients and the n^(dim - 1) values of a layer
-     * in which the coefficients of each row in x follow each other in memory.
-     * @p numbers are the local numbers of the layer's functions on the first
-     * cell.
+     * Copy between the vector of coefficients and the n^(dim - 1) values of a
+     * layer in which the coefficients of each row in x are contiguous in
+     * memory. @p numbers are the local numbers of the layer's functions on the
+     * first cell.
      */
     void (*gather_layer)(const unsigned int *numbers,
                          const double       *source,
@@ -123,8 +124,9 @@ namespace greville
                                 NativeSimd *const       *out);
 
   /**
-   * Kernels are compiled for pairs of orders that follow each other in an
-   * OrderHierarchy, with n_q = p + 1 and n_q = 2 p + 1, p being the higher one.
+   * Return the kernels of an order. Kernels are compiled for pairs of
+   * consecutive orders of an OrderHierarchy, with n_q = p + 1 and n_q = 2 p +
+   * 1, p being the higher order.
    */
   template <int dim>
   CellKernels
