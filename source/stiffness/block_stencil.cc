@@ -14,8 +14,8 @@ namespace greville
   namespace
   {
     /**
-     * The width of the vectors that a line of @p n entries is made of: eight
-     * floats, unless they would hold much more zeros than four.
+     * Return the width of the vectors for a line of @p n entries: eight floats,
+     * unless this adds many more zeros than four.
      */
     template <typename Number>
     constexpr int
@@ -94,7 +94,7 @@ namespace greville
     constexpr int n_z         = dim == 3 ? n : 1;
     constexpr int n_functions = n * n * n_z;
 
-    // Block (i, k), and whether it is the transpose of a stored one.
+    // The block (i, k), and whether it is the transpose of a stored block.
     const Number *blocks[dim][dim];
     for (int i = 0, block = 0; i < dim; ++i)
       for (int k = i; k < dim; ++k, ++block)

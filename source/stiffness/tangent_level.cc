@@ -15,7 +15,7 @@ namespace greville
   template <int dim>
   TangentLevel<dim>::TangentLevel(const SplineSpace<dim>           &space,
                                   const std::vector<unsigned char> &held)
-    // Exact for products with functions of lower order.
+    // The quadrature is exact for products with functions of lower order.
     : ExtendedLevel<dim>(space, dim, held, 2 * space.degree())
   {
     block.reinit(this->extended_mass);
@@ -61,7 +61,8 @@ namespace greville
     if (mass_factor != 0.)
       blocks.add(mass_factor, this->extended_mass.matrix());
 
-    // Those of extended B-splines without what extended functions add.
+    // The products with the unknowns, without the contributions of extended
+    // functions.
     VectorType &result   = this->result;
     result               = 0.;
     const auto &unknowns = this->extended_mass.unknowns();
@@ -129,9 +130,7 @@ namespace greville
 
 
 
-    /**
-     * Blocks by rows: those of row u begin at begin[u], and are size[u].
-     */
+    /// Blocks by rows: row u begins at begin[u] and has size[u] blocks.
     template <int dim>
     struct BlockRows
     {
@@ -143,9 +142,10 @@ namespace greville
 
 
     /**
-     * The blocks of E^T B E that this process contributes, by rows of local
-     * unknowns, with ascending columns and without held rows and columns. @p
-     * held are components (bits) of local functions and of local unknowns.
+     * Return the blocks of E^T B E that this process contributes, by rows of
+     * local unknowns, with ascending columns and without constrained rows and
+     * columns. @p held contains components (bits) of local functions and of
+     * local unknowns.
      */
     template <int dim>
     BlockRows<dim>
@@ -215,7 +215,8 @@ namespace greville
       });
       for (unsigned int u = 0; u < n; ++u)
         {
-          // Most rows are, as the order of unknowns is that of places.
+          // Most rows are sorted already, since unknowns have the order of
+          // places.
           const auto is_before = [](const auto &a, const auto &b) {
             return a.column < b.column;
           };
@@ -238,8 +239,8 @@ namespace greville
 
 
     /**
-     * Let the matrix know translations and rotations: a linear field has the
-     * Greville points for coefficients.
+     * Attach translations and rotations to the matrix as near-null space: the
+     * coefficients of a linear field are its values at the Greville points.
      */
     template <int dim>
     void
@@ -318,7 +319,7 @@ namespace greville
     check_petsc(MatSeqAIJSetPreallocation(mat, 0, n_diagonal.data()));
     check_petsc(
       MatMPIAIJSetPreallocation(mat, 0, n_diagonal.data(), 0, n_other.data()));
-    // Rows at the edge of a process get entries of its neighbours.
+    // Rows at the boundary of a process receive entries from its neighbours.
     check_petsc(MatSetOption(mat, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
     std::vector<PetscInt>    columns;
     std::vector<PetscScalar> values; // dim rows

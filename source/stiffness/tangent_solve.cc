@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// How TangentSystem solves its systems.
+// The linear solver of TangentSystem.
 
 #include <greville/linear_algebra/krylov.h>
 #include <greville/stiffness/tangent_system.h>
@@ -98,7 +98,7 @@ namespace greville
     const std::function<SolveResult(const unsigned int iterations)> &run)
   {
     const TangentParameters &parameters = systems.front()->parameters;
-    // Digits that the residual loses.
+    // Return the digits by which the residual decreases.
     const auto digits = [](const SolveResult &result) {
       return std::max(0.5, -std::log10(std::max(result.reduction, 1e-16)));
     };
@@ -134,7 +134,7 @@ namespace greville
                          *result.iterations -
                            digits(result) * system->first_iterations);
               system->excess_iterations += excess;
-              // The assembly takes about as long as so many iterations.
+              // The assembly costs about as much as this number of iterations.
               system->wants_entries = excess > dim - 1.;
             }
       }
@@ -160,7 +160,8 @@ namespace greville
     VectorType x, b;
     initialize(x);
     initialize(b);
-    // What held coefficients contribute goes to the right-hand side.
+    // The contribution of constrained coefficients moves to the right-hand
+    // side.
     VectorField<dim> held;
     for (unsigned int c = 0; c < dim; ++c)
       held[c] = velocity[c];
@@ -179,7 +180,7 @@ namespace greville
       },
       x,
       b);
-    // Round-off may leave more where points spread thinly.
+    // Round-off may leave more than the tolerance if points spread thinly.
     constexpr double negligible = 1e-9;
     result.converged = result.converged || result.reduction < negligible;
     extend(velocity, x);

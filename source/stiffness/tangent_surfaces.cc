@@ -29,7 +29,7 @@ namespace greville
                             const bool        with_stiffness,
                             VectorField<dim> &force)
   {
-    // Derivatives are differences.
+    // Derivatives are finite differences, with this round-off.
     constexpr double round_off = 1e-6;
 
     unsigned int is_asymmetric = 0;
@@ -91,7 +91,7 @@ namespace greville
   {
     /**
      * Call @p action(cell, points) for the cells of surfaces, with the values
-     * of points that are given one after another.
+     * of points given one after another.
      */
     template <int dim, typename Value, typename SetValue, typename Action>
     void

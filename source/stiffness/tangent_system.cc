@@ -57,7 +57,7 @@ namespace greville
     for (const TrialBody<dim> &body : bodies)
       points.push_back(body.points);
     transfers.back().filling(points, filled_part);
-    // Springs hold functions as points do.
+    // Springs determine functions in the same way as points.
     for (const Surface<dim> &surface : surfaces)
       for (const unsigned int cell : surface.points.cells())
         if (filled_part[cell] <= 0.)
@@ -87,8 +87,8 @@ namespace greville
   namespace
   {
     /**
-     * The moduli of compression and of shear, A_iiii and A_ijij, times the
-     * volumes.
+     * Return the sums of the compression and shear moduli, A_iiii and A_ijij,
+     * times the volumes.
      */
     template <int dim>
     std::array<double, 2>
@@ -107,9 +107,10 @@ namespace greville
 
 
     /**
-     * Append the derivative of P of a point by the logarithm of J hat: that of
-     * an even expansion, 1 / dim in each direction (1 / 3 in axisymmetry),
-     * without what it does to f. Leave a share of it in the derivative by f.
+     * Append the derivative of P of a point by the logarithm of J hat, for an
+     * isotropic expansion, 1 / dim in each direction (1 / 3 in axisymmetry),
+     * without the dependence of f on it. A share of it remains in the
+     * derivative by f.
      */
     template <int dim>
     void
@@ -147,8 +148,8 @@ namespace greville
 
 
     /**
-     * The share of the stiffness against changes of volume that makes it not
-     * much more than that against shear.
+     * Return the share of the volumetric stiffness that makes it not much
+     * larger than the shear stiffness.
      */
     double
     share_of_volume_stiffness(const Moduli &moduli)
@@ -172,7 +173,8 @@ namespace greville
                                VectorField<dim> &force)
   {
     std::string problem;
-    // Sums of both moduli of K, and of the squares of the first one of cells.
+    // Sums of both moduli of K, and of the squares of the first modulus of
+    // cells.
     std::vector<double> sums_of_moduli(3);
     sums.clear();
     if (with_stiffness)
@@ -208,7 +210,8 @@ namespace greville
                                      {}};
         if (projection)
           projected.J_hat = projection->project(*body.points, u, 1.);
-        // A law may throw on one process, and all go on with the next body.
+        // A law may throw on one process; all processes then continue with the
+        // next body.
         try
           {
             report =
@@ -285,7 +288,7 @@ namespace greville
       return false;
     if (mass_factor == 0.)
       return true;
-    // The largest entries of K and c M, those of the last finish_tangent().
+    // The largest entries of K and c M in the last finish_tangent().
     constexpr double    stiff = 30.;
     std::vector<double> sums{finest().largest_diagonal(), 0.};
     double              mass = 0.;
@@ -335,7 +338,7 @@ namespace greville
       }
     if (ratio > much || by_components)
       {
-        // Pivots fail where one direction is much stiffer than the others.
+        // Pivots fail if one direction is much stiffer than the others.
         constexpr double smallest_shift = 1e-3;
         smoother.shift = std::max(smoother.shift, smallest_shift);
       }
@@ -390,8 +393,7 @@ namespace greville
   {
     assemble(levels.size() - 1);
     has_levels = needs_levels(mass_factor);
-    // Tangents of bodies that fail are indefinite, and some have no
-    // factorization.
+    // Tangents of failing bodies are indefinite, and some cannot be factorized.
     try
       {
         for (unsigned int l = 0; has_levels && l + 1 < levels.size(); ++l)

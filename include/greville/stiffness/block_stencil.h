@@ -10,37 +10,33 @@ namespace greville
   /**
    * The part of a symmetric matrix of dim x dim blocks @f$ B_{ij} @f$ that the
    * cells of this process contribute, for functions with @f$ |i_d - j_d| \le p
-   * @f$ in each direction d: a stiffness matrix. Of a row of blocks, which is a
-   * stencil of @f$ (2 p + 1)^\text{dim} @f$ of them, the half with j >= i in
-   * lexicographic order is stored, without column numbers, on the places of a
-   * StencilMatrix; of the block on the diagonal, half of each entry.
+   * @f$ in each direction d: a stiffness matrix. A row is a stencil of @f$ (2 p
+   * + 1)^\text{dim} @f$ blocks; its half with j >= i in lexicographic order is
+   * stored, without column numbers, on the places of a StencilMatrix. The
+   * diagonal block is stored with half of each entry.
    *
    * Vectors on places are interleaved: component c of place i is entry i * dim
-   * + c. Entries are Numbers: double, or float for preconditioners, whose
-   * products are computed in single precision with x scaled by a power of two,
-   * so that vectors of any size keep their digits.
+   * + c. @p Number is double, or float for preconditioners. Products in single
+   * precision scale x by a power of two, so that vectors of any magnitude keep
+   * their digits.
    */
   template <int dim, typename Number>
   class BlockStencil
   {
   public:
-    /**
-     * The stencil has the places; it is kept by reference.
-     */
+    /// @p places supplies the places; it is kept by reference.
     void
     reinit(const StencilMatrix<dim> &places);
 
-    /**
-     * Set the matrix to zero and let it have the rows that the places have.
-     */
+    /// Set the matrix to zero and allocate the rows of the StencilMatrix.
     void
     clear();
 
     /**
      * Add the matrix of an owned cell with n = (p + 1)^dim functions, numbered
-     * as in SplineSpace::cell_functions(). Blocks of components i <= k follow
-     * each other, (0, 0), (0, 1), ..., (1, 1), ...: entry (a, i; b, k) of
-     * function a and function b is values[(block * n + a) * stride + b].
+     * as in SplineSpace::cell_functions(). Blocks of components i <= k are
+     * stored in the order (0, 0), (0, 1), ..., (1, 1), ...: entry (a, i; b, k)
+     * of function a and function b is values[(block * n + a) * stride + b].
      */
     void
     add_cell(const unsigned int cell,
@@ -56,23 +52,21 @@ namespace greville
 
     /**
      * Set a scalar matrix to the diagonal block of a component, or to the mean
-     * of those of several @p components (bits), for each of which it stands.
+     * of the blocks of several @p components (bits), which it then represents.
      */
     void
     diagonal_block(StencilMatrix<dim> &scalar,
                    const unsigned int  components) const;
 
     /**
-     * y = B x, with x zero at all places without a row. Some numbers behind a
-     * place that a row reaches are read and written, with what they have: they
-     * have to be finite.
+     * Compute y = B x; x must be zero at all places without a row. Some numbers
+     * behind the stencil of a row are read and written without being changed;
+     * they must be finite.
      */
     void
     vmult(double *y, const double *x) const;
 
-    /**
-     * The diagonal entry of component c at a place.
-     */
+    /// Return the diagonal entry of component c at a place.
     double
     diagonal(const unsigned int place, const unsigned int c) const
     {
@@ -99,8 +93,9 @@ namespace greville
     multiply(Number *y, const Number *x) const;
 
     /**
-     * The entries of component c in the line number @p k of the neighbours of a
-     * row, from its own one on: (2 p + 1) * dim of them, [x][d].
+     * Return the first entry of component c in line number @p k of the
+     * neighbours of a row, counted from its own line: (2 p + 1) * dim entries,
+     * [x][d].
      */
     std::size_t
     line(const unsigned int k, const unsigned int c) const

@@ -15,9 +15,9 @@ namespace greville
    * their mass M~ (see ExtendedMass), a factor c (1/s^2) and the Extension E of
    * the space.
    *
-   * The level has the entries of the symmetric part in single precision, for
-   * smoothers, cycles and factorizations. The products of vmult() are those of
-   * set_product() where there is one.
+   * The level stores the entries of the symmetric part in single precision, for
+   * smoothers, cycles and factorizations. vmult() uses the product of
+   * set_product() if it is set.
    */
   template <int dim>
   class TangentLevel : public ExtendedLevel<dim>
@@ -30,8 +30,8 @@ namespace greville
                  const std::vector<unsigned char> &held = {});
 
     /**
-     * Collective. See ExtendedLevel::begin_level(). Then mass() is to be
-     * filled, and finish_mass() to be called.
+     * Collective. See ExtendedLevel::begin_level(). Afterwards, fill mass() and
+     * call finish_mass().
      */
     void
     begin(const CellFilling<dim> &filling, const bool changed);
@@ -42,24 +42,18 @@ namespace greville
       return this->extended_mass.matrix();
     }
 
-    /**
-     * Weights of the transfer to lower orders.
-     */
+    /// Return the weights of the transfer to lower orders.
     DensityWeights<dim> &
     weights()
     {
       return this->mass_weights;
     }
 
-    /**
-     * Collective. @p lump keeps the row sums of the mass only.
-     */
+    /// Collective. If @p lump, only the row sums of the mass are kept.
     void
     finish_mass(const bool lump);
 
-    /**
-     * Collective. Set the tangent to zero; stiffness() is to be filled.
-     */
+    /// Collective. Set the tangent to zero; stiffness() must then be filled.
     void
     begin_tangent();
 
@@ -70,15 +64,15 @@ namespace greville
     }
 
     /**
-     * Collective. Add @p mass_factor (1/s^2) times the mass; the tangent is
-     * complete.
+     * Collective. Add @p mass_factor (1/s^2) times the mass, which completes
+     * the tangent.
      */
     void
     finish_tangent(const double mass_factor);
 
     /**
-     * Let vmult() be E^T B E in double precision with the products y = B x of
-     * vectors on the places of mass().
+     * Let vmult() compute E^T B E in double precision with the products y = B x
+     * of vectors on the places of mass().
      */
     void
     set_product(const std::function<void(double *y, const double *x)> &product)
@@ -103,9 +97,7 @@ namespace greville
       });
     }
 
-    /**
-     * y = M~_e x.
-     */
+    /// Compute y = M~_e x.
     void
     multiply_mass(VectorType &dst, const VectorType &src) const;
 
@@ -116,9 +108,7 @@ namespace greville
     PetscMatrix
     petsc_matrix() const override;
 
-    /**
-     * Translations and rotations.
-     */
+    /// The modes are translations and rotations.
     void
     set_modes(const PetscMatrix &matrix) const override;
 
@@ -131,7 +121,8 @@ namespace greville
     BlockStencil<dim, float>                      blocks;
     std::function<void(double *, const double *)> exact_product;
 
-    // A diagonal block of A or their mean, with the unknowns of the mass.
+    // A diagonal block of A or the mean of the blocks, with the unknowns of the
+    // mass.
     mutable ExtendedMass<dim> block;
   };
 } // namespace greville

@@ -9,9 +9,7 @@
 
 namespace greville
 {
-  /**
-   * How linear systems of implicit steps are solved.
-   */
+  /// Parameters of the linear solver of implicit steps.
   struct TangentParameters
   {
     TangentParameters();
@@ -19,9 +17,7 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Whether conjugate gradients solve systems of this kind.
-     */
+    /// Return whether conjugate gradients solve systems of this kind.
     bool
     takes_cg(const bool is_symmetric) const
     {
@@ -34,9 +30,7 @@ namespace greville
       return method == "cg";
     }
 
-    /**
-     * Whether the cycle has levels: never, always, or where it pays.
-     */
+    /// Coarse levels of the cycle are used never, always, or if they pay.
     bool
     never_takes_levels() const
     {

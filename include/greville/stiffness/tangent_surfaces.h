@@ -13,15 +13,15 @@
 namespace greville
 {
   /**
-   * What forces on surfaces give to a TangentSystem: forces on the grid, and
-   * their stiffness, which is applied point by point, and whose symmetric part
-   * is assembled for preconditioners.
+   * The contribution of surface forces to a TangentSystem: forces on the grid,
+   * and their stiffness, which is applied point by point and whose symmetric
+   * part is assembled for preconditioners.
    */
   template <int dim>
   class TangentSurfaces
   {
   public:
-    /// What move() calls for a point.
+    /// A function that move() calls for each point.
     using Action = std::function<void(const ConstPointRef<dim> p,
                                       const SurfaceState<dim> &state)>;
 
@@ -30,9 +30,9 @@ namespace greville
     reinit(const OrderHierarchy<dim> &orders);
 
     /**
-     * Collective. The force of loads on @p surfaces for the displacement @p u.
-     * If @p with_stiffness, their stiffness is added. Returns whether all
-     * derivatives are symmetric; true without them.
+     * Collective. Add the force of loads on @p surfaces for the displacement @p
+     * u, and their stiffness if @p with_stiffness. Returns whether all
+     * derivatives are symmetric; true without stiffness.
      */
     bool
     add(const std::vector<LoadedSurface<dim>> &surfaces,
@@ -42,9 +42,8 @@ namespace greville
         VectorField<dim>                      &force);
 
     /**
-     * Collective. Call @p action(p, state) for the points of a surface where
-     * the displacement @p u has brought them, in the order of
-     * MaterialPoints::for_each().
+     * Collective. Call @p action(p, state) for the points of a surface, moved
+     * by the displacement @p u, in the order of MaterialPoints::for_each().
      */
     void
     move(const MaterialPoints<dim> &points,
@@ -53,8 +52,8 @@ namespace greville
          const Action              &action);
 
     /**
-     * Collective. The force on the grid of forces on the points of @p surfaces,
-     * of one after another, N (2D: N / m).
+     * Collective. Add to the grid the forces on the points of all @p surfaces,
+     * one surface after another, N (2D: N / m).
      */
     void
     spread(const std::vector<const MaterialPoints<dim> *> &surfaces,
@@ -62,14 +61,14 @@ namespace greville
            VectorField<dim>                               &result);
 
     /**
-     * Collective. Add the stiffness of such points against displacements, N / m
-     * (2D: N / m^2).
+     * Collective. Add the stiffness of these points against displacements, N /
+     * m (2D: N / m^2).
      */
     void
     add_stiffness(const std::vector<const MaterialPoints<dim> *> &surfaces,
                   const std::vector<dealii::Tensor<2, dim>>      &stiffness);
 
-    /// Begin anew, without stiffness.
+    /// Remove all stiffness.
     void
     clear_stiffness()
     {
@@ -77,17 +76,21 @@ namespace greville
       scale_of_points = 0.;
     }
 
-    /// Add the stiffness to that of a level, counted from the coarsest one.
+    /**
+     * Add the stiffness to a level, with the @p number counted from the
+     * coarsest one.
+     */
     void
     assemble(TangentLevel<dim> &level, const unsigned int number);
 
-    /// y += K x on the places of the finest level.
+    /// Compute y += K x on the places of the finest level.
     void
     add_product(double *y, const double *x, const StencilMatrix<dim> &places);
 
     /**
-     * The Euclidean norm of what the cells give to the stiffness of forces that
-     * a displacement changes, N / m: of the last add() and add_stiffness().
+     * Return the Euclidean norm of the cell contributions to the stiffness of
+     * displacement-dependent forces, N / m, for the last add() and
+     * add_stiffness().
      */
     double
     stiffness_scale() const
@@ -98,7 +101,7 @@ namespace greville
   private:
     std::vector<TrialSums<dim>> sums; // by level
     TrialSurfaces<dim>          trial_surfaces;
-    // Points with stiffness, cell by cell.
+    // Points with stiffness, by cell.
     std::vector<std::pair<unsigned int, std::vector<TrialSurfacePoint<dim>>>>
              stiff;
     MPI_Comm comm           = MPI_COMM_NULL;

@@ -18,42 +18,43 @@ namespace greville
   /**
    * The linear systems of implicit steps on extended B-splines,
    * @f[ E^T (c \tilde M + K) E \, x = E^T b, @f]
-   * with the stiffness K of points in a TrialStep. K is applied as the points
-   * have it (PointTangents), but for symmetric tangents of order 1, whose
-   * entries are assembled: there they cost less than a few products. Krylov
-   * methods are preconditioned by p-multigrid: PMultigrid on one TangentLevel
-   * for each order, assembled in single precision from the same points. The
-   * set-up of a preconditioner (entries, factorizations, eigenvalues, coarse
-   * levels) serves following systems, too, as long as it pays; after a system
-   * with more iterations than expected the next one has new entries.
+   * with the stiffness K of points in a TrialStep. K is applied point by point
+   * (PointTangents). Only symmetric tangents of order 1 are assembled, which
+   * costs less than a few products. Krylov methods are preconditioned by
+   * p-multigrid: PMultigrid on one TangentLevel for each order, assembled in
+   * single precision from the same points. The set-up of a preconditioner
+   * (entries, factorizations, eigenvalues, coarse levels) is reused for
+   * subsequent systems as long as it pays; after a system with more iterations
+   * than expected, the entries are assembled anew.
    *
-   * A VolumeProjection couples functions beyond their stencils. K then resists
-   * changes of volume not much more than shear, and serves the preconditioner;
-   * multiply() adds what J hat does, from point to point. So the volumes that
-   * the projection sees are much stiffer than in K, and all others are alike:
-   * iterations hardly depend on the bulk modulus. Likewise where gradients are
-   * averaged over domains: K has those at points, and multiply() adds the rest.
+   * A VolumeProjection couples functions beyond their stencils. K, used in the
+   * preconditioner, then has a volumetric stiffness not much larger than its
+   * shear stiffness, and multiply() adds the terms of J hat point by point. The
+   * projected volume changes are much stiffer than in K, whereas all other
+   * modes agree, so the number of iterations hardly depends on the bulk
+   * modulus. If gradients are averaged over domains, K uses the gradients at
+   * points, and multiply() adds the difference.
    *
-   * Fields have a coefficient for each function of the space. Those of
-   * functions that are held are given, and those of extended functions follow
-   * from the others.
+   * Fields have a coefficient for each function of the space. The coefficients
+   * of constrained functions are given, and the coefficients of extended
+   * functions follow from the others.
    */
   template <int dim>
   class TangentSystem
   {
   public:
     /**
-     * Bits of the components of the local functions of a space that are held.
-     * An empty function of this type holds nothing.
+     * A function that returns the constrained components (bits) of the local
+     * functions of a space. An empty function constrains nothing.
      */
     using HeldFunctions =
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space)>;
 
     /**
-     * Collective. Orders and parameters are kept by reference, and so are the
-     * @p projection and the @p windows, which may be null. Cells are
-     * well-filled from the fraction @p filling on, see CellFilling. @p lump
-     * takes the row sums of the mass.
+     * Collective. Orders, parameters, the @p projection and the @p windows,
+     * both of which may be null, are kept by reference. Cells are well-filled
+     * from the fraction @p filling on, see CellFilling. If @p lump, the row
+     * sums of the mass are used.
      */
     TangentSystem(const OrderHierarchy<dim> &orders,
                   const HeldFunctions       &held,
@@ -79,7 +80,7 @@ namespace greville
       return orders;
     }
 
-    /// The level of the finest order.
+    /// Return the level of the finest order.
     const TangentLevel<dim> &
     finest() const
     {
@@ -87,10 +88,9 @@ namespace greville
     }
 
     /**
-     * Collective. Points are at new places: find the extension, with the outer
-     * hosts of CellFilling where the system is to be @p is_static, and sum up
-     * the mass. Functions are extended to cells, too, which hold points of
-     * loaded @p surfaces only.
+     * Collective. Update the extension and the mass after the points have
+     * moved, with the outer hosts of CellFilling if @p is_static. Functions are
+     * extended also to cells that contain only points of loaded @p surfaces.
      */
     void
     set_points(const std::vector<TrialBody<dim>> &bodies,
@@ -98,9 +98,9 @@ namespace greville
                const bool                         is_static = false);
 
     /**
-     * Collective. The internal force for the displacement @p u in a step of
-     * length @p dt (s), and the stiffness if @p with_stiffness. Returns what is
-     * wrong with a point of this process, empty if nothing is.
+     * Collective. Compute the internal force for the displacement @p u in a
+     * step of length @p dt (s), and the stiffness if @p with_stiffness. Returns
+     * a message about a failed point of this process, or an empty text.
      */
     std::string
     evaluate(const std::vector<TrialBody<dim>> &bodies,
@@ -110,8 +110,10 @@ namespace greville
              const bool                         with_stiffness,
              VectorField<dim>                  &force);
 
-    /// Forces on surfaces, and their stiffness, which adds to that of the last
-    /// evaluate().
+    /**
+     * Return the surface forces and their stiffness, which adds to the
+     * stiffness of the last evaluate().
+     */
     TangentSurfaces<dim> &
     surfaces()
     {
@@ -125,15 +127,16 @@ namespace greville
     }
 
     /**
-     * Collective. The Euclidean norm of the forces that the cells give to the
-     * last internal force, which balance each other for the most part.
+     * Collective. Return the Euclidean norm of the cell contributions to the
+     * last internal force, which for the most part balance each other.
      */
     double
     force_scale() const;
 
     /**
-     * The like for a gradient of displacement of one, by the moduli of the last
-     * evaluate() with stiffness: the unit of round-off of internal forces.
+     * Return the norm of these contributions for a displacement gradient of
+     * one, with the moduli of the last evaluate() with stiffness: the unit of
+     * round-off of internal forces.
      */
     double
     stiffness_scale() const
@@ -142,34 +145,37 @@ namespace greville
     }
 
     /**
-     * Collective. Make the operator with a mass factor (1/s^2), and its
+     * Collective. Build the operator with a mass factor (1/s^2), and its
      * preconditioner, from the stiffness of the last evaluate(). Throws
-     * ErrorOnAll where no preconditioner can be made.
+     * ErrorOnAll if no preconditioner can be built.
      */
     void
     set_operator(const double mass_factor, const bool is_symmetric);
 
     /**
-     * Collective. Make the operators of all levels, from the coarsest to the
+     * Collective. Build the operators of all levels, from the coarsest to the
      * finest, with a mass factor (1/s^2) from the stiffness of the last
-     * evaluate(): for a preconditioner of one's own in place of set_operator()
-     * and solve().
+     * evaluate(), for a custom preconditioner in place of set_operator() and
+     * solve().
      */
     typename PMultigrid<dim>::Levels
     make_levels(const double mass_factor);
 
-    /// Let smoothers that are chosen here take each component by itself.
+    /**
+     * Let smoothers that are chosen automatically treat each component
+     * separately.
+     */
     void
     smooth_components()
     {
       by_components = true;
     }
 
-    /// Let the next operator have a set-up of its own.
+    /// Require a new set-up for the next operator.
     void
     forget();
 
-    /// Set-ups so far.
+    /// Return the number of set-ups so far.
     unsigned int
     n_set_ups() const
     {
@@ -177,36 +183,39 @@ namespace greville
     }
 
     /**
-     * Collective. rows = E^T (force + M~ field), zero where held; with an empty
-     * vector for no field. Vectors have the layout of LevelOperator.
+     * Collective. Compute rows = E^T (force + M~ field), with zeros at
+     * constrained functions; @p field may be null. Vectors have the layout of
+     * LevelOperator.
      */
     void restrict(VectorType             &rows,
                   const VectorField<dim> &force,
                   const VectorField<dim> *field) const;
 
-    /// Collective. field = E x with the held coefficients that it has.
+    /// Collective. Set field = E x, keeping its constrained coefficients.
     void
     extend(VectorField<dim> &field, const VectorType &x) const;
 
-    /// The coefficients of the unknowns in a field, zero where they are held.
+    /**
+     * Read the coefficients of the unknowns in a field, with zeros at
+     * constrained ones.
+     */
     void
     read(VectorType &x, const VectorField<dim> &field) const;
 
-    /// Collective. dst = A src for the A of the last set_operator().
+    /// Collective. Compute dst = A src for the A of the last set_operator().
     void
     multiply(VectorType &dst, const VectorType &src);
 
     /**
-     * Collective. Solve A x = b until the residual is @p tolerance times that
-     * of zero. Throws ErrorOnAll like set_operator().
+     * Collective. Solve A x = b until the residual is @p tolerance times its
+     * value for x = 0. Throws ErrorOnAll like set_operator().
      */
     SolveResult
     solve(VectorType &x, const VectorType &b, const double tolerance);
 
     /**
-     * Collective. Solve systems that are coupled by the method @p run(n) of at
-     * most n iterations: with the set-ups that they have, or with new ones
-     * where these do not pay.
+     * Collective. Solve coupled systems by a method @p run(n) of at most n
+     * iterations. Set-ups are reused as long as they pay.
      */
     static SolveResult
     solve_together(
@@ -214,33 +223,36 @@ namespace greville
       const double                        tolerance,
       const std::function<SolveResult(const unsigned int iterations)> &run);
 
-    /// dst = S src for the preconditioner S.
+    /// Compute dst = S src for the preconditioner S.
     void
     precondition(VectorType &dst, const VectorType &src) const
     {
       multigrid->vmult(dst, src);
     }
 
-    /// Whether conjugate gradients solve the last system.
+    /// Return whether conjugate gradients solve the last system.
     bool
     takes_cg() const
     {
       return parameters.takes_cg(symmetric) && !projection;
     }
 
-    /// Basis vectors of FGMRES between two restarts; 0: conjugate gradients.
+    /**
+     * Return the number of basis vectors of FGMRES between two restarts; 0 for
+     * conjugate gradients.
+     */
     unsigned int
     n_basis_vectors() const
     {
       if (takes_cg())
         return 0;
-      // With a projection, restarts cost more than their vectors.
+      // With a projection, restarts cost more than the basis vectors they save.
       return projection ? parameters.max_iterations : 30;
     }
 
     /**
-     * Collective. The velocity with M~ v = momentum, with held coefficients as
-     * @p velocity has them.
+     * Collective. Compute the velocity with M~ v = momentum; @p velocity
+     * supplies the constrained coefficients.
      */
     SolveResult
     solve_mass(VectorField<dim> &velocity, const VectorField<dim> &momentum);
@@ -249,20 +261,22 @@ namespace greville
     initialize(VectorType &vector) const;
 
   private:
-    /// Whether coarse levels pay for an operator with this mass factor.
+    /// Return whether coarse levels pay for an operator with this mass factor.
     bool
     needs_levels(const double mass_factor) const;
 
-    /// Whether the set-up of the last operator is good for one with this mass
-    /// factor.
+    /**
+     * Return whether the set-up of the last operator suits an operator with
+     * this mass factor.
+     */
     bool
     is_reusable(const double mass_factor) const;
 
-    /// Collective. Make the entries of a level, for the mass factor.
+    /// Collective. Assemble the entries of a level for the mass factor.
     void
     assemble(const unsigned int level);
 
-    /// Whether products take the entries of c M~ + K.
+    /// Return whether products use the entries of c M~ + K.
     bool
     has_entries() const
     {
@@ -272,20 +286,22 @@ namespace greville
     void
     assemble_entries();
 
-    /// y = (c M~ + K) x on the places of the finest level.
+    /// Compute y = (c M~ + K) x on the places of the finest level.
     void
     multiply_at_places(double *y, const double *x);
 
-    /// Collective. The preconditioner of the operator; the smoother alone where
-    /// there is none with coarse levels, or where these do not pay.
+    /**
+     * Collective. Build the preconditioner of the operator; it is the smoother
+     * alone if coarse levels cannot be built or do not pay.
+     */
     void
     set_up();
 
-    /// Collective. Likewise, without the second try.
+    /// Collective. Build the cycle, without a second attempt.
     void
     make_multigrid();
 
-    /// Collective. The smoother, where it is 'auto', and its parameters.
+    /// Collective. Choose the smoother, if it is 'auto', and its parameters.
     void
     choose_smoother(PMultigridParameters &cycle,
                     SmootherParameters   &smoother) const;
@@ -307,22 +323,23 @@ namespace greville
     bool                                            symmetric     = true;
     bool                                            by_components = false;
     VolumeProjection<dim>                          *projection;
-    // Of the last evaluate() with stiffness and a projection.
+    // The displacement of the last evaluate() with stiffness and a projection.
     VectorField<dim>                displacement;
     std::vector<ProjectedBody<dim>> projected_bodies;
-    // The points with domains of each cell that reaches its neighbours.
+    // The points with domains in each cell that reaches its neighbours.
     CellWindows<dim>                                                  *windows;
     std::vector<std::pair<unsigned int, std::vector<TrialPoint<dim>>>> domains;
     std::vector<double> window_buffer;
 
-    // Sums of the moduli of compression and of shear of all points.
+    // Sums of the compression and shear moduli of all points.
     std::array<double, 2> moduli{};
     double                force_of_strain = 0.;
 
-    // Of the set-up; iterations are those for a tenth of the residual.
+    // The state of the set-up; its number of iterations is for a reduction of
+    // the residual by ten.
     bool         has_levels = false, is_fresh = false;
-    bool         wants_entries         = false; // new ones, for the next system
-    bool         levels_fail           = false; // for these unknowns
+    bool         wants_entries = false; // the next system needs new entries
+    bool         levels_fail   = false; // coarse levels fail for these unknowns
     double       mass_factor_of_set_up = 0.;
     double       mass_factor           = 0.; // of the operator
     double       first_iterations      = 0.;

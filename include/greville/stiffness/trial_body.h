@@ -10,9 +10,7 @@
 
 namespace greville
 {
-  /**
-   * Points of a body, and their law, in a step of a TangentSystem.
-   */
+  /// The points of a body and their law in a step of a TangentSystem.
   template <int dim>
   struct TrialBody
   {
@@ -21,7 +19,7 @@ namespace greville
     std::string                name;
     /// Material::strength_reduction() of the step.
     double strength_reduction = 1.;
-    /// At the end of the step, s.
+    /// The time at the end of the step, s.
     double time = 0.;
   };
 } // namespace greville
