@@ -10,7 +10,7 @@ namespace greville
 
   namespace
   {
-    // Columns of a factorization's vectors.
+    // Return the number of columns of a factorization's vectors.
     unsigned int
     factor_width(const unsigned int n_components)
     {
@@ -28,7 +28,8 @@ namespace greville
 
 
     /**
-     * A preconditioner of PETSc for vectors of unknowns, on those of a level.
+     * A preconditioner of PETSc for vectors of unknowns, applied to vectors of
+     * a level.
      */
     template <int dim>
     class UnknownsPreconditioner : public Preconditioner
@@ -219,9 +220,7 @@ namespace greville
   ExtendedLevel<dim>::factorization(const double shift,
                                     const bool   by_components) const
   {
-    /**
-     * The factors of the mean of all diagonal blocks, or of each of them.
-     */
+    /// The factors of the mean of all diagonal blocks, or of each block.
     class Factorization : public Preconditioner
     {
     public:

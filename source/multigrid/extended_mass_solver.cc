@@ -304,7 +304,7 @@ namespace greville
     unsigned int n_wasted = 0;
     if (!result.converged && !was_fresh)
       {
-        // The factorization is too old: go on with a new one.
+        // The factorization is too old: continue with a new one.
         n_wasted = *result.iterations;
         factorize();
         result = run(parameters.max_iterations);
@@ -334,7 +334,7 @@ namespace greville
     ones.fill(1.);
     minus_ones.fill(-1.);
 
-    // Squared norms field by field.
+    // Compute squared norms field by field.
     const auto norms = [&](const VectorType &vector) {
       const auto            squares = dot<width>(vector, vector, comm);
       std::array<double, 8> sum{};
@@ -354,7 +354,7 @@ namespace greville
       return ratio;
     };
 
-    // A guess that is worse than zero is none.
+    // A guess that is worse than zero is discarded.
     auto target = norms(r);
     mass.vmult(q, x, width);
     q.sadd(-1., 1., r);
@@ -389,8 +389,8 @@ namespace greville
           beta[c] = rho[c] > 0. ? new_rho[c] / rho[c] : 0.;
         if (other_preconditioner && k > 0)
           {
-            // It may change from one time to the next: beta is that of Polak
-            // and Ribiere, with r - alpha q for the new residual.
+            // The preconditioner may change between iterations: use the beta of
+            // Polak and Ribiere, with r - alpha q for the new residual.
             const auto change = dot<width>(q, z, comm);
             for (int c = 0; c < width; ++c)
               beta[c] = rho[c] > 0. ? -alpha[c] * change[c] / rho[c] : 0.;
@@ -429,7 +429,7 @@ namespace greville
         result.reason = text.str();
       }
 
-    // What is left of the residual pushes no column as a whole.
+    // Make the remaining residual orthogonal to constants.
     const auto    &is_held = mass.unknowns().has_held();
     Columns<width> sums{};
     for (unsigned int i = 0; i < r.locally_owned_size(); i += width)

@@ -13,10 +13,10 @@ namespace greville
 
   namespace
   {
-    // Up to this size a level is solved directly.
+    // The largest number of rows for which a level is solved directly.
     constexpr PetscInt small_size = 400;
 
-    // Coarse unknowns at the edge of a body may depend on each other: a
+    // Coarse unknowns at the edge of a body may be linearly dependent: a
     // fraction of the diagonal keeps matrices regular.
     constexpr double regularization = 1e-10;
 
@@ -61,8 +61,8 @@ namespace greville
 
     Mat      fine = matrix;
     PetscInt n_rows;
-    // PETSc multiplies matrices of the same type only, and on one process both
-    // types occur.
+    // PETSc multiplies only matrices of the same type, and both types occur on
+    // one process.
     MatType type;
     check_petsc(MatGetType(matrix, &type));
     check_petsc(MatGetSize(matrix, &n_rows, nullptr));
@@ -73,8 +73,8 @@ namespace greville
           unknowns, size, periodic, n_components, type, space.communicator());
         PetscInt n_coarse;
         check_petsc(MatGetSize(P.get(), nullptr, &n_coarse));
-        // Bodies of a few functions each can have more coarse unknowns than
-        // fine ones.
+        // Bodies of a few functions each can have more coarse than fine
+        // unknowns.
         if (n_coarse >= n_rows)
           break;
         Mat coarse;
@@ -108,7 +108,7 @@ namespace greville
       }
     checked_index<types::global_dof_index>(n_keys, "functions of a level");
     // The coarse functions of an unknown, one or two in each direction, with
-    // equal weights. Keys are the places in the lattice, and components.
+    // equal weights. Keys are positions in the lattice with components.
     constexpr unsigned int most = 1 << dim;
     const auto with_keys        = [&](const Unknown &u, const auto &visit) {
       std::uint64_t keys[most] = {u.component};
@@ -139,7 +139,7 @@ namespace greville
     std::sort(wanted.begin(), wanted.end());
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
 
-    // All processes share a list of the keys; the first one that wants a key
+    // All processes share the list of keys; the first process that needs a key
     // owns it.
     const unsigned int me          = Utilities::MPI::this_mpi_process(comm);
     const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
@@ -159,7 +159,7 @@ namespace greville
       if (list(key) == me)
         owned.push_back(key);
 
-    // Their numbers.
+    // The numbers of the keys.
     const std::uint64_t n_owned = owned.size();
     const std::uint64_t first   = sum_before(n_owned, comm);
     list.zero_out_ghost_values();

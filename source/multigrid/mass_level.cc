@@ -117,8 +117,8 @@ namespace greville
   void
   MassLevel<dim>::distribute(VectorType &x, const unsigned int) const
   {
-    // Coefficients without mass take part in transfers with unit weights, which
-    // keep constants so.
+    // Coefficients without mass take part in transfers with unit weights, so
+    // that constants are preserved.
     if (is_extended())
       entries->unknowns().distribute(x, 0);
   }

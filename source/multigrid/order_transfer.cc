@@ -10,9 +10,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * 1 / x, and 0 for 0.
-     */
+    /// Replace x by 1 / x, and 0 by 0.
     void
     invert(VectorType &x)
     {
@@ -35,9 +33,7 @@ namespace greville
 
 
 
-    /**
-     * The names of the list, each behind a '|'.
-     */
+    /// Return the names of the list, each after a '|'.
     template <int dim>
     std::string
     names_of_inverses()
@@ -126,7 +122,8 @@ namespace greville
         step.cross.vmult(step.inverse_row_sums, step.coarse);
         step.fine = 1.;
         step.cross.Tvmult(step.inverse_column_sums, step.fine);
-        // With unit weights the sums do not see the holes.
+        // With unit weights, the sums do not depend on which functions are
+        // inactive.
         for (const unsigned int i : fine.inactive())
           step.inverse_row_sums.local_element(i) = 0.;
         for (const unsigned int i : coarse.inactive())

@@ -79,8 +79,8 @@ namespace greville
       JacobiSmoother(const LevelOperator<dim> &level, const double damping)
         : DiagonalPreconditioner(level.diagonal())
       {
-        // Some power steps. The start is a function of the position only, so
-        // that the estimate does not depend on the number of processes.
+        // A few power iterations. The start is a function of the position only,
+        // so that the estimate does not depend on the number of processes.
         VectorType x, y;
         initialize_vector(x, level);
         initialize_vector(y, level);
@@ -103,9 +103,7 @@ namespace greville
 
 
 
-    /**
-     * The inverse of the diagonal.
-     */
+    /// Return the inverse of the diagonal.
     template <int dim>
     std::shared_ptr<Preconditioner>
     make_diagonal(const LevelOperator<dim> &level)
@@ -132,7 +130,7 @@ namespace greville
         chebyshev.initialize(matrix, data);
         VectorType vector;
         initialize_vector(vector, level);
-        // All processes have the same norms, and stop where one is NaN.
+        // All processes have the same norms, and stop if one is NaN.
         try
           {
             chebyshev.estimate_eigenvalues(vector);
@@ -152,9 +150,7 @@ namespace greville
       }
 
     private:
-      /**
-       * A level in the form that deal.II's class wants.
-       */
+      /// An adapter of a level to deal.II's class.
       struct Matrix : public Observable
       {
         Matrix(const LevelOperator<dim> &level)
@@ -178,9 +174,7 @@ namespace greville
 
 
 
-    /**
-     * A smoother of one component for each of several.
-     */
+    /// A smoother of one component, applied to each of several components.
     template <int dim>
     class SmootherByComponents : public Preconditioner
     {
@@ -243,9 +237,7 @@ namespace greville
 
 
 
-    /**
-     * The list of smoothers. A new one is a line here.
-     */
+    /// The list of smoothers. A new smoother is a line here.
     template <int dim>
     std::vector<Entry<dim>> &
     smoothers()

@@ -12,32 +12,31 @@
 namespace greville
 {
   /**
-   * What levels of p-multigrid on extended B-splines have in common: an
-   * operator E^T B E with the Extension E of a space of one order, for fields
-   * with one component or more. Coefficients can be held, component by
-   * component: rows and columns are then zero but for the diagonal, as are
-   * those of functions that are inactive or extended.
+   * Base class of levels of p-multigrid on extended B-splines: an operator E^T
+   * B E with the Extension E of a space of one order, for fields with one or
+   * more components. Coefficients can be constrained, component by component:
+   * their rows and columns are zero except for the diagonal, as for inactive
+   * and extended functions.
    *
-   * The mass of the space has the unknowns, and serves the transfer between
-   * orders.
+   * The mass matrix of the space stores the unknowns and is used in the
+   * transfer between orders.
    */
   template <int dim>
   class ExtendedLevel : public LevelOperator<dim>
   {
   public:
     /**
-     * Collective. The space is kept by reference. Bit c of @p held[f] holds
-     * component c of local function f; an empty one holds nothing. Weights of
-     * the transfer are those of @p n_weights points of Gauss in a direction.
+     * Collective. The space is kept by reference. Bit c of @p held[f]
+     * constrains component c of local function f; an empty vector constrains
+     * nothing. The transfer uses weights at @p n_weights Gauss points per
+     * direction.
      */
     ExtendedLevel(const SplineSpace<dim>           &space,
                   const unsigned int                n_components,
                   const std::vector<unsigned char> &held,
                   const unsigned int                n_weights);
 
-    /**
-     * The mass with the extension of the space, and what is held.
-     */
+    /// Return the mass with the extension of the space and its constraints.
     const ExtendedMass<dim> &
     extended() const
     {
@@ -50,9 +49,7 @@ namespace greville
       return spline_extension;
     }
 
-    /**
-     * The components (bits) that are held of local functions.
-     */
+    /// Return the constrained components (bits) of local functions.
     const std::vector<unsigned char> &
     held_components() const
     {
@@ -77,9 +74,7 @@ namespace greville
       return all_diagonal;
     }
 
-    /**
-     * The largest entry of the diagonal of all processes.
-     */
+    /// Return the largest diagonal entry on all processes.
     double
     largest_diagonal() const
     {
@@ -124,23 +119,23 @@ namespace greville
 
   protected:
     /**
-     * Collective. The filling, which is kept by reference, is that of points at
-     * new places; @p changed tells whether it differs from that of the last
-     * call. The mass and its weights are to be filled.
+     * Collective. Begin with points at new positions, whose @p filling is kept
+     * by reference; @p changed says whether it differs from the last call. The
+     * mass and its weights must then be filled.
      */
     void
     begin_level(const CellFilling<dim> &filling, const bool changed);
 
     /**
-     * Collective. Make the diagonal of what the unknowns of this process
-     * contribute to it, in the layout of result.
+     * Collective. Compute the diagonal from the contributions of the unknowns
+     * of this process, in the layout of result.
      */
     void
     set_diagonal();
 
     /**
-     * Collective. dst = A src with the @p product(result, source) of vectors of
-     * unknowns.
+     * Collective. Compute dst = A src with the @p product(result, source) of
+     * vectors of unknowns.
      */
     void
     multiply(VectorType                  &dst,
@@ -148,21 +143,17 @@ namespace greville
              const std::function<void()> &product) const;
 
     /**
-     * The scalar matrix, with the unknowns of the mass, whose factors stand for
-     * the given components (bits).
+     * Return the scalar matrix, with the unknowns of the mass, whose factors
+     * represent the given components (bits).
      */
     virtual const ExtendedMass<dim> &
     diagonal_block(const unsigned int components) const = 0;
 
-    /**
-     * Collective. A for PETSc.
-     */
+    /// Collective. Return A as a matrix of PETSc.
     virtual PetscMatrix
     petsc_matrix() const = 0;
 
-    /**
-     * Let a matrix know what its coarse levels have to represent.
-     */
+    /// Attach to a matrix the modes that its coarse levels must represent.
     virtual void
     set_modes(const PetscMatrix &) const
     {}
@@ -177,18 +168,14 @@ namespace greville
     mutable VectorType               source, result; // of unknowns
 
   private:
-    /**
-     * Collective. Factorize a matrix that stands for some components (bits).
-     */
+    /// Collective. Factorize a matrix that represents some components (bits).
     void
     factorize(const ExtendedMass<dim> &matrix,
               const double             shift,
               const unsigned int       of_components,
               PartitionedCholesky     &factors) const;
 
-    /**
-     * A solve for @p n components from the given one on; @p dst may be @p src.
-     */
+    /// Solve for @p n components from the given one on; @p dst may be @p src.
     void
     solve(const PartitionedCholesky &factors,
           VectorType                &dst,
@@ -196,7 +183,8 @@ namespace greville
           const unsigned int         component,
           const unsigned int         n) const;
 
-    // Made by the first call of apply_inverse_mass() for a mass.
+    // The factors of the mass, computed by the first call of
+    // apply_inverse_mass() for it.
     mutable std::unique_ptr<PartitionedCholesky> mass_factors;
 
     double                      largest = 0.;

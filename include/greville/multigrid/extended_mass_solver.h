@@ -13,8 +13,8 @@
 namespace greville
 {
   /**
-   * z = B r with a preconditioner B, for the first @p n_columns columns of
-   * vectors of unknowns with @p width of them.
+   * A function z = B r with a preconditioner B, for the first @p n_columns
+   * columns of vectors of unknowns with @p width columns.
    */
   using ColumnPreconditioner =
     std::function<void(VectorType        &z,
@@ -26,27 +26,26 @@ namespace greville
 
   /**
    * Conjugate gradients for A x = b with an ExtendedMass, for all components of
-   * one or two vector fields together: one pass over matrix and factors serves
-   * all of them. The preconditioner is PartitionedCholesky in lexicographic
-   * order, one factorization for all components that have the same E, or
-   * another one, which need not be linear nor know what is held.
+   * one or two vector fields together, with one pass over matrix and factors.
+   * The preconditioner is PartitionedCholesky in lexicographic order, with one
+   * factorization for all components with the same E, or a given one, which may
+   * be nonlinear and need not treat constraints.
    *
-   * A factorization serves the matrices of following steps, too, until the
-   * iterations that their solves need more than the first one add up to
-   * SmootherParameters::reuse: until it has cost what a new one costs. It
-   * outlives changes of as many unknowns; new ones are divided by their
-   * diagonal entry.
+   * A factorization is reused in subsequent steps until the iterations in
+   * excess of the first solve add up to SmootherParameters::reuse, that is,
+   * until they cost as much as a new factorization. It remains in use if
+   * unknowns change; new unknowns are divided by their diagonal entry.
    *
    * The residual of the solution is orthogonal to constants in columns without
-   * held functions, so that momentum does not depend on the tolerance.
+   * constrained functions, so that momentum does not depend on the tolerance.
    */
   template <int dim>
   class ExtendedMassSolver
   {
   public:
     /**
-     * Parameters and mass are kept by reference. Without another
-     * @p preconditioner this class factorizes.
+     * Parameters and mass are kept by reference. If no @p preconditioner is
+     * given, this class factorizes the matrix.
      */
     ExtendedMassSolver(ExtendedMass<dim>          &mass,
                        const SolverParameters     &parameters,
@@ -54,36 +53,32 @@ namespace greville
                        const ColumnPreconditioner &preconditioner = {});
 
     /**
-     * Collective. The mass has changed, and with it the set of unknowns if
-     * @p unknowns_changed. Factorizes where it is due.
+     * Collective. Update after a change of the mass, and of the set of unknowns
+     * if @p unknowns_changed. Factorizes if a factorization is due.
      */
     void
     update(const bool unknowns_changed, const double total_mass);
 
     /**
-     * Collective. Solve A x = E^T b for pairs (x, b) of fields. On entry the
-     * x hold initial guesses and the values of held coefficients. Iterations
-     * end when the residual of each field k has fallen to the tolerance times
-     * its right-hand side, or times @p shares[k] times the first right-hand
-     * side, where that is larger.
+     * Collective. Solve A x = E^T b for pairs (x, b) of fields. On entry, x
+     * contains initial guesses and the values of constrained coefficients.
+     * Iterations end when the residual of each field k is below the tolerance
+     * times the larger of its right-hand side and @p shares[k] times the first
+     * right-hand side.
      */
     SolveResult
     solve(const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &b,
           const std::vector<double>                   &shares = {});
 
-    /**
-     * Let the next update() factorize.
-     */
+    /// Require a factorization in the next update().
     void
     forget()
     {
       is_due = true;
     }
 
-    /**
-     * Factorizations so far.
-     */
+    /// Return the number of factorizations so far.
     unsigned int
     n_factorizations() const
     {
@@ -104,8 +99,8 @@ namespace greville
     factorize();
 
     /**
-     * The unknowns have changed: find those that have been factorized. Too many
-     * changes make a new factorization due.
+     * Match changed unknowns with the factorized ones. Too many changes make a
+     * new factorization due.
      */
     void
     match_unknowns();
@@ -114,7 +109,8 @@ namespace greville
     hold();
 
     /**
-     * z = the preconditioner times r, of @p width columns in blocks of dim.
+     * Compute z = the preconditioner times r, for @p width columns in blocks of
+     * dim.
      */
     void
     precondition(VectorType        &z,
@@ -123,8 +119,8 @@ namespace greville
                  const unsigned int n_columns) const;
 
     /**
-     * The columns of z that have these factors, those numbers of the @p width
-     * columns that are listed.
+     * Compute the columns of z that use these factors, given by their numbers
+     * among the @p width columns.
      */
     void
     precondition(const Factors                   &part,
@@ -134,19 +130,19 @@ namespace greville
                  const std::vector<unsigned int> &columns) const;
 
     /**
-     * Iterations after which a solve had better begin again with new factors.
+     * Return the number of iterations after which a solve should restart with
+     * new factors.
      */
     unsigned int
     most_iterations_with_old_factors() const
     {
-      // One solve that needs so many more makes a new factorization due.
+      // A single solve with this many more iterations makes a new factorization
+      // due.
       return fresh_iterations + 1 +
              static_cast<unsigned int>(smoother_parameters.reuse);
     }
 
-    /**
-     * Is it time for a new factorization?
-     */
+    /// Decide whether a new factorization is due.
     void
     judge_factorization(const unsigned int n_iterations)
     {

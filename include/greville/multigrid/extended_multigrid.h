@@ -10,23 +10,24 @@ namespace greville
 {
   /**
    * The cycle of PMultigrid for the mass of points on extended B-splines, as a
-   * preconditioner of ExtendedMassSolver: column by column of the vectors of
-   * unknowns. Components that hold the same functions share their levels.
+   * preconditioner of ExtendedMassSolver, applied column by column. Components
+   * with the same constrained functions share their levels.
    */
   template <int dim>
   class ExtendedMultigrid
   {
   public:
     /**
-     * Whether a component holds the local functions of a space (not zero).
+     * A function that returns, for the local functions of a space, whether a
+     * component is constrained (not zero).
      */
     using HeldFunctions =
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space,
                                                const unsigned int component)>;
 
     /**
-     * Collective. The arguments are kept by reference. The mass is that of the
-     * finest order.
+     * Collective. The arguments are kept by reference. The mass has the finest
+     * order.
      */
     ExtendedMultigrid(const OrderHierarchy<dim>  &orders,
                       const ExtendedMass<dim>    &mass,
@@ -35,9 +36,9 @@ namespace greville
                       const SmootherParameters   &smoother_parameters);
 
     /**
-     * Collective. The mass has changed, and with it the set of unknowns if
-     * @p unknowns_changed; then @p filling is that of the new ones.
-     * @p fill(weights) fills the weights of a level.
+     * Collective. Update after a change of the mass, and of the set of unknowns
+     * if @p unknowns_changed, with their @p filling. @p fill(weights) fills the
+     * weights of a level.
      */
     void
     update(const CellFilling<dim>                           &filling,
@@ -45,8 +46,8 @@ namespace greville
            const std::function<void(DensityWeights<dim> &)> &fill);
 
     /**
-     * Collective. z = one cycle for each of the first @p n_columns columns of
-     * r, which has @p width of them.
+     * Collective. Compute z = one cycle for each of the first @p n_columns
+     * columns of r, which has @p width columns.
      */
     void
     vmult(VectorType        &z,
@@ -55,12 +56,10 @@ namespace greville
           const unsigned int n_columns) const;
 
   private:
-    /**
-     * The levels of components that hold the same functions.
-     */
+    /// The levels of components with the same constrained functions.
     struct Group
     {
-      unsigned int                                 component; // the first
+      unsigned int component; // the first of the group
       std::vector<std::unique_ptr<MassLevel<dim>>> levels;
       std::unique_ptr<PMultigrid<dim>>             cycle;
     };
@@ -72,7 +71,7 @@ namespace greville
 
     const HeldFunctions           held;
     std::vector<Group>            groups;
-    std::array<unsigned int, dim> group_of; // component
+    std::array<unsigned int, dim> group_of; // by component
     mutable VectorType            to, from;
   };
 } // namespace greville

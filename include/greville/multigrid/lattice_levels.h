@@ -17,23 +17,24 @@ namespace greville
    * Geometric levels below a matrix of order 1, for PETSc's PCMG: the lattice
    * of functions is coarsened by two in each direction again and again, with
    * multilinear interpolation, which has all rigid body modes, and Galerkin
-   * products. An unknown of a level exists where an unknown of the next finer
-   * one asks for it, so that bodies may end anywhere in the lattice. Stencils
-   * keep their size on all levels: together these have about
+   * products. A level has the unknowns from which unknowns of the next finer
+   * level are interpolated, so bodies may end anywhere in the lattice. Stencils
+   * have the same size on all levels, so all coarse levels together have about
    * @f$ 1 / (2^\text{dim} - 1) @f$ of the entries of the matrix. A matrix of
-   * few rows has no levels below: it is factorized.
+   * few rows has no coarse levels: it is factorized.
    *
-   * Unknowns are numbered and interpolated component by component: what walls
-   * hold, or a body does not reach, has no coarse unknown.
+   * Unknowns are numbered and interpolated component by component: constrained
+   * and inactive components have no coarse unknown.
    */
   template <int dim>
   class LatticeLevels
   {
   public:
     /**
-     * Collective. Row i * n_components + c of @p matrix on this process, which
-     * is symmetric, belongs to component c of the local function functions[i].
-     * Its bit c of held[i] leaves it out: the row has the diagonal alone.
+     * Collective. @p matrix is symmetric; its row i * n_components + c on this
+     * process belongs to component c of the local function functions[i]. If bit
+     * c of held[i] is set, this row is constrained and contains the diagonal
+     * only.
      */
     LatticeLevels(const Mat                         matrix,
                   const SplineSpace<dim>           &space,
@@ -56,9 +57,7 @@ namespace greville
     apply_to(PC pc) const;
 
   private:
-    /**
-     * An unknown, one component of a function of a lattice.
-     */
+    /// An unknown: one component of a function of a lattice.
     struct Unknown
     {
       MultiIndex<dim> position;
@@ -67,9 +66,9 @@ namespace greville
     };
 
     /**
-     * Collective. The interpolation from the next coarser lattice to the owned
-     * @p unknowns, which become those of the coarse lattice, as @p size becomes
-     * that of it. It has the PETSc @p type.
+     * Collective. Return the interpolation from the next coarser lattice to the
+     * owned @p unknowns, as a matrix of the PETSc @p type. On return, @p
+     * unknowns and @p size describe the coarse lattice.
      */
     PetscMatrix
     coarsen(std::vector<Unknown>        &unknowns,

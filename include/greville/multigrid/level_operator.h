@@ -13,15 +13,15 @@
 namespace greville
 {
   /**
-   * A symmetric positive definite operator A of one order of a hierarchy: all
-   * that a cycle, a smoother and a transfer ask for. Vectors have a coefficient
-   * for each function of a spline space and component c, interleaved: entry
-   * i * n_components() + c of local function i.
+   * A symmetric positive definite operator A of one order of a hierarchy, with
+   * the interface required by cycles, smoothers and transfers. Vectors have a
+   * coefficient for each function of a spline space and component c,
+   * interleaved: entry i * n_components() + c of local function i.
    *
-   * *Inactive* functions are those that A leaves out, as they meet no material,
-   * are held, or depend on others (extended B-splines). Their rows and columns
-   * are zero but for the diagonal, so that a right-hand side of zero gives
-   * zero.
+   * *Inactive* functions do not take part in A, because there is no material in
+   * their support, they are constrained, or they depend on others (extended
+   * B-splines). Their rows and columns are zero except for the diagonal, so
+   * that a right-hand side of zero gives zero.
    */
   template <int dim>
   class LevelOperator
@@ -29,9 +29,7 @@ namespace greville
   public:
     virtual ~LevelOperator() = default;
 
-    /**
-     * The space of a component.
-     */
+    /// Return the space of one component.
     virtual const SplineSpace<dim> &
     space() const = 0;
 
@@ -41,9 +39,7 @@ namespace greville
       return 1;
     }
 
-    /**
-     * dst = A src.
-     */
+    /// Compute dst = A src.
     virtual void
     vmult(VectorType &dst, const VectorType &src) const = 0;
 
@@ -54,8 +50,8 @@ namespace greville
     }
 
     /**
-     * dst = A src for smoothers and cycles, which may do with entries in single
-     * precision: half the memory traffic.
+     * Compute dst = A src for smoothers and cycles, possibly with entries in
+     * single precision, which halves the memory traffic.
      */
     virtual void
     vmult_in_cycle(VectorType &dst, const VectorType &src) const
@@ -63,22 +59,18 @@ namespace greville
       vmult(dst, src);
     }
 
-    /**
-     * The diagonal, positive for inactive functions, too.
-     */
+    /// Return the diagonal, which is positive also for inactive functions.
     virtual const VectorType &
     diagonal() const = 0;
 
-    /**
-     * Local numbers of the inactive functions of this process.
-     */
+    /// Return the local numbers of the inactive functions of this process.
     virtual const std::vector<unsigned int> &
     inactive() const = 0;
 
     /**
-     * The entries of one component, for smoothers that work on them: of A where
-     * it has one component, otherwise a matrix that stands for all diagonal
-     * blocks (MPIAIJ). Numbers are those of the space.
+     * Return the entries of one component, for smoothers that work on them: the
+     * entries of A if it has one component, otherwise a matrix that represents
+     * all diagonal blocks (MPIAIJ). Numbers are global numbers of the space.
      */
     virtual Mat
     matrix() const
@@ -93,9 +85,9 @@ namespace greville
     }
 
     /**
-     * @f$ x \leftarrow E x @f$, all coefficients of a spline, one @p component,
-     * from the active ones: zero where functions are inactive, unless they
-     * depend on others. Collective.
+     * Collective. Compute @f$ x \leftarrow E x @f$, all coefficients of a
+     * spline, for one @p component, from the active ones. Inactive functions
+     * get zero unless they depend on others.
      */
     virtual void
     distribute(VectorType &x, const unsigned int /*component*/ = 0) const
@@ -105,8 +97,8 @@ namespace greville
     }
 
     /**
-     * @f$ x \leftarrow E^T x @f$, zero where functions are inactive.
-     * Collective.
+     * Collective. Compute @f$ x \leftarrow E^T x @f$, with zeros at inactive
+     * functions.
      */
     virtual void
     condense(VectorType &x, const unsigned int /*component*/ = 0) const
@@ -116,10 +108,10 @@ namespace greville
     }
 
     /**
-     * Incomplete factorizations of the diagonal blocks of the components, or
-     * one of their mean that stands for all of them, for smoothers: a symmetric
-     * positive definite B with dst = B src for all components. Null where there
-     * is none.
+     * Return incomplete factorizations of the diagonal blocks of the
+     * components, or one of their mean for all components, for smoothers: a
+     * symmetric positive definite B with dst = B src for all components. Null
+     * if there is none.
      */
     virtual std::unique_ptr<Preconditioner>
     factorization(const double /*shift*/, const bool /*by_components*/) const
@@ -128,8 +120,8 @@ namespace greville
     }
 
     /**
-     * Replace x by an approximation of @f$ M^{-1} x @f$ with the mass matrix M
-     * of the points of the transfer, symmetric, all components. Collective.
+     * Collective. Replace x by a symmetric approximation of @f$ M^{-1} x @f$
+     * with the mass matrix M of the points of the transfer, for all components.
      */
     virtual void
     apply_inverse_mass(VectorType & /*x*/) const
@@ -141,9 +133,9 @@ namespace greville
     }
 
     /**
-     * Collective. A preconditioner of PETSc that works on the entries of all
-     * components, in PETSc's options; null where the operator does not give
-     * them.
+     * Collective. Return a preconditioner of PETSc for the entries of all
+     * components, described by PETSc's options; null if the operator has no
+     * entries.
      */
     virtual std::unique_ptr<Preconditioner>
     petsc_preconditioner(const std::string & /*options*/) const
@@ -152,7 +144,8 @@ namespace greville
     }
 
     /**
-     * Collective. The same, with LatticeLevels below the entries, for order 1.
+     * Collective. Return the same with LatticeLevels below the entries, for
+     * order 1.
      */
     virtual std::unique_ptr<Preconditioner>
     lattice_preconditioner() const
@@ -161,8 +154,8 @@ namespace greville
     }
 
     /**
-     * The points, with their weights, of the L2 products of a transfer; null:
-     * those of the volume.
+     * Return the points and weights for the L2 products of a transfer; null for
+     * the volume.
      */
     virtual const DensityWeights<dim> *
     transfer_weights() const
@@ -194,9 +187,9 @@ namespace greville
   }
 
   /**
-   * Apply @p action(to, from, c), which works on one component c, to all of the
-   * @p n components of interleaved vectors. The vectors @p to and @p from have
-   * the layouts of one component; they are not used for n = 1.
+   * Apply @p action(to, from, c), which works on one component c, to all @p n
+   * components of interleaved vectors. The vectors @p to and @p from have the
+   * layouts of one component; they are not used for n = 1.
    */
   template <typename Action>
   void

@@ -13,16 +13,16 @@
 namespace greville
 {
   /**
-   * The mass matrix of one order of the hierarchy, discretized anew from the
-   * weights: a MassOperator, with extended B-splines an ExtendedMass.
+   * The mass matrix of one order of the hierarchy, discretized from the
+   * weights: a MassOperator or, with extended B-splines, an ExtendedMass.
    */
   template <int dim>
   class MassLevel : public LevelOperator<dim>
   {
   public:
     /**
-     * Collective. Evaluates @p density at p + 1 Gauss points per direction; no
-     * operator is made yet. The space is kept by reference.
+     * Collective. Evaluates @p density at p + 1 Gauss points per direction;
+     * assemble() builds the operators. The space is kept by reference.
      */
     MassLevel(const SplineSpace<dim>      &space,
               const dealii::Function<dim> &density)
@@ -51,8 +51,8 @@ namespace greville
     }
 
     /**
-     * Extended B-splines from the next assemble() on. Local functions that are
-     * @p held (not zero) are left out of the columns of E.
+     * Use extended B-splines from the next assemble() on. Local functions that
+     * are @p held (not zero) are left out of the columns of E.
      */
     void
     extend(Extension<dim> extension, std::vector<unsigned char> held = {})
@@ -62,8 +62,8 @@ namespace greville
     }
 
     /**
-     * Collective. Make the operators. Without extended B-splines,
-     * factorization() is there if @p with_entries.
+     * Collective. Build the operators. Without extended B-splines,
+     * factorization() is available only if @p with_entries.
      */
     void
     assemble(const bool with_entries = true);
@@ -85,9 +85,7 @@ namespace greville
       return *spline_space;
     }
 
-    /**
-     * M of all functions, matrix-free.
-     */
+    /// Return M of all functions, matrix-free.
     const MassOperator<dim> &
     mass() const
     {
@@ -111,8 +109,8 @@ namespace greville
     }
 
     /**
-     * The row sums (the lumped mass), with the diagonal of inactive
-     * coefficients. Those of extended B-splines can be negative.
+     * Return the row sums (the lumped mass), with the diagonal of inactive
+     * coefficients. With extended B-splines they can be negative.
      */
     VectorType
     lumped() const;
@@ -129,9 +127,7 @@ namespace greville
     void
     condense(VectorType &x, const unsigned int component = 0) const override;
 
-    /**
-     * IC(0), one for both kinds.
-     */
+    /// Return IC(0), one for all components.
     std::unique_ptr<Preconditioner>
     factorization(const double shift, const bool) const override;
 
@@ -142,15 +138,13 @@ namespace greville
     }
 
   protected:
-    // With extended B-splines, and where entries are needed: then all functions
-    // that meet mass are unknowns unless an extension is given.
+    // The matrix with extended B-splines, or if entries are needed; all
+    // functions with mass are then unknowns unless an extension is given.
     std::unique_ptr<ExtendedMass<dim>> entries;
     LowerTriangle                      lower_entries;
 
   private:
-    /**
-     * Collective. M on the places of unknowns.
-     */
+    /// Collective. Assemble M on the places of unknowns.
     void
     fill_entries();
 

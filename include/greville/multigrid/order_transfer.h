@@ -14,17 +14,17 @@
 namespace greville
 {
   /**
-   * Makes an approximation of the inverse of the mass matrix of a level with
-   * the weight of the transfer: that of the level, or 1 where @p unit_weight.
-   * It is applied in place.
+   * A function that makes an approximation of the inverse of the mass matrix of
+   * a level with the weight of the transfer, which is the weight of the level,
+   * or 1 if @p unit_weight. It is applied in place.
    */
   template <int dim>
   using MakeInverseMass = std::function<std::unique_ptr<Preconditioner>(
     const LevelOperator<dim> &level, const bool unit_weight)>;
 
   /**
-   * Add a name to the lists of OrderTransfer, before parameters are read. Both
-   * dimensions have to have it.
+   * Add a name to the lists of OrderTransfer, before parameters are read, for
+   * both dimensions.
    */
   template <int dim>
   void
@@ -47,21 +47,21 @@ namespace greville
    *
    * The restriction is
    * - "lumped-l2": @f$ D_l^{-1} P^T @f$ with
-   *   @f$ D_l = \text{diag}(P^T 1) @f$, that of the paper,
+   *   @f$ D_l = \text{diag}(P^T 1) @f$, as in the paper,
    * - @f$ M_l^{-1} P^T @f$ with a name of add_inverse_mass(),
    * - "transpose": the transpose of the prolongation, which makes a cycle with
    *   a symmetric smoother symmetric.
    *
    * The weight w is the density of LevelOperator::transfer_weights()
-   * ("density") or 1 ("unit"). Inactive coefficients neither give nor take.
-   * Operators of several components have the same transfer for each.
+   * ("density") or 1 ("unit"). Inactive coefficients do not take part. All
+   * components of an operator have the same transfer.
    *
    * With extended B-splines, P acts on all coefficients of a spline, which the
-   * matrix @f$ E_l @f$ of LevelOperator::distribute() computes, and of its
-   * result the coefficients that are not extended are taken. The prolongation
-   * is then @f$ D_k^{-1} P E_l @f$, its transpose
+   * matrix @f$ E_l @f$ of LevelOperator::distribute() computes, and the
+   * coefficients of extended functions are dropped from its result. The
+   * prolongation is then @f$ D_k^{-1} P E_l @f$, its transpose
    * @f$ E_l^T P^T D_k^{-1} @f$, and the restriction
-   * @f$ D_l^{-1} P^T E_k @f$. So constants stay constants.
+   * @f$ D_l^{-1} P^T E_k @f$. Constants are therefore preserved.
    */
   template <int dim>
   class OrderTransfer : public dealii::MGTransferBase<VectorType>
@@ -120,9 +120,7 @@ namespace greville
                        const VectorType  &src,
                        const unsigned int component) const;
 
-    /**
-     * Between a level and the next coarser one.
-     */
+    /// The transfer between a level and the next coarser one.
     struct Step
     {
       const LevelOperator<dim>            *fine_level;
@@ -131,15 +129,15 @@ namespace greville
       CrossMassOperator<dim>               cross;
       VectorType                           inverse_row_sums;
       VectorType                           inverse_column_sums;
-      mutable VectorType                   fine, coarse; // one component
-      mutable VectorType                   from_fine, from_coarse;
-      mutable VectorType                   fine_sum, coarse_sum; // all of them
+      mutable VectorType fine, coarse; // vectors of one component
+      mutable VectorType from_fine, from_coarse;
+      mutable VectorType fine_sum, coarse_sum; // vectors of all components
     };
 
     std::vector<Step> steps; // [level - 1]
     std::string       prolongation, restriction;
 
-    // Those of add_inverse_mass(), on the levels where they are used.
+    // Approximate inverses of add_inverse_mass(), on the levels that use them.
     std::vector<std::unique_ptr<Preconditioner>> inverses;
     bool prolongates_by_inverse, restricts_by_inverse;
   };

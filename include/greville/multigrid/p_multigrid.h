@@ -12,18 +12,17 @@ namespace greville
   struct PMultigridParameters
   {
     /**
-     * The choice of @p smoothers and @p coarse_preconditioners is that of names
-     * separated by '|'; without any of the latter there is no choice. All else
-     * comes from the code, or from declare_levels() of benchmarks.
+     * Declare the parameters. @p smoothers and @p coarse_preconditioners are
+     * the names to choose from, separated by '|'; if the latter is empty, there
+     * is no choice. All other values come from the code, or from
+     * declare_levels() in benchmarks.
      */
     void
     declare(dealii::ParameterHandler &prm,
             const std::string        &smoothers,
             const std::string        &coarse_preconditioners);
 
-    /**
-     * What operators of implicit steps take.
-     */
+    /// Return the coarse preconditioners for operators of implicit steps.
     static std::string
     all_coarse_preconditioners()
     {
@@ -88,9 +87,7 @@ namespace greville
                const SmootherParameters   &smoother_parameters,
                const double                coarse_tolerance);
 
-    /**
-     * One cycle with the initial guess zero.
-     */
+    /// Apply one cycle with the initial guess zero.
     void
     vmult(VectorType &dst, const VectorType &src) const override;
 
@@ -103,7 +100,7 @@ namespace greville
     };
 
     /**
-     * Improve x[level] for the right-hand side b[level]; begin with zero where
+     * Improve x[level] for the right-hand side b[level], beginning with zero if
      * @p from_zero.
      */
     void
@@ -112,8 +109,8 @@ namespace greville
           const bool         from_zero) const;
 
     /**
-     * @p n_steps steps x += S (b - A x), the first one from x = 0 where
-     * @p from_zero, with S^T if @p transpose.
+     * Do @p n_steps steps x += S (b - A x), the first one from x = 0 if @p
+     * from_zero, with S^T if @p transpose.
      */
     void
     smooth(const unsigned int level,
@@ -121,9 +118,7 @@ namespace greville
            const bool         transpose,
            const bool         from_zero) const;
 
-    /**
-     * residual = b - A x on level l.
-     */
+    /// Compute residual = b - A x on level l.
     void
     compute_residual(const unsigned int l) const
     {

@@ -14,17 +14,15 @@
 
 namespace greville
 {
-  /**
-   * Parameters of all smoothers; each reads its own.
-   */
+  /// Parameters of all smoothers; each smoother uses only some.
   struct SmootherParameters
   {
     void
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * Throw dealii::ExcMessage where patterns cannot tell that a parameter is
-     * wrong.
+     * Throw dealii::ExcMessage for invalid parameters that patterns cannot
+     * detect.
      */
     void
     check() const;
@@ -36,14 +34,14 @@ namespace greville
     /// unknowns that have come and gone, add up to this number.
     unsigned int reuse = 10;
 
-    // Schwarz methods, which add_paper_parts() adds to the list
+    // Parameters of Schwarz methods, which add_paper_parts() adds to the list
     double       drop_tolerance = 1e-12;
     double       fill_factor    = 1.;
     unsigned int overlap        = 1;
     std::string  ordering       = "lexicographic";
     std::string  combination    = "automatic";
 
-    // Point smoothers
+    // Parameters of point smoothers
     double       damping          = 1.;
     unsigned int chebyshev_degree = 4;
     double       chebyshev_range  = 20.;
@@ -52,7 +50,7 @@ namespace greville
   };
 
   /**
-   * The names of smoothers, separated by '|':
+   * Return the names of smoothers, separated by '|':
    * - "ic0": LevelOperator::factorization(), one for all components,
    * - "jacobi": @f$ \omega D^{-1} @f$ with @f$ \omega @f$ = damping /
    *   @f$ \lambda_\text{max}(D^{-1} A) @f$,
@@ -67,9 +65,7 @@ namespace greville
   std::string
   smoother_names();
 
-  /**
-   * Makes a smoother, as make_smoother() does.
-   */
+  /// A function that makes a smoother, like make_smoother().
   template <int dim>
   using MakeSmoother =
     std::function<std::unique_ptr<Preconditioner>(const SmootherParameters &,
@@ -77,10 +73,10 @@ namespace greville
                                                   const bool symmetric)>;
 
   /**
-   * Add a smoother to the list, in place of one of the same name, before
-   * parameters are read: it @p needs_matrix
-   * if it works on LevelOperator::matrix(), and is applied @p by_components if
-   * it knows vectors of one component only. Both dimensions have to have it.
+   * Add a smoother to the list, in place of one with the same name, for both
+   * dimensions, before parameters are read. @p needs_matrix is true if it works
+   * on LevelOperator::matrix(), @p by_components if it takes vectors of one
+   * component only.
    */
   template <int dim>
   void
@@ -90,7 +86,8 @@ namespace greville
                const MakeSmoother<dim> &make);
 
   /**
-   * Let a @p smoother of one component work on all of them, one by one.
+   * Return a preconditioner that applies a @p smoother of one component to all
+   * components, one by one.
    */
   template <int dim>
   std::unique_ptr<Preconditioner>
@@ -101,10 +98,9 @@ namespace greville
   smoother_needs_matrix(const std::string &name);
 
   /**
-   * Make a smoother for @p level, which is kept by reference. Collective.
-   * @p symmetric asks for a symmetric one where there is a choice.
-   * Throws dealii::ExcMessage for an unknown name or
-   * a factorization that fails.
+   * Collective. Make a smoother for @p level, which is kept by reference. @p
+   * symmetric asks for a symmetric one if there is a choice. Throws
+   * dealii::ExcMessage for an unknown name or a factorization that fails.
    */
   template <int dim>
   std::unique_ptr<Preconditioner>
