@@ -10,13 +10,13 @@ namespace greville
 
   namespace
   {
-    // Loads that move a point by more than this part of a cell in a step can be
-    // why a step fails.
+    // Loads that move a point by more than this fraction of a cell in a step
+    // are a possible reason for a failed step.
     constexpr double large_move = 0.1;
 
 
 
-    // All kinds of loads on points, one line each.
+    // The list of all kinds of point loads, one line each.
     template <int dim>
     std::vector<MakePointLoads<dim>> &
     kinds_of_point_loads()
@@ -137,7 +137,7 @@ namespace greville
   void
   Loads<dim>::clear(std::vector<Body<dim>> &bodies) const
   {
-    // Other stages may have loads.
+    // Another stage may have had loads.
     for (Body<dim> &body : bodies)
       if (const PointField *load = body.points.layout().find("load"))
         body.points.for_each([&](const unsigned int, PointRef<dim> p) {

@@ -22,7 +22,7 @@ namespace greville
         {"sliding", WallType::sliding},
         {"moving", WallType::moving},
         {"friction", WallType::friction},
-        // Contacts act on the points of surfaces, and not on the grid.
+        // Contacts act on the points of surfaces, not on the grid.
         {"contact", WallType::free},
         {"periodic", WallType::periodic}};
       return types.at(name);
@@ -118,7 +118,7 @@ namespace greville
         for (const unsigned int i : coefficients[w])
           places[w].push_back(space.greville_point(i));
       }
-    // The last wall that holds a coefficient gives it its value.
+    // If several walls constrain a coefficient, the last one gives its value.
     std::vector<unsigned char> others(space.owned_functions().size(), 0);
     for (unsigned int w = 2 * dim; w-- > 0;)
       {

@@ -7,9 +7,7 @@
 
 namespace greville
 {
-  /**
-   * The force b(x, X, t) per mass on all points.
-   */
+  /// A force b(x, X, t) per mass on all points.
   template <int dim>
   class BodyForce : public PointLoad<dim>
   {

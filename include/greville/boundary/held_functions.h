@@ -8,7 +8,8 @@
 namespace greville
 {
   /**
-   * Collective. Values of owned functions, for all local ones.
+   * Collective. Return the values of all local functions from the values of
+   * owned ones.
    */
   template <int dim>
   std::vector<unsigned char>
@@ -16,8 +17,8 @@ namespace greville
               const std::vector<unsigned char> &owned);
 
   /**
-   * Collective. The local functions of a space that walls hold in a component:
-   * 1, others 0.
+   * Collective. Return 1 for the local functions of a space that walls
+   * constrain in a component, 0 for others.
    */
   template <int dim>
   std::vector<unsigned char>
@@ -28,8 +29,8 @@ namespace greville
 
 
   /**
-   * Collective. The components (bits) in which walls hold the local functions
-   * of a space.
+   * Collective. Return the components (bits) of the local functions of a space
+   * that walls constrain.
    */
   template <int dim>
   std::vector<unsigned char>

@@ -9,51 +9,45 @@
 namespace greville
 {
   /**
-   * Gravity g(t), which acts on the mass of the grid, and all loads on points,
-   * whose sum points carry as an acceleration, the field "load"; and those on
-   * surfaces.
+   * All loads: gravity g(t), which acts on the mass of the grid; loads on
+   * points, whose sum is stored in the points as an acceleration, the field
+   * "load"; and loads on surfaces.
    */
   template <int dim>
   class Loads
   {
   public:
-    /**
-     * Throws dealii::ExcMessage for wrong formulas.
-     */
+    /// Throws dealii::ExcMessage for invalid formulas.
     Loads(const SimulationParameters &parameters);
 
     /**
-     * Add "load" and what point loads keep, if there are any.
+     * Add the field "load" and the fields of the point loads, if there are any.
      */
     void
     add_fields(PointLayout<dim> &layout) const;
 
     /**
      * Collective. Let the point loads find their points at their initial
-     * positions; throws dealii::ExcMessage where there are none.
+     * positions; throws dealii::ExcMessage if a load has no points.
      */
     void
     find_points(std::vector<Body<dim>> &bodies, const MPI_Comm comm) const;
 
     /**
-     * Precompute what depends on the initial positions of points alone, after
-     * these have changed.
+     * Precompute data that depend only on the initial positions of points,
+     * after these have changed.
      */
     void
     precompute(std::vector<Body<dim>> &bodies) const;
 
-    /**
-     * Whether points carry an acceleration.
-     */
+    /// Return whether points carry an acceleration.
     bool
     act_on_points() const
     {
       return !point_loads.empty();
     }
 
-    /**
-     * The loads on surfaces.
-     */
+    /// Return the loads on surfaces.
     const SurfaceLoads<dim> &
     surfaces() const
     {
@@ -69,9 +63,7 @@ namespace greville
       set(bodies, t, true);
     }
 
-    /**
-     * Likewise by loads that following() leaves out.
-     */
+    /// Set the accelerations by all loads that following() does not contain.
     void
     set_others(std::vector<Body<dim>> &bodies, const double t)
     {
@@ -79,24 +71,22 @@ namespace greville
     }
 
     /**
-     * The bodies with the sum of those point loads at time @p t that depend on
-     * where the points are, for TangentSystem; none where there is no such
-     * load. What it returns refers to both.
+     * Return the bodies with the sum of the point loads at time @p t that
+     * depend on the current positions of points, for TangentSystem; empty if
+     * there are none. The result refers to the bodies and to this object.
      */
     std::vector<LoadedSurface<dim>>
     following(const std::vector<Body<dim>> &bodies, const double t) const;
 
-    /**
-     * Set them to zero.
-     */
+    /// Set the accelerations to zero.
     void
     clear(std::vector<Body<dim>> &bodies) const;
 
     /**
-     * Collective. Where the loads that were last @ref set, and gravity, alone
-     * move a point by more than a tenth of @p h, the smallest edge of a cell,
-     * in a step @p dt: a sentence that says so and names their parameters.
-     * Otherwise nothing.
+     * Collective. Return a sentence with the names of the parameters if gravity
+     * and the loads of the last set() alone move a point by more than a tenth
+     * of @p h, the smallest edge of a cell, in a step @p dt; otherwise an empty
+     * text.
      */
     std::string
     what_is_large(const double   t,
@@ -105,8 +95,8 @@ namespace greville
                   const MPI_Comm comm) const;
 
     /**
-     * Unit: m / s^2. A formula that fails does so on all processes: throws
-     * ErrorOnAll.
+     * Return gravity, m / s^2. Throws ErrorOnAll if a formula fails on any
+     * process.
      */
     dealii::Tensor<1, dim>
     gravity(const double t) const;
@@ -117,16 +107,14 @@ namespace greville
         const double            t,
         const bool              with_following);
 
-    /**
-     * The parameters of the loads that there are.
-     */
+    /// Return the parameters of the loads that are present.
     std::string
     names(const bool with_gravity) const;
 
     VectorExpression<dim> gravity_formulas;
     PointLoads<dim>       point_loads;
     SurfaceLoads<dim>     surface_loads;
-    /// Of the points of a process, m / s^2.
+    /// The largest acceleration of the points of a process, m / s^2.
     double largest = 0.;
   };
 } // namespace greville

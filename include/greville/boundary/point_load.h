@@ -14,9 +14,10 @@
 namespace greville
 {
   /**
-   * A load on material points. It adds its acceleration to the field "load" of
-   * points; what it has to know of a point for that (whether it bears the load,
-   * a weight, a normal) it finds out once and keeps in a field of its own.
+   * Base class of loads on material points. A load adds its acceleration to the
+   * field "load" of points. Data of points that it needs (whether a point bears
+   * the load, a weight, a normal) are computed once and stored in fields of its
+   * own.
    *
    * A new load is one header with a class that derives from it, and one line in
    * the list of source/boundary/loads.cc; or a call of add_point_load() in a
@@ -28,56 +29,50 @@ namespace greville
   public:
     virtual ~PointLoad() = default;
 
-    /**
-     * The parameters that make it strong, for messages.
-     */
+    /// Return the parameters that scale the load, for messages.
     virtual std::string
     parameter_names() const = 0;
 
-    /**
-     * Add the fields in which it keeps what it knows of points.
-     */
+    /// Add the load's own fields to the layout of points.
     virtual void
     add_fields(PointLayout<dim> &) const
     {}
 
     /**
-     * Collective. Fill these fields, with all points at their first places.
-     * Throws dealii::ExcMessage where no point bears the load.
+     * Collective. Fill these fields, with all points at their initial
+     * positions. Throws dealii::ExcMessage if no point bears the load.
      */
     virtual void
     find_points(std::vector<Body<dim>> &, const MPI_Comm) const
     {}
 
     /**
-     * Fill what depends on the initial positions of @p points alone. Called
-     * whenever these are set.
+     * Fill the data that depend only on the initial positions of @p points.
+     * Called whenever these are set.
      */
     virtual void
     precompute(MaterialPoints<dim> &) const
     {}
 
     /**
-     * Add the acceleration at time @p t (s) to the number @p first and the
-     * following of all @p points, m / s^2. It may be called several times for
-     * the same time: for steps that are tried again, and for output.
+     * Add the acceleration at time @p t (s), m / s^2, to number @p first and
+     * the following numbers of all @p points. It may be called several times
+     * for the same time: for repeated steps, and for output.
      */
     virtual void
     add_acceleration(MaterialPoints<dim> &points,
                      const unsigned int   first,
                      const double         t) const = 0;
 
-    /**
-     * The acceleration of a point that is at @p x, m / s^2.
-     */
+    /// A function that returns the acceleration of a point at @p x, m / s^2.
     using AtPosition =
       std::function<dealii::Tensor<1, dim>(const ConstPointRef<dim>  p,
                                            const dealii::Point<dim> &x)>;
 
     /**
-     * For a load that depends on where points are: its acceleration at time
-     * @p t (s) of points of this @p layout, which implicit steps take where the
-     * step brings the points. Other loads give an empty function.
+     * Return, for a load that depends on the current position, its acceleration
+     * at time @p t (s) of points of this @p layout; implicit steps evaluate it
+     * at the end positions of points. Other loads return an empty function.
      */
     virtual AtPosition
     at_position(const PointLayout<dim> &, const double) const
@@ -89,16 +84,12 @@ namespace greville
   template <int dim>
   using PointLoads = std::vector<std::unique_ptr<PointLoad<dim>>>;
 
-  /**
-   * Makes the loads of a kind that parameters ask for.
-   */
+  /// A function that makes all loads of a kind that the parameters define.
   template <int dim>
   using MakePointLoads =
     std::function<PointLoads<dim>(const SimulationParameters &parameters)>;
 
-  /**
-   * Add a kind of loads to the list, for simulations that are made afterwards.
-   */
+  /// Add a kind of loads to the list, for simulations that are made afterwards.
   template <int dim>
   void
   add_point_load(const MakePointLoads<dim> &make);
@@ -106,8 +97,8 @@ namespace greville
 
 
   /**
-   * A vector from formulas of x, X and t. Named formulas of X alone are
-   * precomputed, and stored in the points.
+   * A vector given by formulas of x, X and t. Named formulas of X alone are
+   * precomputed and stored in the points.
    */
   template <int dim>
   class LoadFormulas
@@ -125,9 +116,7 @@ namespace greville
         with_position = with_position || formulas.depends_on(name);
     }
 
-    /**
-     * Add the field of precomputed values.
-     */
+    /// Add the field of precomputed values.
     void
     add_fields(PointLayout<dim> &layout) const
     {
@@ -135,9 +124,7 @@ namespace greville
         layout.add(field(), formulas.n_precomputed());
     }
 
-    /**
-     * Fill it. To be called when initial positions are set.
-     */
+    /// Fill the field. To be called when initial positions are set.
     void
     precompute(MaterialPoints<dim> &points) const
     {
@@ -152,9 +139,7 @@ namespace greville
       });
     }
 
-    /**
-     * The value for a point that is at @p x.
-     */
+    /// Return the value for a point at @p x.
     dealii::Tensor<1, dim>
     operator()(const ConstPointRef<dim>  p,
                const dealii::Point<dim> &x,
@@ -167,8 +152,8 @@ namespace greville
     }
 
     /**
-     * Add the values for all @p points to their number @p first and the
-     * following.
+     * Add the values for all @p points to number @p first and the following
+     * numbers.
      */
     void
     add(MaterialPoints<dim> &points,
@@ -188,9 +173,7 @@ namespace greville
       });
     }
 
-    /**
-     * Whether x, y or z occurs.
-     */
+    /// Return whether x, y or z occurs in the formulas.
     bool
     use_position() const
     {
@@ -199,7 +182,8 @@ namespace greville
 
   private:
     /**
-     * The loads of another stage may have another number of values.
+     * The name includes the number of values, which may differ in another
+     * stage.
      */
     std::string
     field() const

@@ -22,9 +22,7 @@ namespace greville
   class SurfaceLoads
   {
   public:
-    /**
-     * Throws dealii::ExcMessage for wrong formulas.
-     */
+    /// Throws dealii::ExcMessage for invalid formulas.
     SurfaceLoads(const SimulationParameters &parameters);
 
     bool
@@ -40,15 +38,16 @@ namespace greville
     }
 
     /**
-     * The parameters that make them strong, with their values, for messages.
+     * Return the parameters that scale the loads, with their values, for
+     * messages.
      */
     std::string
     description() const;
 
     /**
-     * Collective. Surfaces of the bodies. Where these have an initial
-     * displacement, the points still lie in the cells of their positions
-     * before. Throws dealii::ExcMessage where there are none.
+     * Collective. Return the surfaces of the bodies. If bodies have an initial
+     * displacement, the points are still in the cells of their original
+     * positions. Throws dealii::ExcMessage if a surface has no points.
      */
     std::vector<Surface<dim>>
     make_surfaces(const std::vector<Body<dim>> &bodies,
@@ -60,22 +59,20 @@ namespace greville
     void
     set(std::vector<Surface<dim>> &surfaces, const double t) const;
 
-    /**
-     * Set them to zero.
-     */
+    /// Set the loads to zero.
     void
     clear(std::vector<Surface<dim>> &surfaces) const;
 
     /**
-     * The @p surfaces with their loads at time @p t, for TangentSystem. What it
-     * returns refers to both.
+     * Return the @p surfaces with their loads at time @p t, for TangentSystem.
+     * The result refers to the surfaces and to this object.
      */
     std::vector<LoadedSurface<dim>>
     loaded(const std::vector<Surface<dim>> &surfaces, const double t) const;
 
     /**
-     * Collective. The name of each load and its force at time @p t, N (in 2D
-     * N / m).
+     * Collective. Return the name of each load and its force at time @p t, N
+     * (in 2D N / m).
      */
     std::vector<std::pair<std::string, dealii::Tensor<1, dim>>>
     resultants(const std::vector<Surface<dim>> &surfaces,

@@ -13,8 +13,8 @@
 namespace greville
 {
   /**
-   * When moving walls have a velocity: at @p t, where their velocity is given;
-   * as the mean from @p begin to @p end, where their displacement is.
+   * The time at which moving walls have a velocity: @p t if their velocity is
+   * given; the mean from @p begin to @p end if their displacement is given.
    */
   struct WallTime
   {
@@ -38,37 +38,35 @@ namespace greville
 
 
 
-  /**
-   * A vector for each wall of the grid.
-   */
+  /// One vector for each wall of the grid.
   template <int dim>
   using WallSums = std::array<dealii::Tensor<1, dim>, 2 * dim>;
 
 
 
   /**
-   * The walls of the grid. On open knot vectors only the functions of the first
-   * or last index of a direction do not vanish at a wall, and the value there
-   * is that of their coefficients. So a wall holds these coefficients, of all
-   * components (fixed, moving) or of the normal one (sliding), and is sharp:
-   * for all orders, without help by the user. The body does not separate from
-   * such a wall.
+   * The walls of the grid. On open knot vectors, only the functions with the
+   * first or last index of a direction do not vanish at a wall, and the field
+   * there has the value of their coefficients. A wall therefore constrains
+   * these coefficients, in all components (fixed, moving) or in the normal one
+   * (sliding), and is sharp for all orders without further action by the user.
+   * The body does not separate from such a wall.
    *
    * The velocity or displacement of a moving wall is a formula of position and
-   * time. Its coefficients are the values at the Greville abscissae: exact
-   * where it is linear in the position, as that of a wall that turns. A sliding
-   * wall may have one, of which the normal component counts.
+   * time. Its coefficients are the values at the Greville abscissae, which is
+   * exact if it is linear in the position, as for a rotating wall. If a sliding
+   * wall has a velocity, only the normal component counts.
    *
-   * A wall may have a region: it holds the coefficients whose Greville
-   * abscissae are inside. Its edge is then a transition of the width of p
-   * cells, in whose middle it is where it lies at a knot (even orders) or
-   * between two knots (odd ones).
+   * A wall may have a region: it then constrains the coefficients whose
+   * Greville abscissae are inside. The edge of the region is a transition over
+   * p cells. The edge is in the middle of the transition if it lies at a knot
+   * (even orders) or between two knots (odd orders).
    *
-   * Periodic walls hold nothing: the spaces of functions and the transport of
-   * points know them from the mesh.
+   * Periodic walls constrain nothing: spline spaces and the transport of points
+   * obtain periodicity from the mesh.
    *
-   * A friction wall is touched from one side. A coefficient v of the new
-   * velocity that goes into the wall with the speed v_n is stopped, and slowed
+   * A friction wall acts as one-sided contact. A coefficient v of the new
+   * velocity that moves into the wall with the speed v_n is stopped, and slowed
    * down along the wall by Coulomb's law for the two parts of the impulse, v <-
    * v - v_n n - min(mu v_n, |v_t|) v_t / |v_t|; others are left alone. The
    * acceleration changes accordingly. This is for lumped mass and FMPM.
@@ -77,29 +75,25 @@ namespace greville
   class Walls
   {
   public:
-    /**
-     * Throws dealii::ExcMessage for wrong formulas.
-     */
+    /// Throws dealii::ExcMessage for invalid formulas.
     Walls(const WallParameters &parameters);
 
-    /**
-     * The directions in which both walls are periodic.
-     */
+    /// Return the directions in which both walls are periodic.
     static std::array<bool, dim>
     periodic_directions(const WallParameters &parameters);
 
     /**
-     * The order of the fields that other functions get. The space is kept by
+     * Set the space of the fields for the other functions. It is kept by
      * reference.
      */
     void
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * Throw dealii::ExcMessage where formulas of moving walls fail at corners
-     * between two times, or where a wall has to stay in its place and leaves
-     * it: the wall holds the coefficients at the edge of the grid, which in
-     * updated Lagrangian steps lets go of a body that is a cell away.
+     * Throw dealii::ExcMessage if formulas of moving walls fail at corners
+     * between two times, or if a wall that must stay in its place leaves it:
+     * the wall constrains the coefficients at the edge of the grid, which in
+     * updated Lagrangian steps no longer touch a body that is a cell away.
      */
     void
     check_paths(const SplineSpace<dim> &space,
@@ -108,22 +102,18 @@ namespace greville
                 const bool              walls_have_to_stay) const;
 
     /**
-     * Local numbers of the owned coefficients of a component that are held, for
-     * any space. May have some twice.
+     * Return the local numbers of the owned coefficients of a component that
+     * are constrained, for any space. Some may occur twice.
      */
     std::vector<unsigned int>
     held_functions(const SplineSpace<dim> &space,
                    const unsigned int      component) const;
 
-    /**
-     * Whether there are moving walls.
-     */
+    /// Return whether there are moving walls.
     bool
     have_moving() const;
 
-    /**
-     * Whether there are friction walls, and this one is.
-     */
+    /// Return whether there are friction walls, or whether @p wall is one.
     bool
     have_friction() const;
 
@@ -140,7 +130,8 @@ namespace greville
     }
 
     /**
-     * Local numbers of the owned functions that do not vanish at a wall.
+     * Return the local numbers of the owned functions that do not vanish at a
+     * wall.
      */
     const std::vector<unsigned int> &
     functions(const unsigned int wall) const
@@ -149,15 +140,16 @@ namespace greville
     }
 
     /**
-     * Collective where walls move. Set held coefficients to the velocity of
-     * their walls. Throws StepFailed where a formula fails.
+     * Collective if walls move. Set constrained coefficients to the velocity of
+     * their walls. Throws StepFailed if a formula fails.
      */
     void
     hold_velocity(VectorField<dim> &velocity, const WallTime &time) const;
 
     /**
-     * Likewise to the mean acceleration from the velocity at @p
-     * before to that at @p after, in the time @p dt.
+     * Collective if walls move. Set constrained coefficients to the mean
+     * acceleration from the velocity at @p before to the velocity at @p after,
+     * in the time @p dt. Throws StepFailed if a formula fails.
      */
     void
     hold_acceleration(VectorField<dim> &acceleration,
@@ -166,8 +158,8 @@ namespace greville
                       const double      dt) const;
 
     /**
-     * The components (bits) that a wall holds, and those in which it has a
-     * force.
+     * Return the components (bits) that a wall constrains, and the components
+     * in which it has a force.
      */
     unsigned char
     held_components(const unsigned int wall) const;
@@ -176,9 +168,9 @@ namespace greville
     components_with_force(const unsigned int wall) const;
 
     /**
-     * Sums of value(c, i) over the coefficients that each wall holds, component
-     * c of the owned function i. Those that two walls hold count for the one
-     * whose value they have.
+     * Add value(c, i) over the coefficients that each wall constrains,
+     * component c of the owned function i. A coefficient constrained by two
+     * walls counts for the wall that determines its value.
      */
     template <typename Value>
     void
@@ -191,15 +183,13 @@ namespace greville
               sums[w][c] += value(c, coefficients[w][k]);
     }
 
-    /**
-     * Those of the coefficients of a field.
-     */
+    /// Return these sums for the coefficients of a field.
     WallSums<dim>
     sums_of_held(const VectorField<dim> &field) const;
 
     /**
-     * Friction walls and a diagonal mass: change the new velocity and the
-     * acceleration that led to it in the time @p dt. Returns the changes of
+     * Apply friction walls with a diagonal mass: change the new velocity and
+     * the acceleration that led to it in the time @p dt. Returns the changes of
      * momentum on this process.
      */
     WallSums<dim>
@@ -218,41 +208,35 @@ namespace greville
     bool
     holds(const unsigned int wall, const unsigned int component) const;
 
-    /**
-     * Owned coefficients at a wall, in its region.
-     */
+    /// Return the owned coefficients at a wall, in its region.
     std::vector<unsigned int>
     coefficients_at(const SplineSpace<dim> &space,
                     const unsigned int      wall) const;
 
-    /**
-     * Whether it has a velocity or a displacement.
-     */
+    /// Return whether a wall has a velocity or a displacement.
     bool
     is_moving(const unsigned int wall) const
     {
       return !velocity[wall].is_zero() || !displacement[wall].is_zero();
     }
 
-    /**
-     * Zero of a wall that does not move.
-     */
+    /// Return the velocity of a wall; zero if it does not move.
     dealii::Tensor<1, dim>
     velocity_at(const unsigned int        wall,
                 const dealii::Point<dim> &x,
                 const WallTime           &time) const;
 
     /**
-     * Collective where walls move. Set the held coefficients at each wall to
-     * the values of @p value(wall, position). Throws StepFailed.
+     * Collective if walls move. Set the constrained coefficients at each wall
+     * to @p value(wall, position). Throws StepFailed if a formula fails.
      */
     template <typename Value>
     void
     hold(VectorField<dim> &field, const Value &value) const;
 
     /**
-     * Likewise for the coefficients of this process alone, of which some have
-     * none. What @p value throws goes through.
+     * Set the constrained coefficients of this process; some processes have
+     * none. Exceptions of @p value are passed on.
      */
     template <typename Value>
     void
@@ -264,7 +248,7 @@ namespace greville
     std::array<VectorExpression<dim>, 2 * dim>     velocity;
     std::array<VectorExpression<dim>, 2 * dim>     displacement;
 
-    // Local numbers of the owned coefficients at each wall, and the Greville
+    // The local numbers of the owned coefficients at each wall, the Greville
     // abscissae of their functions, and the components (bits) that count for
     // this wall.
     std::array<std::vector<unsigned int>, 2 * dim>       coefficients;
