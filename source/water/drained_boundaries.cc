@@ -140,7 +140,7 @@ namespace greville
     point.value = given.formula(arguments);
     if (given.kind == Kind::flux)
       return;
-    // Below a water level water comes in, too.
+    // Below a water level, water flows in, too.
     if (point.value > 0.)
       point.kind = Kind::pressure;
     point.mobility *=
@@ -272,9 +272,8 @@ namespace greville
                     point.radius = state.x[0];
                     point.old_J *= state.x[0] / state.X[0];
                   }
-                // The size of the cell along the normal, which has the
-                // direction F^T area in the configuration of the basis
-                // functions.
+                // The cell size along the normal, which has the direction F^T
+                // area in the configuration of the basis functions.
                 Tensor<1, dim> normal = point.area;
                 if (layout.is_total_lagrangian())
                   normal = transpose(state.F) * point.area;

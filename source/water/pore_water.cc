@@ -15,16 +15,14 @@ namespace greville
   namespace
   {
     /**
-     * The penalty of Nitsche's method that covers the trace of a displacement
-     * on cells of half the size, times the size of a cell.
+     * The penalty factors of Nitsche's method, times the cell size, that bound
+     * the trace of a displacement on cells of half the size.
      */
     constexpr std::array<double, 6> penalties = {{0., 4., 24., 36., 64., 100.}};
 
 
 
-    /**
-     * Whether the strength of a contact may depend on the pressure.
-     */
+    /// Return whether the strength of a contact may depend on the pressure.
     bool
     depends_on_pressure(const ContactParameters &contact)
     {
@@ -96,8 +94,8 @@ namespace greville
     std::vector<double> parts(n_cells, 0.);
     for (unsigned int c = 0; c < filled.size(); ++c)
       parts[parents[c]] += filled[c] / GeometryInfo<dim>::max_children_per_cell;
-    // Functions are extended to where a surface is drained, or friction needs
-    // the pressure.
+    // Extend functions to drained surfaces, and to surfaces where friction
+    // needs the pressure.
     for (unsigned int k = 0; k < surfaces.size(); ++k)
       if (drained.has_surface(k) ||
           (!surfaces[k].contact.empty() &&
@@ -139,8 +137,8 @@ namespace greville
                              const Tensor<1, dim>            &gravity,
                              const double                     last_dt)
   {
-    // BDF2 is stable up to this ratio of one step to the last one; beyond it
-    // backward Euler has the step.
+    // BDF2 is stable up to this ratio of a step to the previous one; beyond it,
+    // backward Euler is used.
     constexpr double largest_ratio = 2.4;
     double           ratio         = 0.;
     if (parameters.water.is_second_order && dt <= largest_ratio * last_dt)
@@ -412,7 +410,7 @@ namespace greville
         result.back() = free_surface->outflow();
         result[1] += result.back();
       }
-    // What has come to the pores has this part already.
+    // The change of the pore volume already contains this part.
     for (unsigned int k = 1; k < result.size(); ++k)
       result[k] += part_of_earlier * last[k];
     return result;

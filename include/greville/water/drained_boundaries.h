@@ -14,9 +14,7 @@
 
 namespace greville
 {
-  /**
-   * What the material of a body says of the water in it.
-   */
+  /// Return the constants of the pore water in a body from its material.
   template <int dim>
   WaterConstants
   water_constants(const Body<dim> &body, const WaterParameters &water);
@@ -24,18 +22,18 @@ namespace greville
 
 
   /**
-   * The walls and surfaces that water passes, as the points of their integrals
-   * in WaterPoints: Gauss points of the cells at walls, of which as much of the
-   * area counts as the cell is filled, and the points of surfaces.
+   * The walls and surfaces that water can pass, as integration points of
+   * WaterPoints: Gauss points of the cells at walls, whose area is weighted by
+   * the filling of the cell, and the points of surfaces.
    */
   template <int dim>
   class DrainedBoundaries
   {
   public:
     /**
-     * The @p displacements and @p parameters are kept by reference. The
-     * @p penalty is that of Nitsche's method times the size of a cell. Throws
-     * dealii::ExcMessage for wrong formulas.
+     * The @p displacements and @p parameters are kept by reference. The @p
+     * penalty is the factor of Nitsche's method times the cell size. Throws
+     * dealii::ExcMessage for invalid formulas.
      */
     DrainedBoundaries(const SplineSpace<dim>     &displacements,
                       const SimulationParameters &parameters,
@@ -44,7 +42,7 @@ namespace greville
     bool
     has_seepage_face() const;
 
-    /// Whether water passes the surface with this number.
+    /// Return whether water can pass the surface with this number.
     bool
     has_surface(const unsigned int k) const
     {
@@ -52,9 +50,9 @@ namespace greville
     }
 
     /**
-     * Add the points at a @p time to @p points. Cells of the displacement are
-     * @p filled with bodies, as fractions. Throws dealii::ExcMessage where a
-     * formula has no value.
+     * Add the points at a @p time to @p points. @p filled contains the filled
+     * fractions of the cells of the displacement. Throws dealii::ExcMessage if
+     * a formula has no value.
      */
     void
     add_points(const std::vector<Body<dim>>    &bodies,
@@ -66,9 +64,7 @@ namespace greville
   private:
     using Kind = typename DrainedPoint<dim>::Kind;
 
-    /**
-     * What is given at a wall or a surface: a pressure, or a flow.
-     */
+    /// The condition at a wall or a surface: a pressure, or a flow.
     struct Given
     {
       Expression formula;
@@ -95,17 +91,15 @@ namespace greville
                  const double                     time,
                  WaterPoints<dim>                &points) const;
 
-    /**
-     * Set what is given at a point whose mobility in full pores is known.
-     */
+    /// Set the condition at a point whose mobility at saturation is known.
     void
     set(DrainedPoint<dim>                     &point,
         const Given                           &given,
         const dealii::ArrayView<const double> &arguments) const;
 
     /**
-     * Set what the soil in a cell at a wall is to the water: the mean of all
-     * bodies by volume. Returns whether there is any.
+     * Set the properties of the soil in a cell at a wall to the mean of all
+     * bodies, weighted by volume. Returns whether there is any soil.
      */
     bool
     set_soil(DrainedPoint<dim>            &point,

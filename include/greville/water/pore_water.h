@@ -17,15 +17,16 @@ namespace greville
 {
   /**
    * The pressure of pore water in implicit steps, see WaterPoints for the
-   * equations. Stresses of points are effective ones; the total stress is that
-   * less the pressure.
+   * equations. Stresses of points are effective stresses; the total stress is
+   * the effective stress less the pressure.
    *
-   * The pressure is a spline of the degree p of the displacement on the once
-   * coarser mesh, whose cells are the parents of those of the displacement, and
-   * is extended by the filling of these cells. This pair has a constant of
-   * inf-sup that does not depend on the cell size or on where the body's
-   * surface cuts cells; on one mesh the pair p, p - 1 has none (uncut, for
-   * incompressible flow: @ref Bressan2013 "Bressan and Sangalli, 2013").
+   * The pressure is a spline of the same degree p as the displacement on the
+   * mesh coarsened once, whose cells are the parents of the displacement's
+   * cells, and is extended by the filling of these cells. The inf-sup constant
+   * of this pair does not depend on the cell size or on how the body's surface
+   * cuts cells; on a single mesh, the pair p, p - 1 has no such constant
+   * (without cut cells, for incompressible flow: @ref Bressan2013 "Bressan and
+   * Sangalli, 2013").
    *
    * With the tangent A of the points, the coupling B and the block C of the
    * pressure, a step of Newton's method solves
@@ -35,29 +36,29 @@ namespace greville
    *   \end{pmatrix}.
    * @f]
    * The preconditioner is upper block-triangular: dp = S^-1 b_p, du = A^-1 (b_u
-   * + B dp), with one cycle of p-multigrid each for A and for S, which is C and
+   * + B dp), with one cycle of p-multigrid each for A and for S. S is C plus
    * the sum over points of V / M q q, with the modulus M of pressure waves of
-   * each point (close to that of @ref White2011 "White and Borja, 2011", whose
-   * weights are one number). In dynamic steps A has the mass, too, and S^-1 is
-   * the sum of two inverses: that one, for soil without inertia, and one for
-   * soil that has nothing but inertia (as for fluids, @ref Cahouet1988 "Cahouet
-   * and Chabard, 1988").
+   * each point (close to that of @ref White2011 "White and Borja, 2011", with a
+   * single weight). In dynamic steps, A includes the mass, and S^-1 is the sum
+   * of two inverses: the one above, for soil without inertia, and one for soil
+   * with inertia only (as for fluids, @ref Cahouet1988 "Cahouet and Chabard,
+   * 1988").
    *
-   * Rows of the pressure are volumes times scale(), so that they are forces
-   * that Newton's method can compare with those of the other rows.
+   * Rows of the pressure are volumes times scale(), which are forces that
+   * Newton's method can compare with the other rows.
    */
   template <int dim>
   class PoreWater
   {
   public:
-    /// The field of points that keeps the pressure, Pa.
+    /// The field of points that stores the pressure, Pa.
     static constexpr const char *field = "pore_pressure";
-    /// For BDF2: WaterPoints::Numbers::change.
+    /// The field for BDF2: WaterPoints::Numbers::change.
     static constexpr const char *field_of_change = "water_change";
 
     /**
      * Collective. The space of the displacement and the parameters are kept by
-     * reference. Throws dealii::ExcMessage where these are wrong.
+     * reference. Throws dealii::ExcMessage for invalid parameters.
      */
     PoreWater(const SplineSpace<dim>        &displacements,
               DistributedTriangulation<dim> &triangulation,
@@ -75,17 +76,15 @@ namespace greville
       return orders;
     }
 
-    /**
-     * Collective. Points are at new places.
-     */
+    /// Collective. Update after the points have moved.
     void
     set_points(const std::vector<Body<dim>>    &bodies,
                const std::vector<Surface<dim>> &surfaces);
 
     /**
      * Collective. Begin a step of length @p dt (s) that ends at @p time with
-     * the acceleration @p gravity. The one before had the length @p last_dt; 0:
-     * there is none that BDF2 can go on from. Throws dealii::ExcMessage where a
+     * the acceleration @p gravity. The previous step had the length @p last_dt,
+     * or 0 if BDF2 cannot use a previous step. Throws dealii::ExcMessage if a
      * formula has no value.
      */
     void
@@ -104,15 +103,15 @@ namespace greville
     }
 
     /**
-     * Collective. The pressure that a trial step begins with: zero, or where
-     * flow or friction depend on it, that of the points at the start.
+     * Collective. Set the initial pressure of a trial step: zero, or the
+     * pressure of the points at the start if flow or friction depend on it.
      */
     void
     guess(VectorType &x);
 
     /**
-     * Collective. The pressure x, the force on the grid, which is overwritten,
-     * and the residual of the balance of water.
+     * Collective. Evaluate the force of the pressure x on the grid, which is
+     * overwritten, and the residual of the balance of water.
      */
     void
     evaluate(const VectorField<dim> &u,
@@ -120,31 +119,27 @@ namespace greville
              VectorField<dim>       &force,
              VectorType             &residual);
 
-    /**
-     * Collective. The derivatives of the last evaluate(), without A.
-     */
+    /// Collective. Apply the derivatives of the last evaluate(), without A.
     void
     multiply(const VectorField<dim> &du,
              const VectorType       &dx,
              VectorField<dim>       &force,
              VectorType             &rows) const;
 
-    /**
-     * Collective. The derivative of the force by the pressure.
-     */
+    /// Collective. Apply the derivative of the force by the pressure.
     void
     spread(const VectorType &dx, VectorField<dim> &force) const;
 
     /**
-     * Collective. The force at the start of the step, with the pressures that
-     * points keep.
+     * Collective. Compute the force at the start of the step from the pressures
+     * stored in the points.
      */
     void
     begin_force(VectorField<dim> &force) const;
 
     /**
-     * The part of the force that depends on no pressure of the pores, that of
-     * the water around the bodies; null where there is none.
+     * Return the part of the force that does not depend on the pore pressure,
+     * due to the water around the bodies; null if there is none.
      */
     const VectorField<dim> *
     outer_force() const
@@ -153,38 +148,36 @@ namespace greville
     }
 
     /**
-     * What makes the u of M u = b in the second argument out of the b in the
+     * A function that solves M u = b for u (the second argument) with b the
      * first one.
      */
     using SolveMass =
       std::function<void(const VectorField<dim> &, VectorField<dim> &)>;
 
     /**
-     * Collective. Make the cycles of the Schur complement of the last
-     * evaluate(), unless there are any of this step and the flow is linear,
-     * where A has the mass M times @p mass_factor (1 / s^2), and
-     * nothing else in explicit steps. Throws ErrorOnAll where none can be made.
+     * Collective. Build the cycles of the Schur complement of the last
+     * evaluate(), unless they exist for this step and the flow is linear. A
+     * includes the mass M times @p mass_factor (1 / s^2), and nothing else in
+     * explicit steps. Throws ErrorOnAll if a cycle cannot be built.
      */
     void
     set_up(const double mass_factor, const SolveMass &solve_mass);
 
-    /**
-     * Collective. dx = S^-1 rows.
-     */
+    /// Collective. Compute dx = S^-1 rows.
     void
     precondition(VectorType &dx, const VectorType &rows) const;
 
     /**
-     * Collective. The pressure with the coefficients @p x at the points of each
-     * of the @p surfaces, see values_at_surfaces().
+     * Collective. Return the pressure with the coefficients @p x at the points
+     * of each of the @p surfaces, see values_at_surfaces().
      */
     std::vector<std::vector<double>>
     at_surfaces(const VectorType                               &x,
                 const std::vector<const MaterialPoints<dim> *> &surfaces) const;
 
     /**
-     * Collective. The norm of the forces, and what round-off makes of the
-     * residual, of the last evaluate().
+     * Collective. Return the norm of the forces and the round-off of the
+     * residual in the last evaluate().
      */
     double
     force_scale() const;
@@ -193,24 +186,30 @@ namespace greville
     round_off() const;
 
     /**
-     * Collective. Give the points the pressure of the last evaluate(). Returns
-     * the share of this process of the water that has come to the pores, of
-     * that which has left through all boundaries in the step, and through each
-     * wall, each surface, and the free surface, m^3 (2D: m^2). The @p last
-     * numbers are those of the step before.
+     * Collective. Store the pressure of the last evaluate() in the points.
+     * Returns this process' share of volumes of water, m^3 (2D: m^2): the water
+     * that entered the pores, and the water that left in the step through all
+     * boundaries and through each wall, each surface, and the free surface. @p
+     * last contains these numbers for the previous step.
      */
     std::vector<double>
     advance(std::vector<Body<dim>>    &bodies,
             const std::vector<double> &last) const;
 
-    /// The mean density of soil and water at the start of the step, kg / m^3.
+    /**
+     * Return the mean density of soil and water at the start of the step, kg /
+     * m^3.
+     */
     double
     density() const
     {
       return mean_density;
     }
 
-    /// WaterPoints::work(), and that of outer_force() in the last evaluate().
+    /**
+     * Return WaterPoints::work(), and the work of outer_force() in the last
+     * evaluate().
+     */
     double
     work() const
     {
@@ -224,39 +223,37 @@ namespace greville
     typename WaterPoints<dim>::Numbers
     numbers_of(const Body<dim> &body) const;
 
-    /// WaterPoints::add_schur_complement(), and the cycle.
+    /// Call WaterPoints::add_schur_complement() and build the cycle.
     std::unique_ptr<PMultigrid<dim>>
     make_cycle(const Levels &levels, const double mobility) const;
 
-    /**
-     * Collective. WaterPoints::set_free_motion().
-     */
+    /// Collective. Call WaterPoints::set_free_motion().
     void
     find_free_motion(const SolveMass &solve_mass);
 
     const SplineSpace<dim>     &displacements;
     const SimulationParameters &parameters;
     OrderHierarchy<dim>         orders;
-    std::vector<unsigned int>   parents; // of owned cells
+    std::vector<unsigned int>   parents; // by owned cell
     PointTransfer<dim>          transfer;
     CellFilling<dim>            filling;
-    std::vector<double>         filled; // parts of the displacement's cells
+    std::vector<double>         filled; // fractions of the displacement's cells
     WaterPoints<dim>            points;
     DrainedBoundaries<dim>      drained;
 
-    std::unique_ptr<FreeSurface<dim>> free_surface; // null: none
+    std::unique_ptr<FreeSurface<dim>> free_surface; // null if there is none
     double                            outer_work = 0.;
 
     bool flow_is_linear = true;
 
-    // Without inertia; and with nothing but it, in dynamic steps.
+    // The levels without inertia and, in dynamic steps, with inertia only.
     Levels                             levels, levels_of_mass;
     std::vector<SpacePolynomials<dim>> tables; // by level
     std::unique_ptr<PMultigrid<dim>>   multigrid, multigrid_of_mass;
     TangentParameters                  of_cycle;
     bool                               is_first = true, is_explicit = false;
 
-    // Of what water did in the last step, in BDF2.
+    // The weight in BDF2 of the previous step's change of water.
     double part_of_earlier = 0.;
 
     double             scale        = 0.; // N / m^3 (2D: N / m^3)

@@ -12,8 +12,8 @@ namespace greville
    * order,
    * @f[ E^T \hat S E, @f]
    * with its entries (WaterPoints::add_schur_complement()) and the Extension E
-   * of the space. The mass of the level is the volume. All functions are free,
-   * as drained boundaries constrain none.
+   * of the space. The mass of the level is the volume. No function is
+   * constrained, since drained boundaries impose the pressure weakly.
    */
   template <int dim>
   class PressureLevel : public ExtendedLevel<dim>
@@ -25,23 +25,19 @@ namespace greville
     PressureLevel(const SplineSpace<dim> &space);
 
     /**
-     * Collective. See ExtendedLevel::begin_level(). Cells count as filled by @p
-     * parts in the transfer between orders.
+     * Collective. See ExtendedLevel::begin_level(). @p parts are the filled
+     * fractions of cells in the transfer between orders.
      */
     void
     begin(const CellFilling<dim>    &filling,
           const std::vector<double> &parts,
           const bool                 changed);
 
-    /**
-     * Set the matrix to zero, which is to be filled.
-     */
+    /// Set the matrix to zero and return it to be filled.
     StencilMatrix<dim> &
     begin_matrix();
 
-    /**
-     * Collective. The matrix is complete.
-     */
+    /// Collective. Finish the matrix after it has been filled.
     void
     finish_matrix();
 
