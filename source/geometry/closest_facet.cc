@@ -14,7 +14,7 @@ namespace greville
 
   namespace
   {
-    // Points are the same that are closer than this part of coordinates.
+    // Points coincide if they are closer than this fraction of coordinates.
     constexpr double same_closest_point = 1e-13;
 
 
@@ -31,9 +31,7 @@ namespace greville
 
 
 
-    /**
-     * The closest point of a facet.
-     */
+    /// Return the closest point of a facet.
     Point<2>
     closest_of(const FlatFacet<2> &facet, const Point<2> &x)
     {
@@ -50,7 +48,8 @@ namespace greville
     Point<3>
     closest_of(const FlatFacet<3> &facet, const Point<3> &x)
     {
-      // The plane where x is above the triangle, else the nearest of its edges.
+      // The plane is closest if x is above the triangle, otherwise the nearest
+      // edge.
       const auto &corners  = facet.corners;
       bool        is_above = true;
       Point<3>    result;
@@ -81,8 +80,8 @@ namespace greville
 
 
     /**
-     * The angle under which a facet is seen from a point of it: as a share of
-     * the full circle, in 2D 1 or 1/2.
+     * Return the angle of the facet at a point of it, as a fraction of the full
+     * circle; in 2D, 1 or 1/2.
      */
     template <int dim>
     double
@@ -155,8 +154,8 @@ namespace greville
       double                      size        = 0.; // of coordinates
       double                      mean_extent = 0.; // of facets
 
-      // For searches: facets with near boxes, those at about the least
-      // distance.
+      // Memory for searches: facets with near boxes, and facets at about the
+      // least distance.
       mutable std::vector<Entry>                               found;
       mutable std::vector<std::pair<unsigned int, Point<dim>>> nearest;
     };
@@ -204,8 +203,8 @@ namespace greville
           return std::nullopt;
       const double tolerance = same_closest_point * (x.norm() + size);
       double       least     = within + tolerance;
-      // Some facets with near boxes bound the distance; but where facets are
-      // not much smaller than what is asked for, there are only a few.
+      // Some facets with near boxes bound the distance; if facets are not much
+      // smaller than the search distance, there are only a few.
       for (const bool is_last : {false, true})
         {
           if (!is_last && within < mean_extent)
@@ -247,7 +246,7 @@ namespace greville
       double         largest = 0.;
       unsigned int   widest  = 0;
       for (const auto &[facet, y] : nearest)
-        // At about the same distance there may be other places.
+        // Other points may have about the same distance.
         if (y.distance(*point) < 4. * tolerance)
           {
             const double angle =

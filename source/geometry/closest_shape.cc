@@ -15,11 +15,11 @@ namespace greville
 
   namespace
   {
-    // Relative to coordinates: the error of closest points, and how far beside
-    // them it is seen whether the shape ends there.
+    // Relative to coordinates: the error of closest points, and the distance
+    // from them at which the sides of the surface are checked.
     constexpr double converged_distance = 1e-13, beside_surface = 1e-8;
 
-    // Of dual_contours(), for pictures.
+    // The number of cells for dual_contours(), for pictures.
     template <int dim>
     constexpr unsigned int n_cells_of_contours = dim == 2 ? 128 : 40;
 
@@ -36,7 +36,10 @@ namespace greville
 
 
 
-    /// A point where the first n of some level sets are zero or are to be zero.
+    /**
+     * A point at which the first n of some level sets are zero or are to be
+     * zero.
+     */
     template <int dim>
     struct Candidate
     {
@@ -46,12 +49,17 @@ namespace greville
       unsigned int                           n = 0;
       std::array<const LevelSet<dim> *, dim> level_sets;
 
-      /// Unit normals of the level sets are a lower triangle times orthonormal
-      /// vectors (Gram and Schmidt).
+      /**
+       * The unit normals of the level sets are a lower triangle times
+       * orthonormal vectors (Gram and Schmidt).
+       */
       std::array<Tensor<1, dim>, dim> basis, factor;
       std::array<double, dim>         offsets; // to the zeros, along normals
 
-      /// False where normals depend on each other.
+      /**
+       * Linearize the level sets. Returns false if the normals are linearly
+       * dependent.
+       */
       bool
       linearize(const Tensor<1, dim> &cell)
       {
@@ -76,7 +84,7 @@ namespace greville
         return true;
       }
 
-      /// The shortest vector with these products with the unit normals.
+      /// Return the shortest vector with these products with the unit normals.
       Tensor<1, dim>
       across(std::array<double, dim> products) const
       {
@@ -91,8 +99,10 @@ namespace greville
         return result;
       }
 
-      /// Go to the closest point where all level sets are zero. False where it
-      /// is not found or too far away.
+      /**
+       * Move to the closest point at which all level sets are zero. Returns
+       * false if it is not found or too far away.
+       */
       bool
       approach(const Query<dim> &query)
       {
@@ -101,8 +111,8 @@ namespace greville
           {
             if (!linearize(query.cell))
               return false;
-            // Newton's step to the level sets, and one along them towards x,
-            // of a length from its last change (Barzilai and Borwein).
+            // Newton's step to the level sets, and a step along them towards x,
+            // whose length follows from its last change (Barzilai and Borwein).
             const Tensor<1, dim> newton = across(offsets);
             Tensor<1, dim>       along  = query.x - point;
             for (unsigned int i = 0; i < n; ++i)
@@ -153,7 +163,7 @@ namespace greville
         query.x      = x;
         query.size   = length + x.norm() + std::min(within, 1.);
         query.within = within + 1e-15 * query.size; // at it, too
-        // Differences over less would be round-off.
+        // Differences over smaller distances would be round-off.
         query.cell = std::max(std::min(within, 1.), 1e-4 * query.size) * ones;
         singles.clear();
         for (const LevelSet<dim> &level_set : tree.level_sets())
@@ -168,7 +178,7 @@ namespace greville
               {
                 auto out = level_set.metric * (x - level_set.center);
                 single.point -= out;
-                // All directions are the same from the center or the axis.
+                // At the center or on the axis, all directions are equivalent.
                 for (unsigned int d = 0; d < dim && out.norm() == 0.; ++d)
                   out = level_set.metric * Point<dim>::unit_vector(d);
                 single.point += level_set.radius / out.norm() * out;
@@ -188,7 +198,7 @@ namespace greville
         for (; n_near < singles.size() && best.n == 0; ++n_near)
           if (is_on_surface(singles[n_near], query.size))
             best = singles[n_near];
-        // Only level sets that are nearer can meet at a point that is nearer.
+        // Only nearer level sets can intersect at a nearer point.
         for (unsigned int i = 0; i < n_near; ++i)
           for (unsigned int j = 0; j < i; ++j)
             for (unsigned int k = dim == 3 ? 0 : j; k <= j; ++k)
@@ -227,15 +237,18 @@ namespace greville
         return tree.evaluate(sides, active) == ShapeTree<dim>::inside;
       }
 
-      /// Around the cells of a lattice that are not outside; infinite where the
-      /// first lattice has some at its sides, and for formulas.
+      /**
+       * Return a box around the cells of a lattice that are not outside;
+       * infinite for formulas, and if the first lattice has such cells at its
+       * sides.
+       */
       BoundingBox<dim>
       box() const override
       {
         const Point<dim> infinite(std::numeric_limits<double>::infinity() *
                                   ones);
         const BoundingBox<dim> everything({-infinite, infinite});
-        // Much larger than numbers in the formula.
+        // A box much larger than the numbers in the formula.
         Point<dim> upper(64. * (length > 0. ? length : 1.) * ones);
         Point<dim> lower = -upper;
         for (unsigned int pass = 0; pass < 6; ++pass)
@@ -292,7 +305,7 @@ namespace greville
                << (k < dim ? region.lower_bound(k)
                            : region.upper_bound(k - dim));
         const ClosestOfShape part(text.str() + "))", parameter);
-        // Once more where the body is small in this box.
+        // Repeat if the body is small in this box.
         Facet<dim> corners;
         for (const Facet<dim> &facet : part.contours(region))
           corners.insert(corners.end(), facet.begin(), facet.end());
@@ -317,8 +330,10 @@ namespace greville
           n_cells_of_contours<dim>);
       }
 
-      /// Whether both sides of the surface are in the sectors between the level
-      /// sets; sets the normal.
+      /**
+       * Return whether both sides of the surface are in the sectors between the
+       * level sets; sets the normal.
+       */
       bool
       is_on_surface(Candidate<dim> &candidate, const double size) const
       {
@@ -344,7 +359,7 @@ namespace greville
       double         length = 0.; // of numbers in the formula
       Tensor<1, dim> ones;
 
-      // For searches.
+      // Memory for searches.
       mutable std::vector<Side>           sides;
       mutable std::vector<bool>           active;
       mutable std::vector<Candidate<dim>> singles;
@@ -357,7 +372,7 @@ namespace greville
   std::unique_ptr<ClosestSurface<dim>>
   make_closest_surface(const std::string &formula, const std::string &parameter)
   {
-    // The tree relies on the right numbers of arguments.
+    // The tree relies on the correct numbers of arguments.
     const Shape<dim> checked(formula, parameter);
     return std::make_unique<ClosestOfShape<dim>>(formula, parameter);
   }

@@ -14,7 +14,7 @@ namespace greville
   {
     /**
      * Legendre polynomials on the box of the points, normalized: entry i of
-     * value(x) belongs to the i-th of total degree at most q.
+     * value(x) is the i-th polynomial of total degree at most q.
      */
     template <int dim>
     class Polynomials
@@ -68,8 +68,8 @@ namespace greville
 
 
     /**
-     * The product of two vectors from entry @p begin on, in eight sums at a
-     * time.
+     * Return the product of two vectors from entry @p begin on, with eight sums
+     * at a time.
      */
     double
     product(const std::vector<double> &a,
@@ -100,9 +100,9 @@ namespace greville
 
 
     /**
-     * An orthonormal basis of what is orthogonal to the @p vectors, fewer of
-     * them than their length, by Householder reflections. The vectors are
-     * overwritten.
+     * Return an orthonormal basis of the orthogonal complement of the @p
+     * vectors, of which there are fewer than their length, by Householder
+     * reflections. The vectors are overwritten.
      */
     std::vector<std::vector<double>>
     orthogonal_complement(std::vector<std::vector<double>> &vectors)
@@ -110,7 +110,7 @@ namespace greville
       const std::size_t n = vectors[0].size(), m = vectors.size();
       for (std::size_t k = 0; k < m; ++k)
         {
-          // Vector k becomes the reflection that maps it to e_k.
+          // Vector k is replaced by the reflection that maps it to e_k.
           auto &v = vectors[k];
           std::fill(v.begin(), v.begin() + k, 0.);
           const double norm = std::sqrt(product(v, v));
@@ -156,7 +156,7 @@ namespace greville
       return;
     Polynomials<dim>    polynomials(points, degree);
     std::vector<double> values(m);
-    // Some at a time, from the end.
+    // Remove several points at a time, from the end.
     while (points.size() > m)
       {
         const std::size_t                n     = std::min(points.size(), 2 * m);

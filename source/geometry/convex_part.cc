@@ -37,9 +37,7 @@ namespace greville
 
 
 
-    /**
-     * dim - 1 times the area of a simplex with dim corners.
-     */
+    /// Return dim - 1 times the area of a simplex with dim corners.
     double
     area_of(const std::array<Point<2>, 2> &corners)
     {
@@ -56,7 +54,8 @@ namespace greville
 
 
     /**
-     * A part of a plane from points on its edge, in any order.
+     * Return the part of a plane with the given points on its edge, in any
+     * order.
      */
     Facet<2>
     facet_around(const Facet<2> &points, const Plane<2> &plane)
@@ -100,7 +99,8 @@ namespace greville
 
 
     /**
-     * Gauss points of [0, 1]: deal.II makes them anew each time.
+     * Return the Gauss points of [0, 1], since deal.II computes them anew each
+     * time.
      */
     const Quadrature<1> &
     gauss(const unsigned int n)
@@ -114,9 +114,9 @@ namespace greville
 
 
     /**
-     * Call @p visit(coordinates, weight) with the points of a simplex from
-     * which a corner is far and the others are near: the coordinates belong to
-     * the other corners, the weights add up to 1 / d!.
+     * Call @p visit(coordinates, weight) with the quadrature points of a
+     * simplex. The coordinates belong to all corners but the first, the weights
+     * add up to 1 / d!.
      */
     template <typename Visit>
     void
@@ -135,8 +135,8 @@ namespace greville
                            const unsigned int n,
                            const Visit       &visit)
     {
-      // The simplex of d - 1 coordinates, shrunk towards the first corner; the
-      // factor r^(d - 1) needs a point more.
+      // The rule of d - 1 coordinates is shrunk towards the first corner; the
+      // factor r^(d - 1) needs one more point.
       const auto &rule = gauss(n + 1);
       for (unsigned int i = 0; i < rule.size(); ++i)
         {
@@ -337,7 +337,7 @@ namespace greville
     const unsigned int n, std::vector<WeightedPoint<dim>> &points) const
   {
     const Point<dim> apex = facets.front().front();
-    // The largest measure that may come from round-off.
+    // The largest measure that can result from round-off.
     double size = 0.;
     for (const Facet<dim> &facet : facets)
       for (const Point<dim> &x : facet)

@@ -18,8 +18,8 @@ namespace greville::internal
     // Cells across a thin box.
     constexpr unsigned int least_cells_across = 12;
 
-    // Planes meet where an eigenvalue of the sum of n n^T is above this part of
-    // the largest one: at angles from 11 degrees.
+    // Planes intersect in an edge or corner if an eigenvalue of the sum of n
+    // n^T is above this fraction of the largest one: at angles from 11 degrees.
     constexpr double least_eigenvalue = 0.01;
 
 
@@ -27,15 +27,22 @@ namespace greville::internal
     template <int dim>
     struct ContourCell
     {
-      /// Where the surface cuts edges, and its normals there, if known.
+      /**
+       * The points at which the surface cuts edges, and its normals there, if
+       * known.
+       */
       std::vector<std::pair<Point<dim>, Tensor<1, dim>>> planes;
-      /// The vertex: on an edge or a corner with two or three directions across
-      /// the planes.
+      /**
+       * The vertex. It lies on an edge or a corner if the planes have two or
+       * three independent normals.
+       */
       Point<dim>   x;
       unsigned int n_across = 0;
 
-      /// With the least squares of distances from the planes, and closest to
-      /// the mean of their points; that mean, where it is beyond @p reach.
+      /**
+       * Minimize the sum of squared distances from the planes, close to the
+       * mean of their points; take the mean if the minimum is beyond @p reach.
+       */
       void
       find_vertex(const Tensor<1, dim> &reach)
       {
@@ -65,9 +72,7 @@ namespace greville::internal
 
 
 
-    /**
-     * What @p function gives, or nothing where a formula has no value.
-     */
+    /// Return the result of @p function, or nothing if a formula has no value.
     template <typename Function>
     auto
     value_or_none(const Function &function) -> decltype(function())
@@ -95,7 +100,7 @@ namespace greville::internal
     double longest = 0.;
     for (unsigned int d = 0; d < dim; ++d)
       longest = std::max(longest, box.side_length(d));
-    // The first and the last nodes are outside, and none is on a side.
+    // The first and the last nodes are outside, and no node is on a side.
     MultiIndex<dim> n_nodes;
     Tensor<1, dim>  h;
     std::size_t     n_all = 1;
@@ -124,8 +129,8 @@ namespace greville::internal
     for (std::size_t k = 0; k < n_all; ++k)
       inside[k] = is_inside(position(multi_index<dim>(k, n_nodes)));
 
-    // Cells have the numbers of their first nodes. Around each edge that the
-    // surface cuts lies a face of 2 or 4 of them.
+    // Cells have the numbers of their first nodes. Each edge that the surface
+    // cuts is surrounded by a face of 2 or 4 cells.
     constexpr unsigned int                            n_around = 1 << (dim - 1);
     std::unordered_map<std::size_t, ContourCell<dim>> cells;
     std::vector<std::array<std::size_t, n_around>>    faces;
@@ -144,8 +149,8 @@ namespace greville::internal
               ends[is_inside(middle) != inside[k]] = middle;
             }
           const auto found = closest(ends[0]);
-          // In the order in which the inside is on the left of a segment, and a
-          // quadrilateral is seen counterclockwise from outside.
+          // In this order, the inside is on the left of a segment, and a
+          // quadrilateral is counterclockwise when seen from outside.
           auto              &face = faces.emplace_back();
           const unsigned int e = (d + 1) % dim, f = (d + 2) % dim;
           for (unsigned int v = 0; v < n_around; ++v)
@@ -163,7 +168,7 @@ namespace greville::internal
         }
     for (auto &[number, cell] : cells)
       {
-        // Sharp tips end in the next cell, which may have no node inside.
+        // Sharp tips may end in the next cell, which may have no node inside.
         cell.find_vertex(1.5 * h);
         if (const auto found = closest(cell.x))
           cell.x = found->point;
@@ -175,7 +180,8 @@ namespace greville::internal
         const auto across = [&](const unsigned int v) {
           return cells[face[v]].n_across;
         };
-        // Of two triangles the common side is an edge where there is one.
+        // The common side of two triangles lies along an edge of the surface,
+        // if there is one.
         if (dim == 3 && across(0) + across(2) < across(1) + across(dim))
           std::rotate(face.begin(), face.begin() + 1, face.end());
         for (unsigned int t = 2; t <= n_around - (dim == 3); ++t)

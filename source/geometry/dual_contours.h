@@ -10,12 +10,12 @@
 namespace greville::internal
 {
   /**
-   * A closed mesh of what @p contains says, which has the @p surface, within a
-   * box whose longest side has @p n_cells cells: each cell with corners inside
-   * and outside has a vertex (@ref Ju2002 "Ju et al., 2002"), where the planes
-   * meet that touch the surface at its edges, so that edges and corners are
-   * sharp. What is thinner than a cell may be missed. Where formulas have no
-   * value nothing is inside.
+   * Return a closed mesh of the shape with the inside @p contains and the @p
+   * surface, within a box whose longest side has @p n_cells cells. Each cell
+   * with corners inside and outside has a vertex (@ref Ju2002 "Ju et al.,
+   * 2002") at the intersection of the planes that touch the surface at the
+   * cell's edges, so edges and corners are sharp. Parts thinner than a cell may
+   * be missed. Places where formulas have no value are outside.
    */
   template <int dim>
   ClosedSurface<dim>

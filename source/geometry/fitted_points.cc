@@ -15,14 +15,14 @@ namespace greville
 
   namespace
   {
-    // Of a cell: parts below it have no points, and nothing larger may stick
-    // out of the grid.
+    // Smaller fractions of a cell have no points, and larger ones must not
+    // extend beyond the grid.
     constexpr double smallest_part = 1e-10;
 
     // Ids are stored as doubles.
     constexpr std::uint64_t largest_id = std::uint64_t(1) << 53;
 
-    // Surface points of a cell.
+    // The largest number of surface points per cell.
     constexpr std::uint64_t surface_ids = 1 << 16;
 
 
@@ -54,9 +54,7 @@ namespace greville
 
 
 
-    /**
-     * Throw where a cell next to the grid has a part of the shape.
-     */
+    /// Throw if a cell next to the grid contains a part of the shape.
     template <int dim>
     void
     check_walls(const FittedShape<dim> &shape,
@@ -130,9 +128,7 @@ namespace greville
 
 
 
-    /**
-     * Throw where the unit of a file is hardly what was meant.
-     */
+    /// Throw if the unit of a file is implausible.
     template <int dim>
     void
     check_size(const ClosedSurface<dim> &surface,
@@ -272,7 +268,7 @@ namespace greville
         std::uint64_t id = position * surface_ids;
         for (const auto &point : part.surface)
           {
-            // Areas are vectors that grow with the sides of the cell across
+            // Areas are vectors that scale with the sides of the cell across
             // them.
             SurfacePoint<dim> placed;
             placed.x      = point_of_cell<dim>(point.x, box);

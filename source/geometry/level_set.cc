@@ -11,13 +11,13 @@ namespace greville
 
   namespace
   {
-    // Closer than this part of a cell is the same place.
+    // Places coincide if they are closer than this fraction of a cell.
     constexpr double same_place = 1e-11;
 
-    // Of formulas, in cells.
+    // The step of differences of formulas, in cells.
     constexpr double difference_step = 0.01;
 
-    // Of derivatives of sixth order.
+    // The weights of derivatives of sixth order.
     constexpr double difference_weights[3] = {3. / 4., -3. / 20., 1. / 60.};
   } // namespace
 
@@ -281,7 +281,7 @@ namespace greville
       }
     else
       {
-        // One child decides an intersection by being outside.
+        // One child that is outside decides an intersection.
         const Side deciding = node.kind == Node::all_of ? outside : inside;
         side                = Side(-deciding);
         for (const Node &child : node.children)

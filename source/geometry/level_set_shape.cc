@@ -17,23 +17,23 @@ namespace greville
 
   namespace
   {
-    // Closer than this part of a cell is the same place.
+    // Places coincide if they are closer than this fraction of a cell.
     constexpr double same_place = 1e-11;
 
-    // How often a cell in which curved surfaces meet others is halved. The
-    // error of the planes in the last parts is 8 times smaller with each.
+    // The number of bisections of a cell in which curved surfaces meet others.
+    // Each reduces the error of the planes in the last parts by a factor of 8.
     template <int dim>
     constexpr unsigned int max_depth = dim == 2 ? 12 : 4;
 
-    // Parts in which a surface turns more than this have errors of their own,
-    // and are halved, so often at most.
+    // Parts in which a surface turns by more than this have additional errors,
+    // and are bisected, up to the given number of times.
     constexpr double flat_enough = 0.3;
 
     template <int dim>
     constexpr unsigned int max_curved_depth = dim == 2 ? 2 : 1;
 
-    // How often deal.II halves a part whose surface has no height function
-    // along an axis, before it takes a single point.
+    // The number of bisections by deal.II of a part whose surface is not a
+    // height function along an axis, before it takes a single point.
     constexpr unsigned int max_box_splits = 10;
 
 
@@ -83,7 +83,7 @@ namespace greville
                 part.points.clear();
               }
           }
-        // Planes in the faces of the cell.
+        // Planes that coincide with faces of the cell.
         if (side != ShapeTree<dim>::outside)
           for (unsigned int j = 0; j < level_sets.size(); ++j)
             if (const unsigned int d = level_sets[j].axis(); d < dim)
@@ -105,9 +105,7 @@ namespace greville
       }
 
     private:
-      /**
-       * The sides on which all of a box lies.
-       */
+      /// Find the sides that contain a whole box.
       void
       find_sides(const BoundingBox<dim> &box, Sides &sides) const
       {
@@ -119,7 +117,7 @@ namespace greville
 
 
       /**
-       * Where a plane along axes cuts a box; nothing if it does not.
+       * Cut a box by a plane along axes; return nothing if the plane misses it.
        */
       bool
       cut_along_axes(const unsigned int      j,
@@ -141,9 +139,7 @@ namespace greville
 
 
 
-      /**
-       * The 2^(number of directions) parts of half the size.
-       */
+      /// Return the 2^(number of directions) parts of half the size.
       static std::vector<BoundingBox<dim>>
       halves(const BoundingBox<dim> &box)
       {
@@ -167,9 +163,7 @@ namespace greville
 
 
 
-      /**
-       * The level sets that cut a box, whether one or more, and how.
-       */
+      /// The level sets that cut a box: their number and kind.
       struct Active
       {
         Active(const std::vector<bool>              &active,
@@ -258,9 +252,7 @@ namespace greville
 
 
 
-      /**
-       * A box that a single curved surface cuts.
-       */
+      /// Integrate over a box that a single curved surface cuts.
       void
       cut_by_surface(const BoundingBox<dim> &box,
                      const unsigned int      j,
@@ -288,9 +280,7 @@ namespace greville
 
 
 
-      /**
-       * A part of a box between planes.
-       */
+      /// Integrate over a part of a box between planes.
       void
       cut_convex_part(const ConvexPart<dim> &whole, Sides sides)
       {
@@ -335,10 +325,10 @@ namespace greville
 
 
       /**
-       * Whether the boundary of the shape is where level set @p j is zero: 1
-       * where the shape is on its inner side, -1 where it is on its outer
-       * side, 0 where it is on both or on none. Not set where that is unknown:
-       * then it depends on the level sets that are @p active.
+       * Return whether the boundary of the shape is the zero set of level set
+       * @p j: 1 if the shape is on its inner side, -1 if it is on its outer
+       * side, 0 if it is on both or none. The result is empty if this is
+       * unknown; it then depends on the @p active level sets.
        */
       std::optional<int>
       boundary(const unsigned int j,
@@ -356,9 +346,9 @@ namespace greville
       }
 
       /**
-       * The normal of the boundary if it is in @p plane of level set @p j; zero
-       * where there is no boundary, or where the shape is not on the side @p
-       * wanted of the plane.
+       * Return the normal of the boundary in @p plane of level set @p j; zero
+       * if there is no boundary, or if the shape is not on the side @p wanted
+       * of the plane.
        */
       static Tensor<1, dim>
       normal_of(const int sign, const Side wanted, const Plane<dim> &plane)
@@ -370,9 +360,7 @@ namespace greville
 
 
 
-      /**
-       * The boundary in a part of plane @p j.
-       */
+      /// Integrate over the boundary in a part of plane @p j.
       void
       cut_facet(const Facet<dim>  &facet,
                 const unsigned int j,
@@ -408,8 +396,8 @@ namespace greville
 
 
       /**
-       * The boundary in a part of plane @p j, which is along axes, across
-       * direction @p d.
+       * Integrate over the boundary in a part of plane @p j, which is along
+       * axes, across direction @p d.
        */
       void
       cut_flat_box(const BoundingBox<dim> &box,

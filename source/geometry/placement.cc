@@ -52,8 +52,8 @@ namespace greville
   namespace
   {
     /**
-     * Call visit(x) for a point of the grid and those that periodic walls make
-     * of it one period away, the point itself first.
+     * Call visit(x) for a point of the grid and its periodic images one period
+     * away, the point itself first.
      */
     template <int dim, typename Visit>
     void
@@ -112,7 +112,7 @@ namespace greville
             point.id     = position * n_in_cell + k;
             point.cell   = cell;
             point.volume = 1.;
-            // As costly as all the rest: only where it is wanted.
+            // As costly as all the rest, therefore computed on demand only.
             std::array<double, dim> shift{};
             if (parameters.jitter > 0.)
               {
@@ -150,7 +150,7 @@ namespace greville
                                    ") m. Make the shape smaller, or set 'Clip "
                                    "at the grid' to true."));
 
-            // One cell beyond each wall there must not be anything.
+            // One cell beyond each wall must be empty.
             for (unsigned int d = 0; d < dim && !parameters.clip; ++d)
               for (const int side : {-1, 1})
                 if (!space.is_periodic(d) &&

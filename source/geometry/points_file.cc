@@ -17,18 +17,16 @@ namespace greville
 
   namespace
   {
-    /**
-     * The columns of a file that are wanted.
-     */
+    /// The columns that are read from a file.
     struct Columns
     {
       std::vector<int> coordinates, further, reference, displacement;
       int              volume = -1, mass = -1, density = -1;
     };
 
-    // Columns that say the same may differ by this, relatively, and densities
+    // Redundant columns may differ by this relative difference, and densities
     // of points and of their material by this factor; volumes may exceed the
-    // grid by this, relatively.
+    // grid by this fraction.
     constexpr double largest_difference = 0.01, largest_ratio = 1e3,
                      largest_excess = 0.01;
 
@@ -43,9 +41,7 @@ namespace greville
 
 
 
-    /**
-     * read_csv() where the name of the file has an ending of such files.
-     */
+    /// Call read_csv() if the name of the file has a suitable ending.
     void
     read_points(const std::string                          &file,
                 const std::string                          &section,
@@ -65,9 +61,7 @@ namespace greville
 
 
 
-    /**
-     * Throw where two points are in one place.
-     */
+    /// Throw if two points coincide.
     template <int dim>
     void
     check_places(std::vector<const PlacedPoint<dim> *> points,

@@ -11,8 +11,8 @@ namespace greville
 
   namespace
   {
-    // Functions of formulas know their arguments only: the point that shapes
-    // are asked for.
+    // The point at which shapes are evaluated, since functions of formulas
+    // receive their arguments only.
     thread_local const double *shape_point = nullptr;
     thread_local int           shape_dim   = 0;
 

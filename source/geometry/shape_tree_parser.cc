@@ -15,8 +15,8 @@ namespace greville
   using namespace dealii;
 
   /**
-   * Reads a formula from outside to inside: operators, the weakest first, then
-   * functions.
+   * A parser that reads a formula from outside to inside: operators, the
+   * weakest first, then functions.
    */
   template <int dim>
   class ShapeTree<dim>::Parser
@@ -27,9 +27,7 @@ namespace greville
       , level_sets(level_sets)
     {}
 
-    /**
-     * @p formula may have definitions of names behind it (NamedFormulas).
-     */
+    /// @p formula may be followed by definitions of names (NamedFormulas).
     Node
     parse_formula(const std::string &formula)
     {
@@ -110,9 +108,7 @@ namespace greville
       std::abort();
     }
 
-    /**
-     * Without spaces and parentheses around all.
-     */
+    /// Remove spaces and parentheses around the whole text.
     static std::string
     without_parentheses(const std::string &given)
     {
@@ -123,9 +119,7 @@ namespace greville
       return text;
     }
 
-    /**
-     * Where the parenthesis that opens at @p begin closes.
-     */
+    /// Return the position of the parenthesis that closes the one at @p begin.
     static std::size_t
     closing(const std::string &text, const std::size_t begin)
     {
@@ -140,7 +134,7 @@ namespace greville
     }
 
     /**
-     * The last of some operators outside of parentheses, and where it is.
+     * Return the last of some operators outside parentheses, with its position.
      */
     static std::pair<std::size_t, std::string>
     last_operator(const std::string              &text,
@@ -256,9 +250,7 @@ namespace greville
       refuse(text);
     }
 
-    /**
-     * Numbers that are given as formulas.
-     */
+    /// Return numbers that are given as formulas.
     std::vector<double>
     numbers_of(const std::vector<std::string> &arguments) const
     {
@@ -296,8 +288,8 @@ namespace greville
       const double  norm     = normal.norm();
       result.as_plane.normal = normal / norm;
       result.as_plane.offset = offset / norm;
-      // Normals along axes exactly, and planes that are the same but for the
-      // side once.
+      // Normals along axes become exact, and planes that differ in their side
+      // only are stored once.
       bool is_inverted = false;
       for (unsigned int d = 0; d < dim; ++d)
         if (1. - std::abs(result.as_plane.normal[d]) < 1e-15)
@@ -350,9 +342,7 @@ namespace greville
       return true;
     }
 
-    /**
-     * A formula that is negative inside. Linear ones are planes.
-     */
+    /// A formula that is negative inside. Linear formulas become planes.
     Node
     formula(const std::string &text)
     {

@@ -30,9 +30,7 @@ namespace greville
   {
     using Triangle = std::array<unsigned int, 3>;
 
-    /**
-     * A mesh as points that are all different and their numbers.
-     */
+    /// A mesh given by distinct points and the numbers of its corners.
     struct Mesh
     {
       std::vector<Point<3>> points;
@@ -43,8 +41,8 @@ namespace greville
 
 #ifdef DEAL_II_WITH_ASSIMP
     /**
-     * Throw where a PLY file has less than its header promises: Assimp would
-     * never come back from it.
+     * Throw if a PLY file is shorter than its header promises: Assimp would not
+     * return.
      */
     void
     check_ply(const std::string &file, const std::string &of)
@@ -75,7 +73,8 @@ namespace greville
       fail_if(!std::getline(stream, line) || line.compare(0, 3, "ply") != 0,
               "it does not begin with 'ply'");
       bool is_ascii = false;
-      // The number of each element, and the least of its bytes.
+      // The number of elements of each kind, and the least number of bytes of
+      // one.
       std::vector<std::pair<std::uint64_t, std::uint64_t>> elements;
       while (std::getline(stream, line) && line.compare(0, 10, "end_header"))
         {
@@ -92,7 +91,7 @@ namespace greville
             }
           else if (word == "property")
             {
-              // A list has its length in front.
+              // A list begins with its length.
               words >> word;
               if (word == "list")
                 words >> word;
@@ -127,7 +126,7 @@ namespace greville
         check_ply(file, of);
       Assimp::Importer importer;
       const aiScene   *scene = importer.ReadFile(file, aiProcess_Triangulate);
-      // Its reasons may quote the rest of the file.
+      // Assimp's reasons may quote the rest of the file.
       AssertThrow(
         scene != nullptr,
         ExcMessage(
@@ -195,8 +194,8 @@ namespace greville
     void
     check_closed(const Mesh &mesh, const std::string &of)
     {
-      // Edges with their smaller end first: how often they are passed in this
-      // direction, and in the other.
+      // Edges with their smaller end first, with the numbers of times they are
+      // passed in this direction and in the opposite one.
       std::map<std::pair<unsigned int, unsigned int>, std::array<int, 2>> edges;
       double volume = 0.;
       for (const Triangle &triangle : mesh.triangles)
@@ -235,9 +234,7 @@ namespace greville
 
 
 
-    /**
-     * Twice the area, positive where corners are counterclockwise.
-     */
+    /// Return twice the area, positive if corners are counterclockwise.
     double
     signed_area(const std::vector<Point<2>> &loop)
     {

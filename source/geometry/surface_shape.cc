@@ -11,10 +11,11 @@ namespace greville
 
   namespace
   {
-    // Closer than this part of a cell is the same place.
+    // Places coincide if they are closer than this fraction of a cell.
     constexpr double same_place = 1e-13;
 
-    // Among so many facets the one that divides the fewest others is sought.
+    // The number of facets among which the one that divides the fewest others
+    // is chosen.
     constexpr unsigned int n_candidates = 6;
 
 
@@ -32,7 +33,7 @@ namespace greville
     Tensor<1, 3>
     normal_of(const Facet<3> &facet)
     {
-      // The sum over the triangles, for polygons that have lost corners.
+      // The sum over the triangles, since polygons may have lost corners.
       Tensor<1, 3> sum;
       for (unsigned int i = 1; i + 1 < facet.size(); ++i)
         sum += cross_product_3d(facet[i] - facet[0], facet[i + 1] - facet[0]);

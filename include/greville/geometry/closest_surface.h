@@ -10,29 +10,29 @@
 
 namespace greville
 {
-  /**
-   * The point of a surface that is closest to a place.
-   */
+  /// The point of a surface that is closest to a given place.
   template <int dim>
   struct ClosestPoint
   {
     dealii::Point<dim> point;
-    /// Outwards, of length 1. At edges and corners, the direction from the
-    /// closest point to the place, or the opposite inside of the body.
+    /**
+     * The outward unit normal. At edges and corners, it is the direction from
+     * the closest point to the place, or the opposite direction inside the
+     * body.
+     */
     dealii::Tensor<1, dim> normal;
-    /// Negative inside of the body (m).
+    /// The distance from the surface, negative inside the body (m).
     double distance = 0.;
   };
 
 
 
   /**
-   * The surface of a rigid body, which does not move: its distance from places.
-   * Edges and corners are as sharp as they are given.
+   * Base class of surfaces of rigid bodies in their initial position, which
+   * finds closest points. Edges and corners are exactly as sharp as given.
    *
-   * Searches use memory of the object and formulas, so that an
-   * object is not for several threads at a time. Results do not depend on
-   * earlier ones.
+   * Searches use memory of the object and of formulas, so an object is not
+   * thread-safe. Results do not depend on earlier searches.
    */
   template <int dim>
   class ClosestSurface
@@ -41,30 +41,28 @@ namespace greville
     virtual ~ClosestSurface() = default;
 
     /**
-     * The closest point, nothing where the surface is further away than
+     * Return the closest point, or nothing if the surface is further away than
      * @p within (m), which may be infinite.
      */
     virtual std::optional<ClosestPoint<dim>>
     closest(const dealii::Point<dim> &x, const double within) const = 0;
 
-    /**
-     * Return whether the place is inside of the body.
-     */
+    /// Return whether the place is inside the body.
     virtual bool
     contains(const dealii::Point<dim> &x) const = 0;
 
     /**
-     * A box around the body, which may be larger by a quarter, or infinite
-     * where the end of the body is not known. Throws dealii::ExcMessage for a
-     * shape that certainly is empty.
+     * Return a box around the body, which may be up to a quarter too large, or
+     * infinite if the extent of the body is not known. Throws
+     * dealii::ExcMessage for a shape that is certainly empty.
      */
     virtual dealii::BoundingBox<dim>
     box() const = 0;
 
     /**
-     * A closed mesh of the body: its facets where it is given by some; of a
-     * formula dual_contours(), of what is in the box @p region where the end of
-     * the body is not known.
+     * Return a closed mesh of the body: its facets if it is given by facets,
+     * otherwise dual_contours() of its formula, restricted to the box @p region
+     * if the extent of the body is not known.
      */
     virtual ClosedSurface<dim>
     mesh(const dealii::BoundingBox<dim> &region) const = 0;
@@ -73,25 +71,25 @@ namespace greville
 
 
   /**
-   * The surface of a body from a @p formula that ShapeTree takes. The closest
-   * point is the projection of x onto a single level set, or onto points that
-   * two or three of them have in common; of those with the inside on one side
-   * and the outside on the other it is the nearest.
+   * Return the surface of a body from a @p formula for a ShapeTree. Candidates
+   * for the closest point are the projections of x onto single level sets and
+   * onto intersections of two or three of them; the result is the nearest
+   * candidate with the inside on one side and the outside on the other.
    *
-   * Projections onto single planes, balls and cylinders are closed forms. All
-   * others are found by Newton's method across the level sets and steps along
-   * them as long as Barzilai and Borwein's. They start from x for a formula,
-   * and from a projection onto a curved level set for edges and corners. So
-   * they find a closest point where x is nearer to it than the radius of
-   * curvature and other parts of the same level sets or edges; elsewhere the
-   * distance may be too large, or nothing may be found.
+   * Projections onto single planes, balls and cylinders have closed forms. All
+   * others are found by Newton's method across the level sets and steps of
+   * Barzilai and Borwein's length along them. The iteration starts from x for a
+   * formula, and from a projection onto a curved level set for edges and
+   * corners. It finds the closest point if x is nearer to it than the radius of
+   * curvature and than other parts of the same level sets or edges; otherwise
+   * the distance may be too large, or nothing may be found.
    *
-   * Formulas have to be defined, and smooth where they are zero, within three
-   * times @p within; their derivatives are differences of sixth order over
-   * hundredths of it. The box of a formula is infinite.
+   * Formulas must be defined, and smooth on their zero sets, within a distance
+   * of three times @p within; their derivatives are differences of sixth order
+   * over hundredths of @p within. The box of a formula is infinite.
    *
-   * Throws dealii::ExcMessage, which names the @p parameter, where the formula
-   * is wrong.
+   * Throws dealii::ExcMessage with the name of the @p parameter if the formula
+   * is invalid.
    */
   template <int dim>
   std::unique_ptr<ClosestSurface<dim>>
@@ -101,11 +99,10 @@ namespace greville
 
 
   /**
-   * The surface of a body from facets, such as read_surface() returns. Facets
-   * are found in an R-tree of boxes. The side follows from the sum of the
-   * normals of all facets at the closest point, which are weighted by their
-   * angles there
-   * (@ref Baerentzen2005 "B&aelig;rentzen and Aan&aelig;s, 2005").
+   * Return the surface of a body from facets, as returned by read_surface().
+   * Facets are found in an R-tree of boxes. The side follows from the sum of
+   * the normals of all facets at the closest point, weighted by their angles
+   * there (@ref Baerentzen2005 "B&aelig;rentzen and Aan&aelig;s, 2005").
    */
   template <int dim>
   std::unique_ptr<ClosestSurface<dim>>

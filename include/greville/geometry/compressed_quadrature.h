@@ -8,18 +8,19 @@
 namespace greville
 {
   /**
-   * The number of polynomials of total degree @p degree at most that are
-   * linearly independent.
+   * Return the number of linearly independent polynomials of total degree at
+   * most @p degree.
    */
   template <int dim>
   unsigned int
   n_polynomials(const unsigned int degree);
 
   /**
-   * Keep at most n_polynomials() of the points, with new positive weights, so
-   * that integrals of polynomials of total degree @p degree do not change
-   * (V. Tchakaloff's theorem). Points leave one after the other: the weights
-   * move along a vector that no polynomial sees until the first one is zero.
+   * Reduce the points to at most n_polynomials() with new positive weights,
+   * such that integrals of polynomials of total degree @p degree do not change
+   * (V. Tchakaloff's theorem). Points are removed one after another: the
+   * weights move along a vector that is orthogonal to all polynomials until the
+   * first weight is zero.
    */
   template <int dim>
   void

@@ -10,9 +10,7 @@
 
 namespace greville
 {
-  /**
-   * A point of a quadrature.
-   */
+  /// A quadrature point.
   template <int dim>
   struct WeightedPoint
   {
@@ -21,8 +19,8 @@ namespace greville
   };
 
   /**
-   * A point of a quadrature of a surface: the weight is an area, the normal
-   * has length 1.
+   * A quadrature point of a surface: the weight is an area, the normal has
+   * length 1.
    */
   template <int dim>
   struct WeightedSurfacePoint
@@ -32,9 +30,7 @@ namespace greville
     double                 weight;
   };
 
-  /**
-   * The points with normal . x = offset. The normal has length 1.
-   */
+  /// A plane of points with normal . x = offset. The normal has length 1.
   template <int dim>
   struct Plane
   {
@@ -49,15 +45,16 @@ namespace greville
   };
 
   /**
-   * A convex polygon in a plane, its corners one after the other; in 2D a
-   * segment with two ends.
+   * A convex polygon in a plane, given by its corners in order; in 2D a segment
+   * with two ends.
    */
   template <int dim>
   using Facet = std::vector<dealii::Point<dim>>;
 
   /**
-   * Cut @p facet along a plane. Parts of no extent are empty; what lies closer
-   * to the plane than @p tolerance is in it, and a facet in it is @p below.
+   * Cut @p facet along a plane. Parts without extent are empty. Points closer
+   * to the plane than @p tolerance lie in it, and a facet in the plane is @p
+   * below.
    */
   template <int dim>
   void
@@ -67,9 +64,7 @@ namespace greville
               Facet<dim>       &below,
               Facet<dim>       &above);
 
-  /**
-   * The mean of the corners.
-   */
+  /// Return the mean of the corners.
   template <int dim>
   dealii::Point<dim>
   center_of(const Facet<dim> &facet);
@@ -87,8 +82,8 @@ namespace greville
 
 
   /**
-   * A convex polygon or polyhedron, as the facets around it: a box from which
-   * planes cut parts.
+   * A convex polygon or polyhedron, stored as the facets around it: a box from
+   * which planes cut off parts.
    */
   template <int dim>
   class ConvexPart
@@ -99,9 +94,10 @@ namespace greville
     ConvexPart(const dealii::BoundingBox<dim> &box);
 
     /**
-     * The parts on both sides of @p plane, and what they share: the part of
-     * the plane inside. Returns whether both have an extent; else nothing is
-     * made. Corners closer to the plane than @p tolerance are in it.
+     * Compute the parts on both sides of @p plane and the part of the plane
+     * between them. Returns whether both parts have an extent; otherwise
+     * nothing is computed. Corners closer to the plane than @p tolerance lie in
+     * it.
      */
     bool
     split(const Plane<dim> &plane,
@@ -110,9 +106,7 @@ namespace greville
           ConvexPart       &above,
           Facet<dim>       &cut) const;
 
-    /**
-     * Some point inside.
-     */
+    /// Return some point inside.
     dealii::Point<dim>
     center() const;
 

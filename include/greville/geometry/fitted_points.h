@@ -11,8 +11,8 @@
 namespace greville
 {
   /**
-   * The shape of the formula or file of @p placement. Throws as
-   * place_points(), and where it is unknown where the surface is.
+   * Return the shape of the formula or file of @p placement. Throws as
+   * place_points(), and if the position of the surface is unknown.
    */
   template <int dim>
   std::unique_ptr<FittedShape<dim>>
@@ -21,8 +21,8 @@ namespace greville
                     const SplineSpace<dim> &space);
 
   /**
-   * place_points() for points that follow the boundary: with n points per
-   * direction they integrate over what is inside with order 2 n. Volumes are
+   * Place points as place_points(), but fitted to the boundary: with n points
+   * per direction, they integrate over the inside with order 2 n. Volumes are
    * positive. Cells of which less than 1e-10 is inside have no points.
    */
   template <int dim>
@@ -34,8 +34,8 @@ namespace greville
 
 
   /**
-   * A point of the boundary of a shape, with the normal that points outwards
-   * and the area (in 2D length) that belongs to it.
+   * A point on the boundary of a shape, with the outward normal and its share
+   * of the area (in 2D length).
    */
   template <int dim>
   struct SurfacePoint
@@ -43,16 +43,16 @@ namespace greville
     dealii::Point<dim>     x;
     dealii::Tensor<1, dim> normal;
     double                 area;
-    /// Among owned cells: the one on the inner side.
+    /// The cell on the inner side, among owned cells.
     unsigned int cell;
-    /// The same on any number of processes.
+    /// The id, which does not depend on the number of processes.
     std::uint64_t id;
   };
 
   /**
-   * Points on the boundary of a shape in the owned cells, as many per direction
-   * as place_fitted_points() has. Where the grid clips the shape there is no
-   * boundary. Throws as place_points().
+   * Return points on the boundary of a shape in the owned cells, with as many
+   * points per direction as place_fitted_points(). Sides along which the grid
+   * clips the shape are not part of the boundary. Throws as place_points().
    */
   template <int dim>
   std::vector<SurfacePoint<dim>>

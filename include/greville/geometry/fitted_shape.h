@@ -13,21 +13,19 @@
 namespace greville
 {
   /**
-   * What of a cell is inside of a shape, in coordinates of the cell, which are
-   * in [0, 1].
+   * The part of a cell inside a shape, in coordinates of the cell, which are in
+   * [0, 1].
    */
   template <int dim>
   struct CellPart
   {
-    /// Then there are no points.
+    /// True if the whole cell is inside; there are no points then.
     bool                                   is_full = false;
     std::vector<WeightedPoint<dim>>        points;
     std::vector<WeightedSurfacePoint<dim>> surface;
   };
 
-  /**
-   * A shape that knows where in a cell its boundary is.
-   */
+  /// Base class of shapes that can compute their boundary within a cell.
   template <int dim>
   class FittedShape
   {

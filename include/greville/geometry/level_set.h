@@ -33,7 +33,8 @@ namespace greville
     value(const dealii::Point<dim> &x) const;
 
     /**
-     * Of formulas, from differences of sixth order over hundredths of @p size.
+     * Return the gradient; for formulas, from differences of sixth order over
+     * hundredths of @p size.
      */
     dealii::Tensor<1, dim>
     gradient(const dealii::Point<dim>     &x,
@@ -44,7 +45,10 @@ namespace greville
 
     Kind       kind = plane;
     Plane<dim> as_plane;
-    /// (x - center) . metric (x - center) / (2 radius) - radius / 2.
+    /**
+     * Data of a quadric, (x - center) . metric (x - center) / (2 radius) -
+     * radius / 2.
+     */
     dealii::Point<dim>              center;
     dealii::SymmetricTensor<2, dim> metric;
     double                          radius = 0.;
@@ -79,29 +83,25 @@ namespace greville
             const unsigned int        component = 0) const override;
 
     /**
-     * -1 or 1 where the function has one sign in a box, which may be flat;
-     * 0 where that is not known.
+     * Return -1 or 1 if the function has one sign in a box, which may be flat,
+     * or 0 if this is not known.
      */
     int
     sign(const dealii::BoundingBox<dim> &box) const;
 
     /**
-     * The largest number f such that one derivative is nowhere in a box smaller
-     * than f times the size of the gradient at its center; not positive where
-     * each derivative may be zero.
+     * Return the largest number f such that one derivative is at least f times
+     * the norm of the gradient at the center, everywhere in a box; not positive
+     * if each derivative may be zero.
      */
     double
     flatness(const dealii::BoundingBox<dim> &box) const;
 
-    /**
-     * The plane itself, or one that touches the surface near @p xi.
-     */
+    /// Return the plane itself, or a plane that touches the surface near @p xi.
     Plane<dim>
     tangent_plane(const dealii::Point<dim> &xi) const;
 
-    /**
-     * The direction of a plane along axes, or dim.
-     */
+    /// Return the direction of a plane along axes, or dim.
     unsigned int
     axis() const;
 
@@ -125,15 +125,14 @@ namespace greville
 
   /**
    * A shape as unions and intersections of level sets and their complements,
-   * from the formula of a Shape. Of the formulas that Shape knows it takes
-   * shapes, their combinations (also by & and |), comparisons f < g and
-   * level_set(f).
+   * from the formula of a Shape. Supported are shapes, their combinations (also
+   * by & and |), comparisons f < g and level_set(f).
    */
   template <int dim>
   class ShapeTree
   {
   public:
-    /// Of a level set, or of the shape.
+    /// The side of a level set or of the shape.
     enum Side : signed char
     {
       inside  = -1,
@@ -142,14 +141,14 @@ namespace greville
     };
 
     /**
-     * Throws dealii::ExcMessage, which names the @p parameter, where there is
-     * no level set.
+     * Throws dealii::ExcMessage with the name of the @p parameter if the
+     * formula is not made of level sets.
      */
     ShapeTree(const std::string &formula, const std::string &parameter);
 
     /**
-     * The side of the shape from those of the level sets. Where it is unknown,
-     * the level sets on which it depends are added to @p active.
+     * Return the side of the shape from the sides of the level sets. If it is
+     * unknown, the level sets on which it depends are added to @p active.
      */
     Side
     evaluate(const std::vector<Side> &sides, std::vector<bool> &active) const;

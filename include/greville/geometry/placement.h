@@ -29,7 +29,8 @@ namespace greville
 
 
   /**
-   * How a shape is filled with points, see the parameters of the same names.
+   * The method by which a shape is filled with points, see the parameters of
+   * the same names.
    */
   struct PointPlacement
   {
@@ -45,14 +46,15 @@ namespace greville
 
 
 
-  /**
-   * A point before it gets the numbers of its material.
-   */
+  /// A placed point, without the state variables of its material.
   template <int dim>
   struct PlacedPoint
   {
     dealii::Point<dim> x;
-    /// Where the shape has the point: x, or a period beyond a periodic wall.
+    /**
+     * The position in the shape: x, or a period away if it is beyond a periodic
+     * wall.
+     */
     dealii::Point<dim> image;
     double             volume;
     std::uint64_t      id;
@@ -61,19 +63,17 @@ namespace greville
 
 
 
-  /**
-   * The number of points of a cell in each direction.
-   */
+  /// Return the number of points per cell in each direction.
   template <int dim>
   MultiIndex<dim>
   points_of_cell(const PointPlacement &placement, const std::string &section);
 
   /**
-   * The points of a shape on the owned cells. They, and their ids, do not
-   * depend on the number of processes. Throws dealii::ExcMessage, which names
-   * the @p section, for wrong formulas and a shape that sticks out of the grid.
-   * What sticks out through a periodic wall comes in on the other side, but for
-   * fitted points.
+   * Return the points of a shape in the owned cells. Points and ids do not
+   * depend on the number of processes. Throws dealii::ExcMessage with the name
+   * of the @p section for invalid formulas and for a shape that extends beyond
+   * the grid. Parts beyond a periodic wall enter on the opposite side, except
+   * for fitted points.
    */
   template <int dim>
   std::vector<PlacedPoint<dim>>

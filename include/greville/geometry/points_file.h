@@ -10,20 +10,16 @@
 
 namespace greville
 {
-  /**
-   * Points of a file, and what it says of them beyond their places.
-   */
+  /// The points of a file, with further numbers besides their positions.
   template <int dim>
   struct PointsOfFile
   {
     std::vector<PlacedPoint<dim>> points;
-    /// The names of further numbers, and these, point by point.
+    /// The names of further numbers, and the numbers, point by point.
     std::vector<std::string> names;
     std::vector<double>      values;
 
-    /**
-     * Where the number of a name stands among those of a point, or -1.
-     */
+    /// Return the position of a name among the numbers of a point, or -1.
     int
     find(const std::string &name) const;
 
@@ -37,19 +33,19 @@ namespace greville
 
 
   /**
-   * The points of a CSV file (.csv, .txt, .dat) on the owned cells, numbered in
-   * its order; @p body is the number of the body whose points are wanted
-   * (column body), or negative. A volume comes from the column volume, or as
-   * mass over density (columns, or
-   * @p density). Of the further numbers, groups are complete: @p wanted has the
-   * names of each. The cells are those of positions, or, with @p at_reference,
-   * of the initial positions that are in the file.
+   * Read the points of a CSV file (.csv, .txt, .dat) in the owned cells,
+   * numbered in the order of the file. If @p body is not negative, only points
+   * of the body with this number (column body) are read. A volume is taken from
+   * the column volume, or from mass over density (columns, or @p density).
+   * Further numbers are read in complete groups, whose names are in @p wanted.
+   * Points are assigned to cells by their positions or, if @p at_reference, by
+   * the initial positions in the file.
    *
-   * Throws as place_points(), and where a point lies outside of the grid or in
-   * the place of another one, where volumes are larger than the grid, where the
-   * columns mass, volume and density contradict each other, where the
-   * density is more than a thousand times larger or smaller than @p density, or
-   * where a point of an axisymmetric body lies on the axis.
+   * Throws as place_points(), and if a point is outside the grid or coincides
+   * with another point, if volumes are larger than the grid, if the columns
+   * mass, volume and density contradict each other, if the density is more than
+   * a thousand times larger or smaller than @p density, or if a point of an
+   * axisymmetric body is on the axis.
    */
   template <int dim>
   PointsOfFile<dim>
@@ -62,8 +58,8 @@ namespace greville
                  const SplineSpace<dim>                      &space);
 
   /**
-   * For messages: file, parameter and line of all points at @p x in the file of
-   * points_of_file(), "...: " each.
+   * Return the file, parameter and line of all points at @p x in the file of
+   * points_of_file(), as "...: " for messages.
    */
   template <int dim>
   std::vector<std::string>

@@ -10,17 +10,15 @@
 
 namespace greville
 {
-  /**
-   * A vector of rotation or of spin, along its axis; in 2D the one component
-   * along z.
-   */
+  /// A rotation or spin vector, along the axis; in 2D its component along z.
   template <int dim>
   using RotationVector = dealii::Tensor<1, dim == 2 ? 1 : 3>;
 
 
 
   /**
-   * Where a rigid body is, and how it moves: what was initially at X is at
+   * The position and the velocity of a rigid body: the material initially at X
+   * is at
    *   x = X_0 + u + R (X - X_0),
    * and has the velocity v + w x (x - X_0 - u), with the reference point X_0,
    * the displacement u (m), rotation R, velocity v (m/s) and spin w (rad/s).
@@ -37,9 +35,7 @@ namespace greville
 
 
 
-  /**
-   * The product of a rotation or a spin with a distance, w x r.
-   */
+  /// Return the product of a rotation or a spin with a distance, w x r.
   template <int dim>
   dealii::Tensor<1, dim>
   cross(const RotationVector<dim> &w, const dealii::Tensor<1, dim> &r)
@@ -53,8 +49,8 @@ namespace greville
 
 
   /**
-   * The rotation about an axis by an angle (rad), which is the length of the
-   * vector: in 3D by Rodrigues' formula.
+   * Return the rotation about an axis by an angle (rad), which is the length of
+   * the vector: in 3D by Rodrigues' formula.
    */
   template <int dim>
   dealii::Tensor<2, dim>
@@ -82,9 +78,7 @@ namespace greville
 
 
 
-  /**
-   * Where the point is that was initially at @p X.
-   */
+  /// Return the current position of the material initially at @p X.
   template <int dim>
   dealii::Point<dim>
   current_position(const RigidPosition<dim> &body, const dealii::Point<dim> &X)
@@ -96,7 +90,7 @@ namespace greville
 
 
   /**
-   * Where the point was initially that is at @p x: the inverse of
+   * Return the initial position of the material at @p x: the inverse of
    * current_position().
    */
   template <int dim>
@@ -109,9 +103,7 @@ namespace greville
 
 
 
-  /**
-   * The velocity of the body at the place @p x of now.
-   */
+  /// Return the velocity of the body at the current position @p x.
   template <int dim>
   dealii::Tensor<1, dim>
   velocity_at(const RigidPosition<dim> &body, const dealii::Point<dim> &x)
@@ -122,17 +114,15 @@ namespace greville
 
 
 
-  /**
-   * Turn the body for a time @p dt, exactly for a constant spin.
-   */
+  /// Rotate the body for a time @p dt, exactly for a constant spin.
   template <int dim>
   void
   rotate(RigidPosition<dim> &body, const double dt)
   {
     const dealii::Tensor<2, dim> turned =
       rotation_matrix<dim>(dt * body.spin) * body.rotation;
-    // A step of Newton's method to the nearest rotation, so that round-off does
-    // not add up.
+    // A step of Newton's method towards the nearest rotation, so that round-off
+    // does not accumulate.
     const dealii::Tensor<2, dim> unit = dealii::unit_symmetric_tensor<dim>();
     body.rotation = 0.5 * turned * (3. * unit - transpose(turned) * turned);
   }

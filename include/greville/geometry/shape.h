@@ -11,30 +11,27 @@
 
 namespace greville
 {
-  /**
-   * All shapes and what combines them, separated by '|'.
-   */
+  /// Return all shapes and operators on shapes, separated by '|'.
   std::string
   shape_names();
 
   /**
-   * The inside of a body, from a formula of x, y (and z) that is true (not 0)
-   * inside. Besides the formulas of Expression it knows the shapes
+   * The inside of a body, given by a formula of x, y (and z) that is true (not
+   * 0) inside. In addition to the language of Expression, formulas may contain
+   * the shapes
    *   box(x0, y0, [z0,] x1, y1, [z1]), ball(x, y, [z,] radius),
    *   cylinder(x0, y0, z0, x1, y1, z1, radius) with its axis from the first to
    *   the second point (in 3D),
    *   half_space(n_x, n_y, [n_z,] c): n . x <= c,
    *   level_set(f): where the formula f is negative,
-   * and combines them by union(a, b, ...), intersection(a, b, ...) and
-   * difference(a, b, ...): in a and not in b, ...
+   * combined by union(a, b, ...), intersection(a, b, ...) and difference(a, b,
+   * ...): in a and not in b, ...
    */
   template <int dim>
   class Shape
   {
   public:
-    /**
-     * Throws dealii::ExcMessage where @p formula is wrong.
-     */
+    /// Throws dealii::ExcMessage if @p formula is invalid.
     Shape(const std::string &formula, const std::string &parameter);
 
     bool

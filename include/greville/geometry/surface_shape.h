@@ -25,12 +25,12 @@ namespace greville
   using ClosedSurface = std::vector<Facet<dim>>;
 
   /**
-   * Read a surface whose coordinates are multiples of @p unit (m). In 3D a mesh
-   * in a format that Assimp knows: STL, PLY, OBJ, ...; in 2D a CSV file with
-   * the columns x, y and, where there are several polygons, loop: vertices one
-   * after the other, in either sense; a polygon in another is a hole. Throws
-   * dealii::ExcMessage, which names the @p parameter, where a mesh is not
-   * closed or its normals do not point outwards.
+   * Read a surface whose coordinates are multiples of @p unit (m). In 3D, the
+   * file is a mesh in a format of Assimp: STL, PLY, OBJ, ... In 2D, it is a CSV
+   * file with the columns x, y and, for several polygons, loop. It lists the
+   * vertices in order, in either sense; a polygon inside another one is a hole.
+   * Throws dealii::ExcMessage with the name of the @p parameter if a mesh is
+   * not closed or its normals do not point outwards.
    */
   template <int dim>
   ClosedSurface<dim>
@@ -40,9 +40,7 @@ namespace greville
 
 
 
-  /**
-   * What is inside of a closed surface, on a lattice: cells are cut exactly.
-   */
+  /// The inside of a closed surface on a lattice, whose cells are cut exactly.
   template <int dim>
   class SurfaceShape : public FittedShape<dim>
   {
@@ -59,7 +57,8 @@ namespace greville
 
   private:
     /**
-     * A part of a facet, which may be too small to find its plane from it.
+     * A part of a facet with the facet's plane, since the part may be too small
+     * to determine it.
      */
     struct PlaneFacet
     {
@@ -77,9 +76,7 @@ namespace greville
     std::uint64_t
     cell_key(const Index &index) const;
 
-    /**
-     * What is left of a part of a cell that facets cut.
-     */
+    /// Cut a part of a cell by facets and keep the inside.
     void
     cut_part(const ConvexPart<dim>           &part,
              std::vector<PlaneFacet>          facets,
