@@ -17,9 +17,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * The sums of a key over points, which are added up over processes.
-     */
+    /// The sums of a key over points, which are added up over all processes.
     template <int dim>
     struct KeySums
     {
@@ -48,9 +46,7 @@ namespace greville
 
 
 
-    /**
-     * What a key gives to its points.
-     */
+    /// The contribution of a key to its points.
     template <int dim>
     struct KeyForce
     {
@@ -58,20 +54,20 @@ namespace greville
       Tensor<1, dim> slip_change; // of the elastic slip
       double         is_active = 0.;
       double         state     = 0.; // a ContactState
-      // For a ContactTangent: its number, w_k over the weights of both sides,
-      // and D_k.
+      // Data for a ContactTangent: the key's number, w_k over the weights of
+      // both sides, and D_k.
       double         number    = 0.;
       double         shares[2] = {0., 0.};
       Tensor<2, dim> stiffness;
       double         pressure = 0.; // for KeyMemory
-      // What sliding adds to D_k, not symmetric. Points by themselves, which
-      // are for preconditioners, are without it.
+      // The contribution of sliding to D_k, which is not symmetric. It is left
+      // out of the stiffness of single points, which is for preconditioners.
       Tensor<2, dim> coupling;
-      // The derivative of the shear stress by the mean pressure of the pores,
-      // over the sum of a_s psi_k.
+      // The derivative of the shear stress by the mean pore pressure, over the
+      // sum of a_s psi_k.
       Tensor<1, dim> by_pore_pressure;
-      // Where it slides, the direction of the shear stress, and D_k if it
-      // stuck.
+      // The direction of the shear stress and the D_k of sticking, if the key
+      // slides.
       Tensor<1, dim> direction;
       Tensor<2, dim> sticking;
 
@@ -100,9 +96,7 @@ namespace greville
 
 
 
-    /**
-     * The force of a key of area @p weight.
-     */
+    /// Return the force of a key of area @p weight.
     template <int dim>
     KeyForce<dim>
     force_of_key(const ContactLaw   &law,
@@ -120,7 +114,7 @@ namespace greville
         return result;
       const double all =
         law.has_two_sides && law.both_measure ? w[0] + w[1] : w[0];
-      // Of the sides that have pores.
+      // The weight of the sides with pores.
       const double pores =
         (law.has_pores_on(0) ? w[0] : 0.) + (law.has_pores_on(1) ? w[1] : 0.);
       const double         weight = 2. * w[0] * w[1] / (w[0] + w[1]);
@@ -141,7 +135,7 @@ namespace greville
       double normal_stiffness = law.stiffness + law.viscosity * rate;
       if (share < 1. && first * last < 0. && given_pressure == 0.)
         {
-          // The one that is inside, over the way of both.
+          // The fraction of the motion during which the gap is negative.
           const double inside = std::abs(std::min(first, last) / change);
           pressure =
             0.5 * law.stiffness * inside * std::abs(std::min(first, last));
@@ -151,7 +145,7 @@ namespace greville
       pressure = std::max(0., pressure);
       if (least >= 0. && pressure == 0.)
         {
-          // The derivative at this kink is that of what is about to press.
+          // At this kink, the derivative for imminent pressure is used.
           if (gap >= law.touching)
             return result;
           result.shares[0] = weight / w[0];
@@ -171,8 +165,8 @@ namespace greville
         -law.shear_stiffness * slip - law.viscosity * rate * step;
       const double speed = rate * step.norm();
       double       most  = pressure > 0. ? law.adhesion : 0.;
-      // Suction counts up to the pressure of the contact, so that the strength
-      // has no jump where nothing presses.
+      // Suction is limited by the contact pressure, so that the strength is
+      // continuous as the pressure vanishes.
       const double mean_pore = pores > 0. ? sums.pore_pressure / pores : 0.;
       const bool   is_capped = mean_pore < -pressure;
       const double effective =
@@ -239,8 +233,8 @@ namespace greville
 
 
     /**
-     * The sums of keys over the points of this process. The @p hats are those
-     * of the points that face the other side, in their order.
+     * Return the sums of keys over the points of this process. @p hats belong
+     * to the points that face the other side, in their order.
      */
     template <int dim>
     std::unordered_map<std::uint64_t, KeySums<dim>>
@@ -281,8 +275,8 @@ namespace greville
 
 
     /**
-     * The law at the keys that belong to this process: their forces, pressures
-     * and tangents.
+     * The contact law for the keys owned by this process: forces, pressures and
+     * tangents.
      */
     template <int dim>
     class KeyLaw
@@ -351,7 +345,7 @@ namespace greville
       }
 
       double area = 0.; // under pressure
-      /// In the order of their numbers.
+      /// Keys of the tangent, in the order of their numbers.
       std::vector<TangentKey> tangent_keys;
 
     private:
@@ -364,8 +358,8 @@ namespace greville
 
 
     /**
-     * Collective. The forces of the keys that points of this process have.
-     * Each key belongs to a process, which adds up its sums.
+     * Collective. Return the forces of the keys of this process' points. Each
+     * key has an owner, which adds up its sums.
      */
     template <int dim>
     std::unordered_map<std::uint64_t, KeyForce<dim>>
@@ -447,9 +441,7 @@ namespace greville
 
 
 
-    /**
-     * Give the forces of keys to the points.
-     */
+    /// Distribute the forces of keys to the points.
     template <int dim>
     void
     set_forces(std::vector<ContactPoint<dim>>                         &points,

@@ -24,7 +24,7 @@ namespace greville
       Utilities::MPI::sum<std::uint64_t>(keys.size(), comm);
     if (n_keys == 0)
       {
-        // deal.II shares no vector without entries between processes.
+        // deal.II does not exchange vectors without entries.
         values.reinit(0);
         return;
       }

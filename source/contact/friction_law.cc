@@ -18,9 +18,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Surfaces that touch do not slide.
-     */
+    /// Friction of surfaces that do not slide in contact.
     class RoughFriction : public FrictionLaw
     {
     public:
@@ -46,9 +44,7 @@ namespace greville
 
 
 
-    /**
-     * A coefficient that depends on pressure and speed.
-     */
+    /// Friction with a coefficient that depends on pressure and speed.
     class FormulaFriction : public FrictionLaw
     {
     public:
@@ -61,7 +57,7 @@ namespace greville
                                parameter + "' is " + text_of(first) +
                                " at p = 1, v = 0: a coefficient of friction is "
                                "not negative."));
-        // What is not defined there is found before the first contact.
+        // Find undefined values before the first contact.
         for (const double pressure : {0., 1., 1e6})
           for (const double speed : {0., 1e-3, 10.})
             strength(pressure, speed);
@@ -86,7 +82,7 @@ namespace greville
 
 
 
-    // All laws that have a name, one line each.
+    // The list of all named laws, one line each.
     std::map<std::string, MakeFrictionLaw> &
     laws()
     {

@@ -15,9 +15,9 @@ namespace greville
   namespace internal
   {
     /**
-     * The sector of a normal: in 2D one of 60 degrees, in 3D around an axis.
-     * Common directions (multiples of 15 degrees, diagonals) are not on the
-     * border of two sectors.
+     * Return the sector of a normal: 60 degrees in 2D, around one of several
+     * axes in 3D. Common directions (multiples of 15 degrees, diagonals) are
+     * not on the border between two sectors.
      */
     template <int dim>
     unsigned int
@@ -32,7 +32,7 @@ namespace greville
         }
       else
         {
-          // Axes turned by a rotation without symmetry.
+          // Axes rotated by a rotation without symmetry.
           static const double axes[3][3] = {{0.9705, 0.1889, -0.1499},
                                             {-0.1639, 0.9727, 0.1644},
                                             {0.1769, -0.1350, 0.9749}};

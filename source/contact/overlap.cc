@@ -20,7 +20,7 @@ namespace greville
     double cell = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       cell *= h[d];
-    // Keys of all points are those of one direction.
+    // All points use keys of one direction.
     const Tensor<1, dim>   up = Point<dim>::unit_vector(dim - 1);
     std::vector<Hats<dim>> hats;
     hats.reserve(points.size());
@@ -54,7 +54,7 @@ namespace greville
         if (sum > result.excess)
           result = {sum, points[p].x, points[p].side, points[p].body};
       }
-    // The first process that has the largest overlap sends it to all.
+    // The first process with the largest overlap sends it to all.
     const double       largest = Utilities::MPI::max(result.excess, comm);
     const unsigned int first =
       Utilities::MPI::min(result.excess == largest

@@ -13,33 +13,34 @@ namespace greville
 
   namespace
   {
-    // Points face a rigid surface where the cosine of the angle between normals
-    // is below this.
+    // Points face a rigid surface if the cosine of the angle between the
+    // normals is below this.
     constexpr double largest_cosine_of_rigid = -0.7;
 
-    // Two sides of a body are opposite where the cosine of the angle between
-    // their normals is below this: blades have angles of less than 25 degrees.
+    // Two sides of a body are opposite if the cosine of the angle between their
+    // normals is below this: blades have angles of less than 25 degrees.
     constexpr double largest_cosine_of_sides = -0.9;
 
-    // A way meets the surface where it is closer than this part of the reach.
+    // A path meets the surface if it is closer than this fraction of the reach.
     constexpr double smallest_distance = 1e-6;
 
-    // Half the time (s) over which the spin is a difference quotient, or all of
-    // it at the start.
+    // Half the time (s) over which the spin is a difference quotient; at the
+    // start, all of it.
     constexpr double half_of_quotient = 1e-6;
 
-    // Places in a direction at which a shape without a known end is looked for.
+    // The number of places per direction at which a shape of unknown extent is
+    // sampled.
     template <int dim>
     constexpr unsigned int n_places = dim == 2 ? 16 : 8;
 
-    // Cells in a direction of the lattice that integrates over a shape.
+    // The number of lattice cells per direction for integrals over a shape.
     constexpr unsigned int n_cells_of_mass = 24;
 
 
 
     /**
-     * Volume, center and second moments about it of a shape, from quadratures
-     * of what it leaves of the cells of a lattice.
+     * Volume, center and second moments about the center of a shape, from
+     * quadratures over its parts of the cells of a lattice.
      */
     template <int dim>
     struct Moments
@@ -205,8 +206,8 @@ namespace greville
     if (rotation.is_zero())
       return;
     position.rotation = rotation_matrix<dim>(rotation(t + dt));
-    // dR / dt R^T is the cross product with the spin. The formula need not have
-    // a value before the start.
+    // dR / dt R^T is the cross product with the spin. The formula may have no
+    // value before the start.
     const double         before = std::min(half_of_quotient, dt);
     const Tensor<2, dim> rate =
       (rotation_matrix<dim>(rotation(t + dt + half_of_quotient)) -
@@ -245,7 +246,8 @@ namespace greville
       follow(now, step.t, step.dt);
     else
       {
-        // The angular momentum belongs to where the spin was found.
+        // The angular momentum belongs to the rotation at which the spin was
+        // computed.
         const RotationVector<dim> angular_momentum =
           current_inertia(before) * now.spin + step.velocity_dt * step.moment;
         now.spin = invert(current_inertia(now)) * angular_momentum;
@@ -269,7 +271,7 @@ namespace greville
       {
         point.is_facing = false;
         point.distance  = std::numeric_limits<double>::infinity();
-        // Shape and distances turn with the body.
+        // Shape and distances rotate with the body.
         const auto closest =
           surface->closest(initial_position(now, point.x), reach);
         if (!closest)
@@ -305,7 +307,7 @@ namespace greville
     const auto last = surface->closest(end, reach);
     if (!last || motion * last->normal <= 0.)
       return false;
-    // Find the place of entry: no step is longer than the distance.
+    // Find the place of entry by steps no longer than the distance.
     auto   first = surface->closest(start, reach);
     double way   = 0.;
     while (first && first->distance > smallest_distance * reach && way < length)
@@ -358,7 +360,7 @@ namespace greville
       }
     catch (const ExceptionBase &)
       {
-        // The formula has no value here, where it may not be asked for one.
+        // The formula has no value at a place where it must not be evaluated.
         return true;
       }
     return false;

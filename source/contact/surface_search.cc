@@ -18,26 +18,25 @@ namespace greville
 
   namespace
   {
-    // Surfaces face one another where the cosine of the angle between normals
-    // is below this, and belong to one another where it is above that.
+    // Surfaces face one another if the cosine of the angle between the normals
+    // is below the first number; points belong to one surface if it is above
+    // the second.
     constexpr double largest_cosine = -0.7, least_alike = 0.5;
 
-    // Of the weights that a plane full of points would have: less is an end of
-    // the surface.
+    // The least cover, relative to a plane full of points: less indicates the
+    // end of the surface.
     constexpr double least_cover = 0.4;
 
     constexpr unsigned int n_projections = 3;
 
-    // Numbers of a point in a message: number, side, position, normal, and the
-    // area, in axisymmetry the length in the plane.
+    // The numbers of a point in a message: number, side, position, normal, and
+    // the area, in axisymmetry the length in the plane.
     template <int dim>
     constexpr unsigned int row_size = 3 + 2 * dim;
 
 
 
-    /**
-     * Points of both sides that have come together on this process.
-     */
+    /// Points of both sides that have been sent to this process.
     template <int dim>
     struct Meeting
     {
@@ -55,16 +54,14 @@ namespace greville
         }
       };
 
-      /// By side and box, the first number of the row of a point.
+      /// The first numbers of the rows of points, by side and box.
       std::array<std::unordered_map<Box, std::vector<unsigned int>, Hash>, 2>
         boxes;
     };
 
 
 
-    /**
-     * The surface of the points in reach of one of the other side.
-     */
+    /// The surface through the points near a point of the other side.
     template <int dim>
     class LocalSurface
     {
@@ -78,9 +75,7 @@ namespace greville
 
       std::vector<Sample> samples;
 
-      /**
-       * Project the point onto the surface. Returns whether there is one.
-       */
+      /// Project the point onto the surface. Returns whether this succeeds.
       bool
       project(const Point<dim>     &x,
               const Tensor<1, dim> &normal,

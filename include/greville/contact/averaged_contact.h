@@ -17,27 +17,32 @@
 
 namespace greville
 {
-  /**
-   * The numbers of a contact, see AveragedContact.
-   */
+  /// The constants of a contact, see AveragedContact.
   struct ContactLaw
   {
-    /// Of the pressure by the gap, and of the shear stress by slip, Pa / m.
+    /**
+     * The derivatives of the pressure by the gap and of the shear stress by
+     * slip, Pa / m.
+     */
     double stiffness = 0., shear_stiffness = 0.;
-    /// Of both by the speed, Pa s / m.
+    /// The derivative of both by the velocity, Pa s / m.
     double viscosity = 0.;
-    /// What resists sliding, null for smooth surfaces; and what is added to its
-    /// strength under pressure, Pa.
+    /**
+     * The resistance to sliding, null for smooth surfaces; and the adhesion,
+     * which is added to its strength under pressure, Pa.
+     */
     std::shared_ptr<const FrictionLaw> friction;
     double                             adhesion = 0.;
-    /// Gaps of this size count as closed in a ContactTangent, m.
+    /// Gaps up to this size count as closed in a ContactTangent, m.
     double touching = 0.;
-    /// Which sides have pore water, whose pressure friction does not feel.
+    /// True for sides with pore water, whose pressure causes no friction.
     std::array<bool, 2> has_pores{{true, true}};
-    /// Whether both sides deform; otherwise only points of side 0 are given.
+    /// True if both sides deform; otherwise only points of side 0 are given.
     bool has_two_sides = true;
-    /// Whether gaps and slip of side 1 count, too. Those of side 0 alone do
-    /// where it consists of material points, which have no surface.
+    /**
+     * True if gaps and slip of side 1 count, too. Only side 0 counts if it
+     * consists of material points, which have no surface.
+     */
     bool both_measure = true;
 
     bool
@@ -55,25 +60,23 @@ namespace greville
 
 
 
-  /**
-   * What a contact did, of all processes.
-   */
+  /// The result of a contact, summed over all processes.
   template <int dim>
   struct ContactResult
   {
     /// The force on side 0, N (2D: N / m), and its moment about a point.
     dealii::Tensor<1, dim>                force;
     dealii::Tensor<1, dim == 2 ? 1 : dim> moment;
-    /// The smallest gap of a point, infinite where none faces the other side,
-    /// m; and the area under pressure, m^2 (2D: m).
+    /**
+     * The smallest gap of a point, m, infinite if no point faces the other
+     * side; and the area under pressure, m^2 (2D: m).
+     */
     double gap = 0., area = 0.;
   };
 
 
 
-  /**
-   * Sums over the steps of an interval, of the force on side 0.
-   */
+  /// Sums of the force on side 0 over the steps of an interval.
   template <int dim>
   struct ContactInterval
   {
@@ -85,31 +88,34 @@ namespace greville
 
 
   /**
-   * What is remembered of the keys of an AveragedContact that belong to this
-   * process, between the iterations of a step. Pressures are those of the
-   * method of Uzawa: those that are given, Pa, are the averages of
-   * ContactPoint::start_pressure in the first round, and those that the round
-   * before has found in all others. A key that slides the other way than in the
-   * last tangent has the tangent of one that sticks: Newton's method would go
-   * to and fro between both ways.
+   * Data of the keys of an AveragedContact on this process that are stored
+   * between the iterations of a step. Pressures are used in the method of
+   * Uzawa: the given pressures, Pa, are the averages of
+   * ContactPoint::start_pressure in the first round, and the results of the
+   * previous round afterwards. A key that slides in the direction opposite to
+   * the last tangent gets the tangent of a sticking key, since Newton's method
+   * would otherwise alternate between both directions.
    */
   template <int dim>
   struct KeyMemory
   {
     bool                                      is_first_round = true;
     std::unordered_map<std::uint64_t, double> given, found;
-    /// The shear stress of keys that slide in the last tangent, of length 1.
+    /**
+     * The direction of the shear stress, of length 1, of keys that slide in the
+     * last tangent.
+     */
     std::unordered_map<std::uint64_t, dealii::Tensor<1, dim>> sliding;
   };
 
 
 
   /**
-   * Contact with friction by averages of the gap. With the hat functions
+   * Contact with friction based on averages of the gap. With the hat functions
    * @f$\psi_i@f$ (degree 1) of a grid, at the positions of the points x_s of
    * both surfaces with areas a_s, gaps g_s and oriented normals n_s (outwards
-   * from side 1), each key k, a function i together with a sector of normals,
-   * has
+   * from side 1), each key k, which is a function i together with a sector of
+   * normals, has
    * @f[
    *   w^A_k = \sum_{s \in A} a_s \psi_k(x_s), \qquad
    *   w_k = \frac{2 w^A_k w^B_k}{w^A_k + w^B_k}, \qquad
@@ -117,37 +123,38 @@ namespace greville
    *                   {w^A_k + w^B_k}, \qquad
    *   t_k = \max(0, -\epsilon \bar g_k - \zeta \dot{\bar g}_k),
    * @f]
-   * and the velocity of the gap is that of the mean of A against the mean of B.
-   * The force @f$w_k t_k \bar n_k@f$ of a key goes to the points of A as
-   * @f$a_s \psi_k(x_s) / w^A_k@f$ of it, and its opposite likewise to those of
-   * B: momentum is kept to round-off. In the method of Uzawa the pressure has
-   * a given part besides, the one that has been found before, until the gap is
-   * zero. Each surface has as many conditions as
-   * the grid has hats, which splines of any degree can meet; with a condition
-   * at each point the pressure of splines of degree 2 and more oscillates.
-   * Without the sectors, opposite faces of a thin body would share an average.
+   * and the velocity of the gap is the velocity of the mean of A relative to
+   * the mean of B. The force @f$w_k t_k \bar n_k@f$ of a key is distributed to
+   * the points of A in proportion to @f$a_s \psi_k(x_s) / w^A_k@f$, and its
+   * opposite likewise to the points of B, so momentum is conserved to
+   * round-off. In the method of Uzawa, a given part is added to the pressure,
+   * which is updated from the previous result until the gap is zero. Each
+   * surface has one condition per hat function, which splines of any degree can
+   * satisfy; with a condition at each point, the pressure would oscillate for
+   * splines of degree 2 and higher. Without the sectors, opposite faces of a
+   * thin body would share an average.
    *
-   * The slip is averaged likewise, and so is the pressure p of pore water. The
+   * The slip and the pressure p of pore water are averaged in the same way. The
    * shear stress of a key, @f$-\epsilon_T \bar e_k - \zeta \dot{\bar e}_k@f$
    * with the mean elastic slip, is at most
    * @f$\tau(t_k - \max(-t_k, \min(t_k, \bar p_k)), v_k) + c@f$, with the
-   * strength of the FrictionLaw at the effective pressure
-   * (@ref Terzaghi1943 "Terzaghi, 1943") and the speed v_k of the step; beyond
-   * that the elastic slip of its points is set back by the mean. The mean of p
-   * is that over the sides that have pores, with the weights of the gap, so
-   * that a Coulomb friction mu that slides all over an area of soil has the sum
-   * mu (N - sum a p) of the force N and the points.
+   * strength of the FrictionLaw at the effective pressure (@ref Terzaghi1943
+   * "Terzaghi, 1943") and the speed v_k of the step; beyond this limit, the
+   * elastic slip of its points is reduced by the mean excess. The mean of p is
+   * taken over the sides with pores, with the weights of the gap, so that the
+   * friction force of an area that slides with a Coulomb coefficient mu is mu
+   * (N - sum a p), with the normal force N.
    *
-   * Material points as side A have gaps and slip, which side B then has not:
-   * the means of these are those over A.
+   * If side A consists of material points, only these have gaps and slip, and
+   * means are taken over A.
    */
   template <int dim>
   class AveragedContact
   {
   public:
     /**
-     * The lattice of hat functions: one of its corners, and the size of its
-     * cells, m.
+     * The lattice of hat functions is given by one of its corners and the size
+     * of its cells, m.
      */
     AveragedContact(const ContactLaw             &law,
                     const dealii::Point<dim>     &corner,
@@ -155,14 +162,13 @@ namespace greville
                     const MPI_Comm                comm);
 
     /**
-     * Collective. Set the force and the slip of all points, which know their
-     * gaps. @p dt is the length of the step of their motion, s: 0 if there is
-     * none. The @p tangent is made where it is not null, and the stiffness of
-     * points with it. Where the @p memory is not null, given pressures are
-     * added.
+     * Collective. Set the force and the slip of all points, whose gaps must be
+     * set. @p dt is the length of the step of their motion, s, or 0 without
+     * motion. The @p tangent and the stiffness of points are computed unless @p
+     * tangent is null. Given pressures are added unless @p memory is null.
      *
-     * Where points are in the middle of their step (@p share of it is 0.5), the
-     * pressure is the mean one whose work is the change of the energy
+     * If points are in the middle of their step (@p share is 0.5), the pressure
+     * is the mean pressure whose work is the change of the energy
      * @f$\Psi = \epsilon / 2 \, \langle -\bar g \rangle^2@f$,
      * @f[
      *   t_k = -\frac{\Psi(\bar g_1) - \Psi(\bar g_0)}{\bar g_1 - \bar g_0},

@@ -10,8 +10,8 @@
 namespace greville
 {
   /**
-   * Whether there is pressure at a point, and whether surfaces slide there.
-   * Without friction all that is closed slides.
+   * The state of contact at a point: open, sticking or sliding. Without
+   * friction, all closed points slide.
    */
   enum class ContactState : unsigned char
   {
@@ -29,51 +29,71 @@ namespace greville
   struct ContactPoint
   {
     unsigned int side = 0;
-    /// Where it is, and the normal there, of length 1, outwards. A material
-    /// point has none (0): it faces all that is near.
+    /**
+     * The position, and the outward unit normal. The normal of a material point
+     * is zero: it faces all surfaces nearby.
+     */
     dealii::Point<dim>     x;
     dealii::Tensor<1, dim> normal;
-    /// How far the surface is in front of a material point, m; otherwise 0.
+    /**
+     * The distance of the surface in front of a material point, m; otherwise 0.
+     */
     double radius = 0.;
-    /// The present area, m^2 (in 2D m, in axisymmetry m^2 per radian), and the
-    /// area over the length in the plane: the distance from the axis in
-    /// axisymmetry, m, otherwise 1.
+    /**
+     * The current area, m^2 (in 2D m, in axisymmetry m^2 per radian), and the
+     * area divided by the length in the plane: the distance from the axis in
+     * axisymmetry, m, otherwise 1.
+     */
     double area      = 0.;
     double thickness = 1.;
     /// The displacement in the step, m.
     dealii::Tensor<1, dim> motion;
-    /// From where hat functions are evaluated to x, m. That is half way to the
-    /// other side, so that two parallel surfaces have the same weights, and
-    /// frozen while an implicit step is tried: the energy of implicit midpoint
-    /// steps rests on both.
+    /**
+     * The vector from the place at which hat functions are evaluated to x, m.
+     * The place is half way to the other side, so that two parallel surfaces
+     * have the same weights, and is frozen during trial steps of implicit
+     * schemes: the energy balance of implicit midpoint steps depends on both.
+     */
     dealii::Tensor<1, dim> since_hats;
     /// The elastic part of the slip of side 0 along side 1, m: history.
     dealii::Tensor<1, dim> slip;
 
     /// The pressure at the start of the step, Pa, see KeyMemory.
     double start_pressure = 0.;
-    /// That of the water in the pores, Pa, a part of the pressure of contact; 0
-    /// without water.
+    /**
+     * The pressure of the pore water, Pa, which is a part of the contact
+     * pressure; 0 without water.
+     */
     double pore_pressure = 0.;
 
-    /// Whether the other side is in front of it, or it is a little way inside.
+    /**
+     * True if the other side is in front of the point, or the point is slightly
+     * inside it.
+     */
     bool is_facing = false;
     /// The distance from the other side less the radius, negative inside, m.
     double gap = 0.;
-    /// The distance from a rigid body, also if it is not in front of it, m.
+    /**
+     * The distance from a rigid body, m, even if it is not in front of the
+     * point.
+     */
     double distance = std::numeric_limits<double>::infinity();
-    /// The normal of the other side at the closest point, outwards from it.
+    /// The outward normal of the other side at the closest point.
     dealii::Tensor<1, dim> target_normal;
-    /// The displacement in the step of the other side's material that is
-    /// the closest point now; of rigid bodies only, m.
+    /**
+     * The displacement in the step, m, of the other side's material that is now
+     * at the closest point; for rigid bodies only.
+     */
     dealii::Tensor<1, dim> target_motion;
 
-    /// What contact gives to it: N (2D: N / m), and the slip after the step.
+    /// The contact force, N (2D: N / m), and the slip at the end of the step.
     dealii::Tensor<1, dim> force, new_slip;
-    /// That of the larger part of its keys under pressure.
+    /// The state of the larger part of the point's keys under pressure.
     ContactState state = ContactState::open;
-    /// What resists its own displacement, where all points of its side move
-    /// like it, N / m (2D: N / m^2); where it is asked for, see ContactTangent.
+    /**
+     * The stiffness against a common displacement of all points of its side, N
+     * / m (2D: N / m^2), if requested, see ContactTangent.
+     */
     dealii::Tensor<2, dim> stiffness;
   };
 } // namespace greville

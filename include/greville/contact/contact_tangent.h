@@ -15,8 +15,8 @@ namespace greville
 {
   /**
    * The derivative of the forces of an AveragedContact by displacements u of
-   * its points, and by the pressures p of the pore water there, where hat
-   * functions, areas and normals do not change:
+   * its points and by their pore water pressures p, for constant hat functions,
+   * areas and normals:
    * @f[
    *   F_k = -w_k D_k \Bigl(
    *     \frac{1}{w^A_k} \sum_{s \in A} a_s \psi_k(x_s) u_s
@@ -25,44 +25,46 @@ namespace greville
    *                            {\sum_s a_s \psi_k(x_s)}, \qquad
    *   f_s = \pm \frac{a_s \psi_k(x_s)}{w^{A, B}_k} F_k,
    * @f]
-   * with D_k of a key, Pa / m: the stiffness of its pressure along its normal,
-   * and of the shear stress along the plane; and with the derivative of its
-   * strength by the effective pressure where it slides in the direction d_k,
-   * else 0. D_k is symmetric and positive, but for a key that slides: its shear
-   * stress changes with the pressure, and with displacements across the
-   * direction of sliding. Without a side 1 the second sum is zero. The last
-   * sums are those over the sides that have pores.
+   * with the stiffness D_k of a key, Pa / m, of its pressure along its normal
+   * and of the shear stress along the plane, and with the derivative tau'_k of
+   * its strength by the effective pressure if it slides in the direction d_k,
+   * otherwise 0. D_k is symmetric and positive except for sliding keys, whose
+   * shear stress changes with the pressure and with displacements across the
+   * direction of sliding. Without a side 1, the second sum is zero. The last
+   * sums run over the sides with pores.
    *
-   * It couples all points with a common key, on whatever processes they are:
-   * keys have owners, to which sums go.
+   * It couples all points with a common key across processes: each key has an
+   * owner, which adds up its sums.
    */
   template <int dim>
   class ContactTangent
   {
   public:
     /**
-     * Collective. The forces that displacements of all points give to them, in
-     * the order of the points, and changes of the pressure of the pores there;
-     * null: none.
+     * Collective. Compute the forces due to displacements of all points, in the
+     * order of the points, and due to changes of the pore pressure, unless
+     * null.
      */
     void
     multiply(const std::vector<dealii::Tensor<1, dim>> &displacements,
              std::vector<dealii::Tensor<1, dim>>       &forces,
              const std::vector<double> *pore_pressures = nullptr) const;
 
-    /// A key that belongs to this process.
+    /// A key owned by this process.
     struct Key
     {
       double                 inverse_weights[2] = {0., 0.};
       dealii::Tensor<2, dim> stiffness; // w_k D_k
-      /// That by the mean pressure of the pores: -w_k tau'_k d_k over the sum
-      /// of a_s psi_k.
+      /**
+       * The derivative by the mean pore pressure: -w_k tau'_k d_k over the sum
+       * of a_s psi_k.
+       */
       dealii::Tensor<1, dim> by_pore_pressure;
     };
 
     /**
-     * Collective. Begin with the keys of this process, which have the numbers
-     * from @p first on, and with all @p numbers of keys that points here have.
+     * Collective. Begin with the keys of this process, numbered from @p first
+     * on, and with all @p numbers of keys of its points.
      */
     void
     begin(std::vector<Key>                &&own_keys,
@@ -70,17 +72,19 @@ namespace greville
           const std::vector<std::uint64_t> &numbers,
           const MPI_Comm                    comm);
 
-    /// The next point, and whether its side has pores.
+    /// Add a point of a side, with or without pores.
     void
     add_point(const unsigned int side, const bool has_pores);
 
-    /// That this point has the key of a number.
+    /// Add a key, given by its number, to the last point.
     void
     add_share(const std::uint64_t number, const double weight);
 
   private:
-    /// Of a point and a key that it has: the place of the key in the vector,
-    /// and a_s psi_k.
+    /**
+     * A point's share of a key: the place of the key in the vector, and a_s
+     * psi_k.
+     */
     struct Share
     {
       unsigned int place;
@@ -94,8 +98,10 @@ namespace greville
     std::vector<bool>          have_pores; // points
     std::vector<std::size_t>   ends;       // of the shares of points
     std::vector<Share>         shares;
-    /// Sums of the displacements of both sides and of the pressure of the
-    /// pores, and then forces.
+    /**
+     * Sums of the displacements of both sides and of the pore pressure, and
+     * then forces.
+     */
     mutable VectorType values;
   };
 } // namespace greville

@@ -11,10 +11,10 @@
 namespace greville
 {
   /**
-   * What two surfaces resist sliding with: they stick where the shear stress is
-   * below the strength, a function of the pressure p (Pa; that of contact less
-   * the pressure of pore water) and of the speed v at which they slide (m / s),
-   * and slide under a shear stress of this size.
+   * Base class of friction laws: two surfaces stick if the shear stress is
+   * below the strength, a function of the effective pressure p (Pa; the contact
+   * pressure less the pore water pressure) and of the sliding speed v (m / s);
+   * they slide under a shear stress equal to the strength.
    *
    * A new law is a class that derives from this one, and one line in the list
    * of source/contact/friction_law.cc; or a call of add_friction_law() in a
@@ -25,15 +25,13 @@ namespace greville
   public:
     virtual ~FrictionLaw() = default;
 
-    /**
-     * The strength, Pa, which is not negative and may be infinite.
-     */
+    /// Return the strength, Pa, which is not negative and may be infinite.
     virtual double
     strength(const double pressure, const double speed) const = 0;
 
     /**
-     * The derivatives of a finite strength by pressure and speed, for the
-     * tangents of implicit steps. By default they are differences.
+     * Return the derivatives of a finite strength by pressure and speed, for
+     * the tangents of implicit steps; finite differences by default.
      */
     struct Slopes
     {
@@ -43,8 +41,8 @@ namespace greville
     slopes(const double pressure, const double speed) const;
 
     /**
-     * Whether the strength does not depend on pressure and speed, as that of
-     * smooth and of rough surfaces: tangents are symmetric then.
+     * Return whether the strength is independent of pressure and speed, as for
+     * smooth and rough surfaces: tangents are then symmetric.
      */
     virtual bool
     is_symmetric() const
@@ -90,25 +88,25 @@ namespace greville
 
 
   /**
-   * Makes a law from the numbers in the parentheses behind its name. Throws
-   * dealii::ExcMessage where they are wrong.
+   * A function that makes a law from the numbers in parentheses after its name.
+   * Throws dealii::ExcMessage if they are invalid.
    */
   using MakeFrictionLaw = std::function<std::unique_ptr<const FrictionLaw>(
     const std::vector<double> &numbers)>;
 
   /**
-   * Let parameter files say @p name, or name(number, ...), for `Friction`. To
-   * be called before simulations are made. Returns true, so that it may be the
-   * value of a static variable.
+   * Add a law, so that parameter files can contain @p name or name(number, ...)
+   * for `Friction`. To be called before simulations are made. Returns true, so
+   * that it can initialize a static variable.
    */
   bool
   add_friction_law(const std::string &name, const MakeFrictionLaw &make);
 
   /**
-   * The law that a @p parameter `Friction` has as its @p text: the coefficient
-   * mu as a number, or as a formula mu(p, v), whose negative values count as
-   * zero; or the name of a law. Throws dealii::ExcMessage where it is wrong,
-   * and for a formula that is negative at p = 1 Pa without sliding.
+   * Return the law with the @p text of a @p parameter `Friction`: the
+   * coefficient mu as a number or a formula mu(p, v), whose negative values
+   * count as zero, or the name of a law. Throws dealii::ExcMessage if the text
+   * is invalid, and for a formula that is negative at p = 1 Pa without sliding.
    */
   std::unique_ptr<const FrictionLaw>
   make_friction_law(const std::string &text, const std::string &parameter);

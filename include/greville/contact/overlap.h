@@ -11,7 +11,7 @@
 namespace greville
 {
   /**
-   * A material point of one of two sides, with its present volume, m^3 (2D:
+   * A material point of one of two sides, with its current volume, m^3 (2D:
    * m^2, also in axisymmetry).
    */
   template <int dim>
@@ -25,9 +25,7 @@ namespace greville
 
 
 
-  /**
-   * The point at which two bodies overlap most.
-   */
+  /// The point with the largest overlap of two bodies.
   template <int dim>
   struct Overlap
   {

@@ -14,17 +14,17 @@
 
 namespace greville
 {
-  /**
-   * What moves a rigid body in a step from t to t + dt, s.
-   */
+  /// The data of a step of a rigid body from t to t + dt, s.
   template <int dim>
   struct RigidStep
   {
     double t = 0., dt = 0.;
-    /// The time between the velocities of this step and the one before, s.
+    /// The time between the velocities of this step and of the previous one, s.
     double velocity_dt = 0.;
-    /// Of contacts, at t: N (2D: N / m), and N m (2D: N) about its reference
-    /// point; and m / s^2.
+    /**
+     * Contact force at t, N (2D: N / m), moment about the reference point, N m
+     * (2D: N), and gravity, m / s^2.
+     */
     dealii::Tensor<1, dim> force;
     RotationVector<dim>    moment;
     dealii::Tensor<1, dim> gravity;
@@ -33,31 +33,27 @@ namespace greville
 
 
   /**
-   * A body that does not deform: its surface, and its motion, which formulas of
-   * t give, or forces:
+   * A rigid body: its surface, and its motion, which is given by formulas of t
+   * or follows from forces:
    * @f[ m \dot v = f + m g, \qquad (R I R^T w)^\cdot = M @f]
    * with mass m, velocity v of the center of mass, rotation R, inertia I in the
    * initial configuration and spin w; by central differences, with v and w at
-   * half steps. Where it is belongs to the State.
+   * half steps. Its position is part of the State.
    */
   template <int dim>
   class RigidBody
   {
   public:
-    /**
-     * Throws dealii::ExcMessage where the parameters are wrong.
-     */
+    /// Throws dealii::ExcMessage for invalid parameters.
     RigidBody(const std::string &name, const RigidBodyParameters &parameters);
 
-    /**
-     * Where it is at the start, at time @p t, s.
-     */
+    /// Return its position at the start, at time @p t, s.
     RigidPosition<dim>
     position_at_start(const double t) const;
 
     /**
-     * Move it from where it is @p now, and has come to from @p before, to the
-     * end of the step.
+     * Move it from its position @p now, reached from @p before in the previous
+     * step, to the end of the step.
      */
     void
     move(RigidPosition<dim>   &now,
@@ -66,8 +62,8 @@ namespace greville
 
     /**
      * Set ContactPoint::is_facing, gap, target_normal and target_motion of the
-     * points that are closer than @p reach, m, to the body in its position
-     * @p now, where it has come from @p before in the step.
+     * points that are closer than @p reach, m, to the body in its position @p
+     * now, which was @p before at the start of the step.
      */
     void
     find_gaps(std::vector<ContactPoint<dim>> &points,
@@ -76,10 +72,10 @@ namespace greville
               const RigidPosition<dim>       &before) const;
 
     /**
-     * Return whether a point for which find_gaps() was called has passed from
-     * one side of the body towards the opposite one in the step: it has come in
-     * on one side, or was closer to that, and leaves by the other one. Contact
-     * then presses it out of the wrong side, or ends.
+     * Return whether a point for which find_gaps() was called has passed
+     * through the body in the step: it entered on one side, or was closer to
+     * that side, and leaves on the opposite one. Contact would then push it out
+     * on the wrong side, or end.
      */
     bool
     lets_through(const ContactPoint<dim>  &point,
@@ -87,9 +83,7 @@ namespace greville
                  const RigidPosition<dim> &now,
                  const RigidPosition<dim> &before) const;
 
-    /**
-     * Return whether a point @p x (m) is inside of the body in a position.
-     */
+    /// Return whether a point @p x (m) is inside the body in a position.
     bool
     contains(const dealii::Point<dim> &x, const RigidPosition<dim> &now) const
     {
@@ -97,9 +91,9 @@ namespace greville
     }
 
     /**
-     * Return whether some of the body may be closer than @p margin (m) to a @p
-     * region: false where none is, but for parts of a formula that are much
-     * smaller than the region.
+     * Return whether some part of the body may be closer than @p margin (m) to
+     * a @p region; parts of a formula that are much smaller than the region may
+     * be missed.
      */
     bool
     may_be_near(const dealii::BoundingBox<dim> &region,
@@ -107,8 +101,8 @@ namespace greville
                 const RigidPosition<dim>       &now) const;
 
     /**
-     * Return the largest distance (m) between the places that a point of the
-     * body has in two positions; of its part in the @p region if its end is not
+     * Return the largest displacement (m) of a point of the body between two
+     * positions; of its part in the @p region if the extent of the body is not
      * known.
      */
     double
@@ -117,9 +111,9 @@ namespace greville
         const dealii::BoundingBox<dim> &region) const;
 
     /**
-     * A mesh of its surface in the initial position, see
-     * ClosestSurface::mesh(), for a box that is around the body @p now. It
-     * holds until the next call.
+     * Return a mesh of its surface in the initial position, see
+     * ClosestSurface::mesh(), for a box around the body @p now. The mesh is
+     * valid until the next call.
      */
     const ClosedSurface<dim> &
     mesh(const RigidPosition<dim>       &now,
@@ -137,22 +131,27 @@ namespace greville
       return free;
     }
 
-    /// Of free bodies, kg (2D: kg / m).
+    /// Return the mass of a free body, kg (2D: kg / m).
     double
     total_mass() const
     {
       return mass;
     }
 
-    /// Of free bodies, where they are turned to: R I R^T, kg m^2 (2D: kg m).
+    /**
+     * Return the inertia of a free body in its current rotation: R I R^T, kg
+     * m^2 (2D: kg m).
+     */
     dealii::Tensor<2, dim == 2 ? 1 : 3>
     current_inertia(const RigidPosition<dim> &position) const;
 
   private:
     static constexpr int n_rotations = dim == 2 ? 1 : 3;
 
-    /// Move it as the formulas say: velocities are integrated by three points
-    /// of Gauss.
+    /**
+     * Move it by its formulas: velocities are integrated with three Gauss
+     * points.
+     */
     void
     follow(RigidPosition<dim> &position, const double t, const double dt) const;
 
@@ -165,11 +164,13 @@ namespace greville
     double                               mass = 0.;
     dealii::Tensor<2, n_rotations>       inertia;
 
-    /// ClosestSurface::box(), which takes long to find.
+    /// ClosestSurface::box(), which is expensive.
     dealii::BoundingBox<dim> extent;
 
-    /// The last mesh, and the box for it, in the initial position: it matters
-    /// where the end of the body is not known.
+    /**
+     * The last mesh, and the box for it, in the initial position: the box
+     * matters if the extent of the body is not known.
+     */
     mutable ClosedSurface<dim>       last_mesh;
     mutable dealii::BoundingBox<dim> last_region;
     mutable bool                     has_end = false;

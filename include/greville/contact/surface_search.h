@@ -12,28 +12,30 @@
 namespace greville
 {
   /**
-   * Finds the gap between the points of two surfaces, each of which is known by
-   * its points x_k with normals n_k and areas a_k only: the implicit surface of
-   * moving least squares
+   * A search for gaps between the points of two surfaces, each of which is
+   * given only by its points x_k with normals n_k and areas a_k. It uses the
+   * implicit surface of moving least squares
    * @f[
    *   \varphi(y) = \frac{1}{2} \sum_k w_k (y - x_k) \cdot n_k
    *     + \frac{1}{2} (y - \sum_k w_k x_k) \cdot n, \qquad
    *   n = \frac{\sum_k w_k n_k}{|\sum_k w_k n_k|}, \qquad
    *   w_k = \frac{a_k \omega(|y - x_k| / r)}{\sum_l a_l \omega(|y - x_l| / r)},
    * @f]
-   * with @f$\omega(s) = (1 - s^2)^2@f$ and r of two spacings of points. (The
-   * first term alone lies outside of a curved surface by the mean sagitta, the
-   * second one inside by the same: on a circle with points all around y their
-   * mean is exact.) A point x is projected onto it along n. Only
-   * points whose normals are within 60 degrees of that of the nearest one that
-   * faces x count, so that edges are not rounded, and only places on which
-   * there are points, so that a surface ends where its points end.
+   * with @f$\omega(s) = (1 - s^2)^2@f$ and r equal to two spacings of points.
+   * (The zero set of the first term alone lies outside a curved surface by the
+   * mean sagitta, that of the second one inside by the same amount: on a circle
+   * with points all around y, their mean is exact.) A point x is projected onto
+   * it along n. Only points whose normals are within 60 degrees of the normal
+   * of the nearest point facing x are used, so that edges are not rounded, and
+   * only places covered by points are accepted, so that a surface ends at its
+   * last points.
    *
    * An axisymmetric surface has its mirror image beyond the axis r = 0, so that
    * it does not end there.
    *
-   * Material points, which have no normal, may be side 0. Points of the surface
-   * near them face them, with the gap 0 and the opposite of their own normal.
+   * Side 0 may consist of material points, which have no normal. Nearby points
+   * of the surface face them, with the gap 0 and the opposite of their own
+   * normal.
    */
   template <int dim>
   class SurfaceSearch
@@ -46,10 +48,10 @@ namespace greville
 
     /**
      * Collective. Set ContactPoint::is_facing, gap and target_normal of the
-     * points of both sides, on whatever processes these are: the other side is
-     * looked for up to the distance @p reach, m. Points that may meet come
-     * together on the process to which a box of space belongs; nothing is sent
-     * where the sides are further apart.
+     * points of both sides, on any processes, if the other side is within the
+     * distance @p reach, m. Points that may be in contact are sent to the
+     * process to which a box of space belongs; nothing is sent if the sides are
+     * further apart.
      */
     void
     find_gaps(std::vector<ContactPoint<dim>> &points, const double reach) const;
