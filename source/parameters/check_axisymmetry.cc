@@ -28,8 +28,8 @@ namespace greville
 
 
     /**
-     * Whether the first of the formulas of time is zero, as far as samples
-     * show.
+     * Return whether the first of several formulas of time is zero, judging
+     * from samples.
      */
     bool
     has_radial_part(const std::string &text,

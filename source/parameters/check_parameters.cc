@@ -44,7 +44,7 @@ namespace greville
                              text_of(grid.lower[d]) + "."));
     if (has_body_grids())
       check_body_grids();
-    // What is written stays below the folder that a file names.
+    // Output must stay inside the folder that a file names.
     AssertThrow(general.name.find('/') == std::string::npos &&
                   general.name != "..",
                 ExcMessage("The parameter 'Simulation/Name' is <" +
@@ -205,7 +205,7 @@ namespace greville
                                "' is in no contact: nothing meets it. Name it "
                                "as the second one of 'Contact NAME/Bodies'."));
       }
-    // Its pressure and friction would count twice.
+    // Pressure and friction would count twice.
     std::map<std::set<std::string>, std::string> contact_of;
     for (const auto &[name, contact] : contacts)
       {

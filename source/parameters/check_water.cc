@@ -41,8 +41,8 @@ namespace greville
 
 
     /**
-     * What a wall or a surface may have beside one another. The @p names are
-     * those of its pressure, seepage face and flux in a @p section.
+     * Check the combination of conditions at a wall or a surface. @p names are
+     * the names of its pressure, seepage face and flux in a @p section.
      */
     void
     check_boundary(const std::string                &section,
@@ -64,9 +64,7 @@ namespace greville
 
 
 
-    /**
-     * The materials of bodies, in all stages.
-     */
+    /// Return the materials of bodies in all stages.
     std::set<std::string>
     materials_of(const SimulationParameters     &parameters,
                  const std::vector<std::string> &bodies)
@@ -85,7 +83,8 @@ namespace greville
 
 
     /**
-     * Those of bodies that have a grid of their own beside saturated ones.
+     * Return the materials of bodies that have a grid of their own, beside
+     * saturated bodies.
      */
     std::set<std::string>
     materials_without_pores(const SimulationParameters &parameters)

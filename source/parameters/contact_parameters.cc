@@ -89,7 +89,7 @@ namespace greville
                 ExcMessage("'" + section + "' needs a 'Mass' and " +
                            std::to_string(n) + " numbers of 'Inertia' in " +
                            std::to_string(dim) + "D, all above zero."));
-    // A plate has the sum.
+    // A plate attains the sum.
     const double sum =
       std::accumulate(inertia.begin(), inertia.end(), 0.) * (1. + 1e-9);
     AssertThrow(!has_mass || dim == 2 ||

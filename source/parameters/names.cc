@@ -13,7 +13,7 @@ namespace greville
 
   namespace
   {
-    // Besides those of n_fmpm_terms().
+    // All masses except those of n_fmpm_terms().
     const std::vector<std::string> known_masses = {"auto",
                                                    "consistent",
                                                    "lumped"};

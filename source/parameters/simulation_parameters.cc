@@ -23,9 +23,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * The value of the last line with this parameter.
-     */
+    /// Return the value of the last line with this parameter.
     std::string
     value_of(const std::vector<ParameterLine> &lines,
              const std::string                &section,
@@ -40,9 +38,7 @@ namespace greville
 
 
 
-    /**
-     * The names of an entry of the section "Simulation".
-     */
+    /// Return the names of an entry of the section "Simulation".
     std::vector<std::string>
     names_of(const std::vector<ParameterLine> &lines, const std::string &entry)
     {
@@ -54,9 +50,7 @@ namespace greville
 
 
 
-    /**
-     * A name and its section belong together.
-     */
+    /// Check that each name has a section and each section a name.
     void
     check_sections(const std::vector<ParameterLine> &lines,
                    const std::string                &kind,
@@ -167,8 +161,8 @@ namespace greville
 
 
     /**
-     * Load the libraries of plugins and of laws that users bring, whose names
-     * become absolute. Throws with the line where that is not possible.
+     * Load the libraries of plugins and user-defined laws, whose names become
+     * absolute. Throws with the line if this fails.
      */
     std::vector<ParameterLine>
     with_libraries(std::vector<ParameterLine>   lines,
@@ -181,7 +175,7 @@ namespace greville
       for (ParameterLine &line : lines)
         try
           {
-            // The last one counts.
+            // Only the last line with this parameter counts.
             if (line.value != value_of(given, line.section, line.name))
               continue;
             const std::string parameter = line.section + "/" + line.name;
@@ -214,7 +208,8 @@ namespace greville
 
 
     /**
-     * Let a law act, and name the section if what it throws does not.
+     * Call a function of a law, and add the section to its exceptions if they
+     * do not name it.
      */
     void
     let_law_act(const std::string &section, const std::function<void()> &action)
@@ -240,9 +235,7 @@ namespace greville
 
 
 
-    /**
-     * Throws where a file means the solver by parameters that do not name it.
-     */
+    /// Throw if a file selects the solver by parameters that do not name it.
     void
     check_method(const std::vector<ParameterLine> &lines)
     {
@@ -281,8 +274,8 @@ namespace greville
 
 
     /**
-     * The text of a parameter file without what stages have of the whole run:
-     * a run that goes on with another value gives it once.
+     * Return the text of a parameter file without parameters of the whole run
+     * that are repeated in stages: a resumed run changes such a value once.
      */
     std::string
     without_common_times(const std::string &text)
@@ -310,9 +303,7 @@ namespace greville
 
 
 
-    /**
-     * The lines of some sections, which begin with a name that is cut off.
-     */
+    /// Return the lines of sections that begin with a name, which is cut off.
     std::vector<ParameterLine>
     lines_of_stage(const std::vector<ParameterLine> &lines,
                    const std::string                &begin)
@@ -334,7 +325,7 @@ namespace greville
 
   SimulationParameters::SimulationParameters()
   {
-    // A symmetric cycle, for conjugate gradients.
+    // Conjugate gradients need a symmetric cycle.
     multigrid.restriction = "transpose";
   }
 
@@ -435,7 +426,8 @@ namespace greville
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
 
-    // What is used lies elsewhere: it has absolute names of files.
+    // The file of used parameters is stored elsewhere: it needs absolute names
+    // of files.
     const auto set = [&](const std::string &section,
                          const std::string &entry,
                          const std::string &value) {
@@ -517,7 +509,7 @@ namespace greville
     const auto names = names_of(lines, "Stages");
     if (names.empty())
       return;
-    // Where all stages come from: the sections outside.
+    // All stages begin with the sections outside.
     StageParameters  common;
     ParameterHandler prm;
     common.declare_sections(prm);
@@ -534,7 +526,7 @@ namespace greville
         stages.push_back(common);
         stages.back().name    = name;
         WallParameters &walls = stages.back().walls;
-        // What belongs to a wall of another type is not taken over.
+        // Parameters of a wall that has another type are not inherited.
         for (const ParameterLine &line :
              lines_of_stage(lines, "Stage " + name + "/"))
           for (unsigned int w = 0; w < 6; ++w)

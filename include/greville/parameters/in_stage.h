@@ -9,8 +9,8 @@
 namespace greville
 {
   /**
-   * Return what @p action returns. What it throws is thrown with the name of
-   * the @p stage in front of its message.
+   * Return the result of @p action. Exceptions are rethrown with the name of
+   * the @p stage before the message.
    */
   template <typename Action>
   auto

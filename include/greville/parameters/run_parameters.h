@@ -10,9 +10,7 @@
 
 namespace greville
 {
-  /**
-   * Exact solutions to compare with.
-   */
+  /// Exact solutions for comparison.
   struct ExactParameters
   {
     void
@@ -25,9 +23,7 @@ namespace greville
 
 
 
-  /**
-   * Measured data to compare with.
-   */
+  /// Measured data for comparison.
   struct ReferenceParameters
   {
     void
@@ -42,17 +38,13 @@ namespace greville
 
 
 
-  /**
-   * Runs over many meshes, or values of a parameter.
-   */
+  /// Several runs with different meshes or values of a parameter.
   struct SweepParameters
   {
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Whether there is one run only.
-     */
+    /// Return whether there is only one run.
     bool
     is_empty() const;
 
@@ -64,26 +56,22 @@ namespace greville
     std::string               values;
     unsigned int              processes = 0;
 
-    /**
-     * The values, which '|' separates.
-     */
+    /// Return the values, which '|' separates.
     std::vector<std::string>
     list_of_values() const;
   };
 
 
 
-  /**
-   * What a run leaves.
-   */
+  /// The output of a run.
   struct OutputParameters
   {
     void
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * The time between two rows of statistics of a run of this @p length, s; 0:
-     * each step.
+     * Return the time between two rows of statistics in a run of this @p
+     * length, s; 0 for a row per step.
      */
     double
     rows_every(const double length) const
@@ -124,8 +112,8 @@ namespace greville
 
 
   /**
-   * When a run writes its state to the disk. It does so on SIGUSR1, SIGTERM,
-   * SIGINT and SIGHUP in any case.
+   * The times at which a run writes its state to the disk. In any case, it does
+   * so on SIGUSR1, SIGTERM, SIGINT and SIGHUP.
    */
   struct CheckpointParameters
   {
@@ -139,16 +127,15 @@ namespace greville
 
 
   /**
-   * When the cells of the grid are shared among the processes anew.
+   * The times at which the cells of the grid are redistributed among the
+   * processes.
    */
   struct LoadBalanceParameters
   {
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Throw dealii::ExcMessage for values without a meaning.
-     */
+    /// Throw dealii::ExcMessage for invalid values.
     void
     check() const;
 

@@ -14,9 +14,7 @@
 
 namespace greville
 {
-  /**
-   * What is simulated.
-   */
+  /// General parameters of the simulation.
   struct GeneralParameters
   {
     void
@@ -36,22 +34,22 @@ namespace greville
 
 
 
-  /**
-   * The water in the pores of all bodies.
-   */
+  /// The pore water of all bodies.
   struct WaterParameters
   {
     void
     declare(dealii::ParameterHandler &prm);
 
-    /// The pressure of a column of water of height 1 on earth, Pa / m.
+    /**
+     * Return the pressure under a column of water of height 1 on earth, Pa / m.
+     */
     double
     unit_weight() const
     {
       return 9.81 * density;
     }
 
-    /// Of the capillary height, Pa.
+    /// Return the suction of the capillary height, Pa.
     double
     suction() const
     {
@@ -85,7 +83,7 @@ namespace greville
     bool                      per_body = false;
 
     /**
-     * Whether x is the distance from an axis, and quantities are those per
+     * Return whether x is the distance from an axis, and quantities are per
      * radian.
      */
     bool
@@ -94,9 +92,7 @@ namespace greville
       return geometry == "axisymmetric";
     }
 
-    /**
-     * Whether it begins at the axis.
-     */
+    /// Return whether the grid begins at the axis.
     bool
     has_axis() const
     {
@@ -106,9 +102,7 @@ namespace greville
 
 
 
-  /**
-   * The grid of a body: what is empty, or zero, is that of GridParameters.
-   */
+  /// The grid of a body: empty or zero values are taken from GridParameters.
   struct BodyGridParameters
   {
     void
@@ -136,8 +130,10 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /// Whether the preconditioner is a factorization, or the cycle of
-    /// p-multigrid, or the diagonal: none of these is the identity.
+    /**
+     * Return whether the preconditioner is a factorization, the cycle of
+     * p-multigrid, or the diagonal; if none of these, it is the identity.
+     */
     bool
     has_factorization() const
     {
@@ -156,7 +152,7 @@ namespace greville
       return method == "cg-jacobi";
     }
 
-    /// One of mass_solver_methods().
+    /// A name of mass_solver_methods().
     std::string method = "cg-ic0";
   };
 
@@ -201,8 +197,8 @@ namespace greville
 
 
   /**
-   * A body that does not deform. It moves as it is told, or freely by gravity
-   * and the forces of contacts.
+   * A rigid body. It moves as prescribed, or freely by gravity and contact
+   * forces.
    */
   struct RigidBodyParameters
   {
@@ -210,8 +206,8 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * Throw dealii::ExcMessage where the parameters of the @p section do not go
-     * together.
+     * Throw dealii::ExcMessage if the parameters of the @p section contradict
+     * each other.
      */
     void
     check(const std::string &section, const unsigned int dim) const;
@@ -239,24 +235,20 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * The names of the bodies of both sides.
-     */
+    /// Return the names of the bodies of both sides.
     std::array<std::vector<std::string>, 2>
     sides() const;
 
     /**
-     * Throw dealii::ExcMessage where the parameters of the @p section do not go
-     * with the bodies.
+     * Throw dealii::ExcMessage if the parameters of the @p section do not match
+     * the bodies.
      */
     void
     check(const std::string                                &section,
           const std::map<std::string, BodyParameters>      &bodies,
           const std::map<std::string, RigidBodyParameters> &rigid) const;
 
-    /**
-     * Whether gaps are closed by rounds of the method of Uzawa.
-     */
+    /// Return whether gaps are closed by iterations of the method of Uzawa.
     bool
     is_augmented() const
     {
@@ -264,8 +256,8 @@ namespace greville
     }
 
     /**
-     * Whether material points of the first side meet the second one, and not
-     * points on its surface.
+     * Return whether contact acts on material points of the first side instead
+     * of points on its surface.
      */
     bool
     is_by_material_points() const

@@ -19,36 +19,36 @@
 namespace greville
 {
   /**
-   * All parameters of a simulation: a value, which programs may copy and
-   * change. Bodies, materials, loads and stages have a section each, whose
-   * names the file itself gives.
+   * All parameters of a simulation, a value that programs may copy and change.
+   * Bodies, materials, loads and stages have one section each, whose names are
+   * given in the file.
    *
-   * A simulation with stages takes the sections of its stages in place of those
-   * that are members here.
+   * In a simulation with stages, the sections of the stages replace the
+   * sections that are members here.
    */
   class SimulationParameters : public StageSections
   {
   public:
-    /// The defaults, without bodies.
+    /// Set the defaults, without bodies.
     SimulationParameters();
 
     /**
-     * Read a file, and what @p settings put in its place, see
-     * read_parameter_lines(). Throws where one is wrong, with the line.
+     * Read a file, with values replaced by @p settings, see
+     * read_parameter_lines(). Throws with the line if a value is invalid.
      */
     explicit SimulationParameters(
       const std::string &file, const std::vector<std::string> &settings = {});
 
     /**
-     * The reference of all parameters, with a body, a load and a material of
-     * each model.
+     * Use the reference of all parameters, with a body, a load and a material
+     * of each model.
      */
     static void
     use_reference(const UseParameters &use);
 
     /**
-     * The text of a file with the defaults of all parameters, and a body so
-     * that it runs.
+     * Return the text of a file with the defaults of all parameters, and a body
+     * so that it can run.
      */
     static std::string
     defaults();
@@ -70,10 +70,14 @@ namespace greville
 
     TangentParameters implicit_solver;
 
-    /// One after the other; empty: one stage with the sections above.
+    /**
+     * The stages in order; if empty, there is one stage with the sections
+     * above.
+     */
     std::vector<StageParameters> stages;
 
-    // By name. Copies share materials, which do not change.
+    // Bodies and materials by name. Copies share materials, which do not
+    // change.
     std::map<std::string, BodyParameters>                  bodies;
     std::map<std::string, BodyGridParameters>              body_grids;
     std::map<std::string, std::shared_ptr<const Material>> materials;
@@ -88,78 +92,70 @@ namespace greville
     has_body_grids() const;
 
     /**
-     * The bodies that share a velocity field, and stick where they touch: each
-     * side of a contact, and all others. Bodies with grids of their own have a
-     * field each.
+     * Return the groups of bodies that share a velocity field and stick on
+     * touching: each side of a contact is a group, and all other bodies are
+     * one. Bodies with grids of their own have a field each.
      */
     std::vector<std::vector<std::string>>
     body_groups() const;
 
-    /**
-     * The grid that is meant for a body.
-     */
+    /// Return the grid of a body.
     GridParameters
     grid_of(const std::string &body) const;
 
-    /**
-     * One with a file that names no stages.
-     */
+    /// Return the number of stages; one if the file names none.
     unsigned int
     n_stages() const
     {
       return stages.empty() ? 1 : stages.size();
     }
 
-    /**
-     * The end of the last stage, s.
-     */
+    /// Return the end of the last stage, s.
     double
     end_of_run() const
     {
       return stages.empty() ? time.end : stages.back().time.end;
     }
 
-    /**
-     * Whether a stage has a 'Time/Ramp until failure'.
-     */
+    /// Return whether a stage has a 'Time/Ramp until failure'.
     bool
     has_ramp() const;
 
     /**
-     * Take the sections of a stage, which begins where the last one ends.
+     * Replace the sections by those of a stage, which begins at the end of the
+     * previous one.
      */
     void
     enter_stage(const unsigned int stage);
 
-    /**
-     * Whether a body is there in a stage.
-     */
+    /// Return whether a body is present in a stage.
     bool
     is_there(const std::string &body, const unsigned int stage) const;
 
     /**
-     * Whether bodies or materials of a stage are others than those of the stage
-     * before it.
+     * Return whether the bodies or materials of a stage differ from the
+     * previous stage.
      */
     bool
     changes_bodies(const unsigned int stage) const;
 
     /**
-     * "Stage 2 (collapse): ", which messages of one of several stages begin
-     * with. Empty if there is one.
+     * Return "Stage 2 (collapse): " as the beginning of messages, or an empty
+     * text if there is one stage.
      */
     std::string
     stage_text(const unsigned int stage) const;
 
     /**
-     * Throw dealii::ExcMessage where parameters contradict each other or are
-     * wrong in a way that patterns cannot see.
+     * Throw dealii::ExcMessage if parameters contradict each other or are
+     * invalid in ways that patterns cannot detect.
      */
     void
     check() const;
 
     /**
-     * All that was read, as a file that gives the same run from any folder.
+     * Return all parameters that were read, as a file that gives the same run
+     * from any folder.
      */
     const std::string &
     used() const
@@ -168,35 +164,31 @@ namespace greville
     }
 
     /**
-     * What was read, with the lines of @p changes, the text of a parameter
-     * file, in the place of some. Throws as the constructor.
+     * Return the parameters with some lines replaced by @p changes, the text of
+     * a parameter file. Throws as the constructor.
      */
     SimulationParameters
     with(const std::string &changes) const;
 
   private:
-    /**
-     * Take what @p lines say, which are those of @p file.
-     */
+    /// Read the values of @p lines, which come from @p file.
     void
     read(const std::string &file, const std::vector<ParameterLine> &lines);
 
-    /**
-     * All parameters but those of materials.
-     */
+    /// Declare all parameters except those of materials.
     void
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * Read what the file gives of stages: all but what @p prm does with the
-     * same lines.
+     * Read the parts of the file about stages that @p prm does not read from
+     * the same lines.
      */
     void
     make_stages(const std::vector<ParameterLine> &lines);
 
     /**
-     * The material of each body in each stage. Throws where 'Materials' of a
-     * stage names something else.
+     * Find the material of each body in each stage. Throws if 'Materials' of a
+     * stage contains an unknown name.
      */
     void
     find_materials();
@@ -207,42 +199,33 @@ namespace greville
     void
     check_body_grids() const;
 
-    /**
-     * Let 'Walls/Left' slide where it is free and the axis of symmetry.
-     */
+    /// Change 'Walls/Left' from free to sliding if it is the axis of symmetry.
     void
     make_axis();
 
-    /**
-     * check() of what does not go with axisymmetry, of all stages, and of one.
-     */
+    /// Do the part of check() for axisymmetry, for all stages and for one.
     void
     check_axisymmetry() const;
 
     void
     check_axisymmetry_of_stage() const;
 
-    /**
-     * check() of contacts and rigid bodies.
-     */
+    /// Do the part of check() for contacts and rigid bodies.
     void
     check_contacts() const;
 
     /**
-     * check() of bodies that come and go, and of their materials.
+     * Do the part of check() for bodies that come and go and for their
+     * materials.
      */
     void
     check_construction() const;
 
-    /**
-     * check() of the parameters of one stage.
-     */
+    /// Do the part of check() for the parameters of one stage.
     void
     check_stage() const;
 
-    /**
-     * check_stage() of what does not go with total Lagrangian steps.
-     */
+    /// Do the part of check_stage() for total Lagrangian steps.
     void
     check_total_lagrangian() const;
 
@@ -252,9 +235,7 @@ namespace greville
     void
     check_domains() const;
 
-    /**
-     * check() of pore water, of all stages, and of one.
-     */
+    /// Do the part of check() for pore water, for all stages and for one.
     void
     check_water() const;
 

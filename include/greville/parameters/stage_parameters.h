@@ -55,9 +55,7 @@ namespace greville
 
 
 
-  /**
-   * How points and grid exchange what they know.
-   */
+  /// The transfer between points and grid.
   struct SchemeParameters
   {
     void
@@ -147,9 +145,7 @@ namespace greville
       return energy_gain == "stop";
     }
 
-    /**
-     * Whether points that leave the grid are an error.
-     */
+    /// Return whether points that leave the grid are an error.
     bool
     stops_outside() const
     {
@@ -157,8 +153,9 @@ namespace greville
     }
 
     /**
-     * Extended functions cost accuracy: where points stay in their cells,
-     * thinner cuts are good enough.
+     * Return the filling from which cells are well-filled. Since extended
+     * functions reduce the accuracy, it is smaller if points stay in their
+     * cells.
      */
     double
     filling_threshold(const bool implicit = false) const
@@ -180,7 +177,7 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /// In the order of the faces of a cell of deal.II.
+    /// The names of the walls, in the order of the faces of a cell of deal.II.
     static const std::array<std::string, 6> names;
 
     std::array<std::string, 6> type{
@@ -223,9 +220,7 @@ namespace greville
 
 
 
-  /**
-   * Constants of implicit schemes, and how a step is solved for.
-   */
+  /// Constants of implicit schemes, and the solution of a step.
   struct ImplicitParameters
   {
     void
@@ -237,9 +232,7 @@ namespace greville
 
 
 
-  /**
-   * When Newton's method ends, and how exactly it solves its linear systems.
-   */
+  /// The tolerances of Newton's method and of its linear systems.
   struct NewtonParameters
   {
     void
@@ -254,14 +247,10 @@ namespace greville
 
 
 
-  /**
-   * What may change from one stage of a simulation to the next.
-   */
+  /// Sections that may differ between the stages of a simulation.
   struct StageSections
   {
-    /**
-     * Each in its section.
-     */
+    /// Declare each member in its section.
     void
     declare_sections(dealii::ParameterHandler &prm);
 
@@ -280,9 +269,7 @@ namespace greville
    */
   struct StageParameters : StageSections
   {
-    /**
-     * The parameters that are not in the sections.
-     */
+    /// Declare the parameters outside the sections.
     void
     declare(dealii::ParameterHandler &prm);
 

@@ -10,8 +10,8 @@
 namespace greville
 {
   /**
-   * The unit of sums over points that have the @p unit in 3D, such as "N": "N /
-   * m" in plane strain, and "N / rad" in axisymmetry.
+   * Return the unit of sums over points that have the @p unit in 3D: "N"
+   * becomes "N / m" in plane strain, and "N / rad" in axisymmetry.
    */
   inline std::string
   unit_of_sums(const std::string    &unit,
