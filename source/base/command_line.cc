@@ -15,7 +15,7 @@ namespace greville
 
   namespace
   {
-    // Options that do something else than a run.
+    // Options for actions other than a run.
     const std::vector<ProgramOption> actions = {
       {"new",
        "TEMPLATE",
@@ -53,8 +53,8 @@ namespace greville
 
 
     /**
-     * A text in lines of at most 79 letters, of which all but the first are
-     * indented: it begins there already.
+     * Return a text in lines of at most 79 letters, of which all but the first
+     * are indented.
      */
     std::string
     wrapped(const std::string &text, const unsigned int indent)
@@ -111,7 +111,7 @@ namespace greville
         if (!option.value.empty())
           words += option.value_is_needed ? " " + option.value
                                           : " [" + option.value + "]";
-        // The meaning stands beside the option, or below a long one.
+        // The meaning is beside the option, or below a long option.
         words += words.size() + 2 > indent
                    ? "\n" + std::string(indent, ' ')
                    : std::string(indent - words.size(), ' ');

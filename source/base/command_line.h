@@ -16,47 +16,38 @@ namespace greville
      */
     extern const ProgramOption set_option;
 
-    /**
-     * All options of a program, first those of runs.
-     */
+    /// Return all options of a program, options of runs first.
     std::vector<ProgramOption>
     options_of(const Program &program);
 
-    /**
-     * The text of --help.
-     */
+    /// Return the text of --help.
     std::string
     usage_of(const Program &program);
 
-    /**
-     * A wrong command line; the message is followed by a hint to --help.
-     */
+    /// An invalid command line; the message is followed by a hint to --help.
     class CommandLineError : public std::runtime_error
     {
     public:
       using std::runtime_error::runtime_error;
     };
 
-    /**
-     * Files, and options with their values.
-     */
+    /// A parsed command line: files, and options with their values.
     struct CommandLine
     {
-      /**
-       * Throws a CommandLineError where the command line is wrong.
-       */
+      /// Throws a CommandLineError if the command line is invalid.
       CommandLine(const Program                  &program,
                   const std::vector<std::string> &arguments);
 
       /**
-       * The value of the option that says what to do, or nothing.
+       * Return the value of the option that selects the action, or an empty
+       * text.
        */
       std::string
       value_of_action() const;
 
       std::vector<std::string> files;
       GivenOptions             given;
-      /// The option that says what to do, or empty for a run.
+      /// The option that selects the action, or empty for a run.
       std::string act;
     };
   } // namespace internal

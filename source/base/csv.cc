@@ -189,7 +189,7 @@ namespace greville
           out << (k > 0 ? "," : "") << words[k];
         out << std::endl;
         AssertThrow(out, ExcMessage(write_error(file)));
-        // Lines would go to a file that nobody finds any more.
+        // Lines would be written to a file that has no name any more.
         struct stat named;
         AssertThrow(stat(file.c_str(), &named) == 0,
                     ExcMessage(write_error(file)));

@@ -24,7 +24,7 @@ namespace greville
     constexpr std::uint64_t seal_size  = 64; // bytes
     const char *const       seal_begin = "\nGreville: ";
 
-    // Numbers of eight bytes that are in memory at a time.
+    // The number of eight-byte numbers in memory at a time.
     constexpr std::uint64_t piece = 1 << 17;
 
 
@@ -45,7 +45,8 @@ namespace greville
 
 
     /**
-     * Whether there is room on the disk, which not all file systems can tell.
+     * Return whether there is room on the disk, which not all file systems can
+     * tell.
      */
     bool
     allocate(const int           descriptor,
@@ -60,8 +61,8 @@ namespace greville
 
 
     /**
-     * Collective. The checksum of the first bytes of a file, taken as doubles,
-     * the last of which is filled up with zeros.
+     * Collective. Return the checksum of the first bytes of a file, read as
+     * doubles, the last of which is padded with zeros.
      */
     std::uint64_t
     checksum_of_file(const std::string  &file,
@@ -292,7 +293,7 @@ namespace greville
   {
     const std::uint64_t n_processes = Utilities::MPI::n_mpi_processes(comm);
     const std::uint64_t process     = Utilities::MPI::this_mpi_process(comm);
-    // Not n * process / n_processes, which may be too large.
+    // n * process / n_processes might overflow.
     const auto begin = [&](const std::uint64_t k) {
       return n / n_processes * k + std::min(n % n_processes, k);
     };

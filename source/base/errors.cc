@@ -24,12 +24,12 @@ namespace greville
     else
       text << exception.what();
 
-    // deal.II breaks lines and indents them.
+    // deal.II breaks and indents lines.
     std::istringstream words(text.str());
     std::string        word, result;
     while (words >> word)
       result += (result.empty() ? "" : " ") + word;
-    // A value may be as long as its file is.
+    // A value may be as long as its file.
     constexpr std::size_t begin = 2000, end = 1000;
     if (result.size() > 2 * begin)
       result = result.substr(0, begin) + " ... (" +
@@ -44,8 +44,8 @@ namespace greville
   namespace
   {
     /**
-     * The number of letters to insert, remove, replace or exchange with their
-     * neighbour that make one word of the other.
+     * Return the number of letters to insert, remove, replace or swap with
+     * their neighbour to turn one word into the other.
      */
     unsigned int
     distance(const std::string &a, const std::string &b)
@@ -96,7 +96,7 @@ namespace greville
   std::string
   first_of_all(const std::string &message, const MPI_Comm comm)
   {
-    // The process that says it, not a list of what all say.
+    // Name the process with the message, without a list of other messages.
     const unsigned int n     = Utilities::MPI::n_mpi_processes(comm);
     const unsigned int first = Utilities::MPI::min(
       message.empty() ? n : Utilities::MPI::this_mpi_process(comm), comm);

@@ -35,8 +35,8 @@ namespace greville
 
     unsigned int this_process = 0;
 
-    // True if an ExitGuard exists, and if the code of a call has forked
-    // this process.
+    // True if an ExitGuard exists; and if this process was forked by the code
+    // of a call.
     volatile bool exit_is_fault = false, is_copy = false;
 
     struct Fault
@@ -45,7 +45,7 @@ namespace greville
       const char *text;
     };
 
-    // Faults of memory and numbers come first.
+    // Faults of memory and arithmetic come first.
     constexpr unsigned int          n_crashes     = 5;
     constexpr std::array<Fault, 12> fault_signals = {
       {{SIGSEGV, "has used memory that it does not have (SIGSEGV)"},
@@ -64,22 +64,24 @@ namespace greville
 
     std::array<struct sigaction, fault_signals.size()> earlier_actions;
 
-    // The last library of a user that was loaded, and the process that did it.
+    // The last library of a user that was loaded, and the process that loaded
+    // it.
     char  last_library[2048] = "";
     pid_t own_process        = 0;
 
-    // A law may have exhausted its own stack.
+    // A separate stack for signal handlers, since a law may have exhausted its
+    // stack.
     char stack_of_signals[1 << 16];
 
-    // Of the clock that looks for calls without an end: the time between two
-    // looks, s, and how often the last one has found the same call.
+    // The clock that detects endless calls: the time between two checks, s, and
+    // the number of consecutive checks that found the same call.
     constexpr int clock_signal = SIGVTALRM;
     timer_t       clock_of_calls;
     double        clock_period = 0.;
     unsigned int  n_looks      = 0;
     std::uint64_t seen_call    = 0;
 
-    // Of the clock, s.
+    // The limits of the clock's period, s.
     constexpr double shortest_period = 1e-3, longest_period = 1e6;
 
     std::fenv_t control_of_program;
@@ -89,9 +91,7 @@ namespace greville
 
 
 
-    /**
-     * End the process as _exit() does, which this file replaces.
-     */
+    /// End the process like _exit(), which this file replaces.
     [[noreturn]] void
     end_now(const int status)
     {
@@ -102,8 +102,8 @@ namespace greville
 
 
     /**
-     * End the process with a message. Where several processes have the same
-     * fault, the first one reports it, and MPI ends the others while they wait.
+     * End the process with a message. If several processes have the same fault,
+     * the first one reports it, and MPI ends the others while they wait.
      */
     [[noreturn]] void
     end_process_with(const char *text)
@@ -121,9 +121,7 @@ namespace greville
 
 
 
-    /**
-     * Say that the program crashes, and what may be why.
-     */
+    /// Report that the program crashes, with possible reasons.
     void
     report_crash(const char *what)
     {
@@ -142,13 +140,11 @@ namespace greville
 
 
 
-    /**
-     * End the process while a call is under way.
-     */
+    /// End the process during a call.
     [[noreturn]] void
     end_process(const char *what)
     {
-      // MPI has threads, too, which get signals of the clock.
+      // MPI's threads receive signals of the clock, too.
       const pid_t own   = syscall(SYS_gettid);
       pid_t       other = 0;
       if (!ending_thread.compare_exchange_strong(other, own))
@@ -168,8 +164,8 @@ namespace greville
 
 
     /**
-     * The bits that say what the processor does about floating point numbers,
-     * without those that say what has happened.
+     * Return the bits that control the processor's floating-point arithmetic,
+     * without the bits that report past exceptions.
      */
     unsigned int
     floating_point_control()
@@ -203,7 +199,7 @@ extern "C"
                 : fault_signals[k].text);
           if (k < n_crashes && last_library[0] != '\0')
             report_crash(fault_signals[k].text);
-          // The instruction that has failed is repeated, and fails again.
+          // The failed instruction is repeated, and fails again.
           sigaction(signal, &earlier_actions[k], nullptr);
           if (info->si_code <= 0 || k >= n_crashes)
             raise(signal);
@@ -253,8 +249,8 @@ extern "C"
 
 
   /**
-   * Replaces the function of the system, also for libraries that are loaded: a
-   * UMAT could else end the program with the status 0 and without a message.
+   * Replaces the function of the system, also for loaded libraries: otherwise,
+   * a UMAT could end the program with the status 0 and without a message.
    */
   __attribute__((noreturn)) void
   _exit(const int status)
@@ -328,7 +324,7 @@ namespace greville
           {
             const int signal = fault_signals[k].signal;
             sigaction(signal, nullptr, &earlier_actions[k]);
-            // Others may be of use to somebody.
+            // Handlers set by others are kept.
             if (k < n_crashes || earlier_actions[k].sa_handler == SIG_DFL)
               sigaction(signal, &action, nullptr);
           }
@@ -339,7 +335,8 @@ namespace greville
         bits_of_program = floating_point_control();
       }
 
-    // Not the timer of alarm(), which others may use. System calls go on.
+    // This is not the timer of alarm(), which others may use. System calls are
+    // restarted.
     if (!(time_limit > 0.))
       return;
     const double period =
@@ -382,7 +379,7 @@ namespace greville
 
   ForeignCall::~ForeignCall()
   {
-    // The process that has been forked goes on.
+    // The forked process continues.
     if (is_copy)
       end_now(0);
     call_under_way = nullptr;

@@ -36,15 +36,15 @@ namespace greville
 
     std::string                 name, text, parameter;
     std::unique_ptr<mu::Parser> parser;
-    // The bits of the variables that occur, also by way of names.
+    // The bits of the variables that occur, also through names.
     std::uint64_t             variables = 0;
     std::vector<unsigned int> names;
 
-    // Of a name: whether it depends only on constant variables, and whether
+    // For a name: whether it depends only on constant variables, and whether
     // precompute() returns its value.
     bool is_constant    = false;
     bool is_precomputed = false;
-    // Where its value stands.
+    // The address of its value.
     double *value = nullptr;
   };
 
@@ -52,8 +52,8 @@ namespace greville
 
   namespace
   {
-    // The bit of a variable in sets of variables. The last one is that of all
-    // further variables, which only a formula of columns of statistics has.
+    // Return the bit of a variable in sets of variables. The last bit is shared
+    // by all further variables, which only formulas of statistics columns have.
     std::uint64_t
     bit_of(const std::size_t variable)
     {
@@ -62,7 +62,7 @@ namespace greville
 
 
 
-    // Larger values overflow where they are squared.
+    // Larger values overflow when squared.
     constexpr double largest_value = 1e100;
 
 
@@ -91,9 +91,9 @@ namespace greville
 
 
     /**
-     * Find errors that muParser accepts: assignments, and commas
-     * outside of the arguments of a function, of which the last value counts.
-     * Returns the reason, or nothing.
+     * Find errors that muParser accepts: assignments, and commas outside the
+     * arguments of a function, of which it takes the last value. Returns the
+     * reason, or an empty text.
      */
     std::string
     trap_in(const std::string &text)
@@ -124,11 +124,11 @@ namespace greville
 
 
 
-    // Functions that muParser does not have, or has under other names.
+    // Define functions that muParser lacks or names differently.
     void
     define_functions(mu::Parser &parser)
     {
-      // muParser's own _pi and _e have 13 digits.
+      // muParser's own _pi and _e have only 13 digits.
       parser.DefineConst("pi", numbers::PI);
       parser.DefineConst("_pi", numbers::PI);
       parser.DefineConst("_e", numbers::E);
@@ -228,7 +228,8 @@ namespace greville
   Formulas::define_names(const std::string &text)
   {
     const auto definitions = definitions_behind(text);
-    // From the last one on: each stands behind those that it uses.
+    // Collect from the last name on, since each name follows the names that it
+    // uses.
     std::set<std::string> used;
     const auto            use = [&](const std::string &formula) {
       for (const std::string &name : names_in_formula(formula))
@@ -350,7 +351,7 @@ namespace greville
   Formulas::checked_value(const unsigned int k) const
   {
     const double result = evaluate(formulas[k]);
-    // Also false where the result is NaN.
+    // The comparison is false if the result is NaN.
     if (!(std::abs(result) <= largest_value))
       {
         std::ostringstream text;
@@ -387,7 +388,7 @@ namespace greville
     std::uint64_t changed = all ? ~std::uint64_t(0) : 0;
     for (unsigned int i = 0; i < values.size(); ++i)
       {
-        // Also where one is NaN.
+        // The comparison holds if a number is NaN, too.
         if (!(numbers[i] == values[i]))
           changed |= bit_of(i);
         numbers[i] = values[i];

@@ -13,15 +13,15 @@ namespace greville
 
   namespace
   {
-    // Elements that one call of HDF5 writes or reads: MPI-IO counts bytes by
-    // int.
+    // The largest number of elements per HDF5 call, since MPI-IO counts bytes
+    // by int.
     constexpr hsize_t most_elements = 1u << 27;
 
 
 
     /**
-     * What HDF5 says of the last call, which has failed: the innermost of its
-     * messages, with the reason of the system where there is one.
+     * Return HDF5's reason for the failure of the last call: its innermost
+     * message, with the system's reason if there is one.
      */
     std::string
     reason_of_hdf5()
@@ -70,8 +70,8 @@ namespace greville
 
   HDF5Silence::HDF5Silence()
   {
-    // At the end of the program, a file that could not be written would be
-    // tried again, without MPI.
+    // Otherwise, HDF5 would retry a failed write at the end of the program,
+    // after MPI has ended.
     static const herr_t no_end = H5dont_atexit();
     (void)no_end;
     H5Eget_auto2(H5E_DEFAULT, &function, &data);
@@ -100,7 +100,7 @@ namespace greville
                   const std::string &name,
                   const std::string &text)
   {
-    // HDF5 has no empty texts.
+    // HDF5 has no empty strings.
     const HDF5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
     check_hdf5(H5Tset_size(type, std::max<std::size_t>(1, text.size())));
     check_hdf5(H5Tset_strpad(type, H5T_STR_NULLPAD));
@@ -151,15 +151,15 @@ namespace greville
   HDF5Handle
   hdf5_access(const MPI_Comm comm)
   {
-    // A component of Open MPI 4.1 for files with one pointer of all
-    // processes, which HDF5 does not use, overflows by paths of 250 letters.
-    // Open MPI reads this when it opens its first file.
+    // A component of Open MPI 4.1 for shared file pointers, which HDF5 does not
+    // use, overflows for paths of 250 letters. Open MPI reads this variable
+    // when it opens its first file.
     setenv("OMPI_MCA_sharedfp", "^lockedfile", 0);
     const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
     if (list >= 0)
       {
         H5Pset_fapl_mpio(list, comm, MPI_INFO_NULL);
-        // Files of before have no attributes beyond 64 kB.
+        // Older file formats have no attributes beyond 64 kB.
         H5Pset_libver_bounds(list, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
       }
     return {list, H5Pclose};
@@ -192,7 +192,7 @@ namespace greville
         const hsize_t    count[2] = {n, n_columns};
         const HDF5Handle memory(H5Screate_simple(rank, count, nullptr),
                                 H5Sclose);
-        // A process that cannot select takes part with no rows.
+        // A process whose selection fails takes part with no rows.
         bool is_selected = n > 0 && H5Sselect_hyperslab(space,
                                                         H5S_SELECT_SET,
                                                         start,

@@ -31,8 +31,8 @@ namespace greville
     using Matrix3 = std::array<std::array<double, 3>, 3>;
 
     /**
-     * The largest eigenvalue of A c = theta G c and its vector c, for the first
-     * @p n rows. Directions that depend on those before them are left out.
+     * Return the largest eigenvalue of A c = theta G c and its vector c, for
+     * the first @p n rows. Linearly dependent directions are left out.
      */
     double
     largest_ritz_value(const Matrix3         &A,
@@ -40,8 +40,8 @@ namespace greville
                        const unsigned int     n,
                        std::array<double, 3> &c)
     {
-      // The inverse of the Cholesky factor of G makes the directions
-      // orthonormal: rows of Q.
+      // The inverse of the Cholesky factor of G orthonormalizes the directions:
+      // rows of Q.
       Matrix3 Q{};
       for (unsigned int i = 0; i < n; ++i)
         {
@@ -49,7 +49,7 @@ namespace greville
             continue;
           std::array<double, 3> row{};
           row[i] = 1. / std::sqrt(G[i][i]);
-          // Twice, for orthogonality to round-off.
+          // Repeat for orthogonality to round-off.
           for (unsigned int repeat = 0; repeat < 2; ++repeat)
             for (unsigned int j = 0; j < i; ++j)
               {
@@ -106,7 +106,7 @@ namespace greville
               &last = directions[2];
     LargestEigenvalue result;
 
-    // Products of directions by G = B^-1 and by S.
+    // Compute the products of directions by G = B^-1 and by S.
     const auto find_products = [&](Matrix3 &A, Matrix3 &G) {
       std::vector<double> sums(12);
       for (std::size_t u = 0; u < n; ++u)

@@ -18,17 +18,18 @@ namespace greville
 
   namespace
   {
-    // What mesh, spline space and fields take at the least, measured with order
+    // The minimum memory of mesh, spline space and fields, measured with order
     // 1, lumped mass and a body of few points.
     constexpr double bytes_per_cell_2d = 900., bytes_per_cell_3d = 1400.;
 
-    // deal.II counts cells of a process with 32 bits.
+    // deal.II counts the cells of a process with 32 bits.
     constexpr double most_cells = 4e9;
 
 
 
     /**
-     * Bytes that programs of this machine can still take, and this one may.
+     * Return the bytes that are still available to programs on this machine,
+     * and to this program.
      */
     double
     free_memory()

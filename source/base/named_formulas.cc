@@ -20,9 +20,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Throw where this is no name, or that of something else.
-     */
+    /// Throw if this is not a valid name, or already has another meaning.
     void
     check_name_of_formula(const std::string              &name,
                           const std::vector<std::string> &functions)
@@ -42,8 +40,8 @@ namespace greville
 
 
     /**
-     * The entries of a property tree of ParameterHandler that take formulas,
-     * with their sections.
+     * Collect the entries of ParameterHandler's property tree that are
+     * formulas, with their sections.
      */
     void
     collect_formulas(const boost::property_tree::ptree &tree,
@@ -53,7 +51,7 @@ namespace greville
       for (const auto &child : tree)
         {
           const auto &entry = child.second;
-          // JSON has names as they are.
+          // Names in JSON are not mangled.
           const std::string name = child.first;
           if (entry.find("value") == entry.not_found())
             {

@@ -19,7 +19,8 @@ namespace greville
 
   namespace
   {
-    // The squares of larger numbers overflow, those of smaller ones vanish.
+    // The squares of larger numbers overflow, the squares of smaller numbers
+    // vanish.
     constexpr double largest_number = 1e100, smallest_number = 1e-100;
 
 
@@ -33,9 +34,7 @@ namespace greville
 
 
 
-    /**
-     * What ParameterHandler knows of a parameter.
-     */
+    /// ParameterHandler's description of a parameter.
     struct Entry
     {
       std::string default_value, pattern, documentation;
@@ -53,7 +52,7 @@ namespace greville
             const std::string                 &section,
             std::map<std::string, Entries>    &result)
     {
-      // JSON has names as they are.
+      // Names in JSON are not mangled.
       Entries &entries = result[section];
       for (const auto &child : tree)
         {
@@ -88,9 +87,7 @@ namespace greville
 
 
 
-    /**
-     * The bounds of "[Double 0...1 (inclusive)]" as words.
-     */
+    /// Describe the bounds of "[Double 0...1 (inclusive)]" in words.
     std::string
     in_range(const std::string &description, const std::size_t begin)
     {
@@ -117,9 +114,7 @@ namespace greville
 
 
 
-    /**
-     * deal.II's description of a pattern in words.
-     */
+    /// Describe deal.II's pattern in words.
     std::string
     in_words(const std::string &description)
     {
@@ -243,7 +238,7 @@ namespace greville
                                "/" + line.name + "' is <" + line.value + ">; ";
       if (description == FormulaPattern::name)
         return;
-      // Blanks in a word are no letters: ParameterHandler takes them off.
+      // Blanks around a word are ignored: ParameterHandler removes them.
       const auto pattern = Patterns::pattern_factory(description);
       if (!pattern->match(line.value))
         {
@@ -341,8 +336,8 @@ namespace greville
   namespace
   {
     /**
-     * " Did you mean <Contact NAME>?" for "contact" and "Contact base", or what
-     * did_you_mean() says.
+     * Return " Did you mean <Contact NAME>?" for "contact" and "Contact base",
+     * otherwise the result of did_you_mean().
      */
     std::string
     hint_for_section(const std::string              &section,

@@ -45,8 +45,8 @@ namespace greville
 
 
     /**
-     * Whether @p line begins with the word @p key in small or capital letters,
-     * which is cut off then.
+     * Return whether @p line begins with the word @p key in lower or upper
+     * case, and remove it.
      */
     bool
     take_word(std::string &line, const std::string &key)
@@ -80,7 +80,7 @@ namespace greville
           text = Utilities::trim(text);
           if (line.empty())
             first = number;
-          // Comments may have what they like.
+          // Comments may contain any bytes.
           check_utf8(text,
                      "Line " + std::to_string(number) + " of <" + file + ">");
           const bool goes_on = !text.empty() && text.back() == '\\';
@@ -101,7 +101,8 @@ namespace greville
                           ExcMessage(place +
                                      ": 'subsection' is without a name."));
               sections.push_back(words);
-              // A section is known by its lines: one without any, too.
+              // A section is known from its lines, so an empty one needs an
+              // entry, too.
               result.push_back({boost::algorithm::join(sections, "/"),
                                 "",
                                 "",
@@ -119,7 +120,7 @@ namespace greville
             {
               AssertThrow(n_includes < 20,
                           ExcMessage(place + ": files include each other."));
-              // As seen from the file, or from the folder of the run.
+              // The path is relative to the file, or to the folder of the run.
               const std::string beside =
                 (std::filesystem::path(file).parent_path() / words).string();
               const std::string name =
@@ -157,8 +158,8 @@ namespace greville
     }
 
     /**
-     * A line from a setting of the command line. Sections are those of @p
-     * lines, whose names may have slashes, or what stands between slashes.
+     * Return a line from a setting of the command line. The section is one of
+     * @p lines, whose names may contain slashes, or is split at slashes.
      */
     ParameterLine
     line_of(const std::string &setting, const std::vector<ParameterLine> &lines)

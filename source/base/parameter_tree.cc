@@ -46,9 +46,7 @@ namespace greville
 
 
 
-    /**
-     * A value, or what a list stands for.
-     */
+    /// Return a value, or the value equivalent to a list.
     std::string
     value_of(const Tree &tree)
     {
@@ -66,9 +64,7 @@ namespace greville
 
 
 
-    /**
-     * A parameter as ParameterHandler describes it.
-     */
+    /// Return whether this is a parameter as ParameterHandler describes it.
     bool
     is_described(const Tree &tree)
     {
@@ -92,7 +88,7 @@ namespace greville
     class Lines
     {
     public:
-      /// Lines of the @p text of JSON are found by the names in it.
+      /// Lines of the JSON @p text are found by the names in it.
       Lines(const std::string &file,
             const std::string &text,
             const bool         is_mangled,
@@ -145,7 +141,8 @@ namespace greville
       enter(std::vector<std::string> &path, const std::string &section)
       {
         path.push_back(section);
-        // A section is known by its lines: one without any, too.
+        // A section is known from its lines, so an empty one needs an entry,
+        // too.
         result.push_back(
           {boost::algorithm::join(path, "/"), "", "", place, path, false});
       }
@@ -169,7 +166,7 @@ namespace greville
       }
 
       /**
-       * " (lines with this name: 3, 9)"; nothing for XML, whose names are
+       * Return " (lines with this name: 3, 9)"; empty for XML, whose names are
        * mangled.
        */
       std::string
@@ -209,9 +206,7 @@ namespace greville
 
 
 
-    /**
-     * The section of a path, which is made where it is not there.
-     */
+    /// Return the section of a path, which is made if it does not exist.
     Tree &
     section_of(Tree &tree, const std::vector<std::string> &path)
     {
@@ -240,7 +235,7 @@ namespace greville
                    const std::string              &variant)
     {
       std::vector<std::string> sections = path;
-      // What stages have of the whole run is described there.
+      // Sections of stages that the whole run has, too, are described there.
       if (sections.size() > 1 && sections[0].compare(0, 6, "Stage ") == 0)
         sections.erase(sections.begin());
       std::vector<std::string> names = {sections.empty() ? "" : sections[0]};
@@ -256,7 +251,7 @@ namespace greville
           std::string place;
           for (const std::string &section : sections)
             place += section + "/";
-          // JSON has names as they are, XML has not.
+          // Names are mangled in XML, but not in JSON.
           const Tree::path_type key(place + name, '/');
           if (const auto found = reference.get_child_optional(key))
             return &*found;

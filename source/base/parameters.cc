@@ -53,8 +53,8 @@ namespace greville
 
 
     /**
-     * Parameter files cut into their outermost sections, which begin and end at
-     * the begin of a line.
+     * Return the outermost sections of parameter files, which begin and end at
+     * the beginning of a line.
      */
     std::vector<std::string>
     outermost_sections(const std::string &files)
@@ -126,9 +126,7 @@ namespace greville
 
 
 
-    /**
-     * Whether the reference says the same of two parameters.
-     */
+    /// Return whether the reference describes two parameters identically.
     bool
     are_alike(const boost::property_tree::ptree &a,
               const boost::property_tree::ptree &b)
@@ -225,8 +223,8 @@ namespace greville
                                const char                        *key) {
         return entry.get<std::string>(key, "");
       };
-      // Parameters that are alike share a row, those of the sides of a grid for
-      // instance.
+      // Parameters with the same description share a row, for instance those of
+      // the sides of a grid.
       std::vector<std::pair<std::string, std::string>> rows;
       for (const auto &child : tree)
         if (child.second.find("value") != child.second.not_found())

@@ -66,7 +66,7 @@ namespace greville
     void
     report(const Program &program, const std::string &message)
     {
-      // A library may have changed it.
+      // A library may have changed this setting.
       std::cerr.exceptions(std::ios::goodbit);
       std::cerr.clear();
       std::cerr << program.name << ": " << message << std::endl;
@@ -76,8 +76,8 @@ namespace greville
 
     /**
      * Collective. Report the messages of all processes, each once, and return
-     * whether there is one. If a process has a message and others do not come
-     * here within two seconds, they wait for it for ever: all are aborted.
+     * whether there is one. If a process has a message and others do not arrive
+     * within two seconds, they are waiting for it forever: all are aborted.
      */
     bool
     report_messages(const Program     &program,
@@ -91,7 +91,7 @@ namespace greville
         MPI_Wait(&barrier, MPI_STATUS_IGNORE);
       else if (!all_arrive(barrier))
         {
-          // The first process that does not wait reports.
+          // The first process that has arrived reports.
           std::this_thread::sleep_for(
             std::chrono::milliseconds(500 * std::min(process, 4u)));
           report(program, message);
@@ -107,9 +107,7 @@ namespace greville
 
 
 
-    /**
-     * Name the library of a user that an exception may come from.
-     */
+    /// Return the name of a user's library that may have thrown an exception.
     std::string
     of_library()
     {
@@ -121,9 +119,7 @@ namespace greville
 
 
 
-    /**
-     * The message of what @p action throws, or an empty one.
-     */
+    /// Return the message of the exception of @p action, or an empty text.
     std::string
     message_of_action(const Program               &program,
                       const std::function<void()> &action)
@@ -215,7 +211,7 @@ namespace greville
       const std::string text = program.all_parameters(file, settings);
       if (format == "xml")
         {
-          // It would fail on a stream that goes nowhere.
+          // ParameterHandler fails on a stream without a buffer.
           std::ostringstream xml;
           program.reference(
             [&](const ParameterHandler &prm) { write_as_xml(xml, text, prm); });
@@ -230,7 +226,8 @@ namespace greville
 
 
     /**
-     * Let bash complete options, their values where they are known, and files.
+     * Print a script that lets bash complete options, their values if known,
+     * and files.
      */
     void
     print_completion(std::ostream      &out,
@@ -278,9 +275,7 @@ namespace greville
 
 
 
-    /**
-     * Write a template, but never over a file.
-     */
+    /// Write a template, without overwriting files.
     void
     write_template(std::ostream                   &out,
                    const Program                  &program,
@@ -327,9 +322,7 @@ namespace greville
 
 
 
-    /**
-     * Throw if the options are not for several files.
-     */
+    /// Throw if the options do not support several files.
     void
     check_several_files(const Program &program, const CommandLine &line)
     {
@@ -354,8 +347,8 @@ namespace greville
 
 
     /**
-     * Collective. Run each file, whether or not those before it have failed,
-     * and report their messages. Returns whether all have run.
+     * Collective. Run each file, even if earlier ones have failed, and report
+     * their messages. Returns whether all have succeeded.
      */
     bool
     run_files(const Program     &program,
@@ -382,8 +375,8 @@ namespace greville
 
 
     /**
-     * Do what the command line says, and return whether it has worked. Throws
-     * where it is wrong.
+     * Execute the command line, and return whether this has succeeded. Throws
+     * if it is invalid.
      */
     bool
     act(const Program                  &program,
@@ -476,7 +469,8 @@ namespace greville
   run_command_line(const Program                  &program,
                    const std::vector<std::string> &arguments)
   {
-    // Of its own: no message of the run can be taken for one of these.
+    // A separate communicator: messages of the run cannot be confused with
+    // these.
     MPI_Comm comm;
     MPI_Comm_dup(MPI_COMM_WORLD, &comm);
     bool              has_worked = true;
@@ -496,10 +490,11 @@ namespace greville
   {
     const std::vector<std::string> arguments(argv + std::min(argc, 1),
                                              argv + argc);
-    // A file that is too large is an error with a message.
+    // A file that is too large then gives an error with a message.
     std::signal(SIGXFSZ, SIG_IGN);
-    // PETSc would take options of this program for its own, and print warnings
-    // of them on standard output. PETSC_OPTIONS in the environment has its own.
+    // PETSc would interpret options of this program as its own, and print
+    // warnings about them to standard output. Options of PETSc can be set in
+    // PETSC_OPTIONS.
     int                              n_for_petsc = std::min(argc, 1);
     Utilities::MPI::MPI_InitFinalize mpi(n_for_petsc, argv, 1);
     const ExitGuard                  guard;

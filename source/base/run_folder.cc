@@ -21,8 +21,8 @@ namespace greville
   namespace
   {
     /**
-     * Folders that a run may have left in its own: the points at failure,
-     * pictures, and the runs of a sweep, which its table names.
+     * Return the folders that a run may have made inside its own: the points at
+     * failure, pictures, and the runs of a sweep, which its table names.
      */
     std::vector<std::string>
     inner_folders(const std::string &folder)
@@ -43,7 +43,8 @@ namespace greville
 
 
     /**
-     * Files that the programs and scripts write, and folders with some in them.
+     * Return the files that the programs and scripts write, and folders that
+     * contain some.
      */
     std::vector<std::filesystem::path>
     results_in(const std::string &folder)
@@ -83,7 +84,7 @@ namespace greville
         else
           {
             remove_results(result.string());
-            // Files of the user stay, and so does their folder.
+            // Files of the user remain, and so does their folder.
             if (std::filesystem::is_empty(result))
               std::filesystem::remove(result);
           }
@@ -153,7 +154,7 @@ namespace greville
       [&]() {
         try
           {
-            // A run of the earlier sweep may go on.
+            // A run of the earlier sweep may still be running.
             for (const auto &result : results_in(folder))
               if (std::filesystem::exists(result / "lock"))
                 RunFolder(result.string(),
@@ -203,7 +204,7 @@ namespace greville
                           parameter + "' is in use by another run" +
                           (holder.empty() ? "" : ": " + holder) + "."));
           }
-        // The run before may have removed it since.
+        // The previous run may have removed it meanwhile.
         struct stat opened, named;
         is_there = fstat(lock_descriptor, &opened) == 0 &&
                    stat(file.c_str(), &named) == 0 &&
@@ -211,7 +212,7 @@ namespace greville
         if (!is_there)
           close(lock_descriptor);
       }
-    // A file system without locks holds none.
+    // File systems without locks grant none.
     char host[256] = "";
     gethostname(host, sizeof(host) - 1);
     const std::string text =

@@ -28,15 +28,16 @@ namespace greville
 
   namespace
   {
-    // Of the initializers of a library and of the function of a plugin, s.
+    // The time limit of the initializers of a library and of the function of a
+    // plugin, s.
     constexpr double longest_load = 30.;
     const char      *late         = "does not return within 30 s";
 
 
 
     /**
-     * Exists while a library runs its initializers or a plugin its function:
-     * the library of a @p parameter @p does it.
+     * A call of a library's initializers or a plugin's function, by the library
+     * of a @p parameter.
      */
     class LibraryCall : public ForeignCall
     {
@@ -54,7 +55,7 @@ namespace greville
 
       ~LibraryCall() override
       {
-        // Numbers in results have points.
+        // Numbers in results need decimal points.
         if (std::locale() != locale)
           std::locale::global(locale);
         std::setlocale(LC_ALL, c_locale.c_str());
@@ -89,9 +90,7 @@ namespace greville
 
 
 
-    /**
-     * Let a library act, and throw ExcMessage for what it throws.
-     */
+    /// Call a function of a library, and throw ExcMessage for any exception.
     void
     act(const LibraryCall &call, const std::function<void()> &action)
     {
@@ -139,15 +138,15 @@ namespace greville
 
 
     /**
-     * Throw if a segment of the library with this @p content ends behind the
-     * end of its file, as in one that was copied in part: loading it would end
-     * the program by a signal.
+     * Throw if a segment of the library with this @p content ends beyond the
+     * end of the file, as in a partial copy: loading it would end the program
+     * by a signal.
      */
     void
     check_is_whole(const std::string &content, const std::string &begin)
     {
       ElfW(Ehdr) header;
-      // Other files are refused where they are loaded.
+      // Other files are refused on loading.
       if (content.size() < sizeof(header) ||
           content.compare(0, SELFMAG, ELFMAG) != 0)
         return;
@@ -173,9 +172,7 @@ namespace greville
 
 
 
-    /**
-     * The libraries of deal.II that this program has.
-     */
+    /// Return the libraries of deal.II in this program.
     std::set<std::string>
     loaded_dealii()
     {
@@ -196,9 +193,9 @@ namespace greville
 
     /**
      * Throw if the library with this @p content is linked with another library
-     * of deal.II than the program: both in one program destroy each other's
-     * objects at its end. The names of libraries are in the table of strings,
-     * each with a zero before and behind it.
+     * of deal.II than the program: two of them in one program destroy each
+     * other's objects at its end. The names of libraries are in the string
+     * table, each between zeros.
      */
     void
     check_dealii(const std::string &content, const std::string &begin)
@@ -228,7 +225,7 @@ namespace greville
     void
     check_build(const std::string &content, const std::string &begin)
     {
-      // Other libraries are refused where they are loaded.
+      // Other libraries are refused on loading.
       if (content.find("register_in_greville") == std::string::npos)
         return;
       const std::string mark = GREVILLE_PLUGIN_MARK, build = GREVILLE_BUILD;
@@ -268,11 +265,11 @@ namespace greville
     const std::string begin = begin_of_message(file, parameter);
     AssertThrow(is_file(file),
                 ExcMessage(begin + "and there is no such file."));
-    // It is read before it is loaded, since a library stays loaded.
+    // Check the file before loading it, since a library stays loaded.
     const std::string content = content_of(file);
     check_is_whole(content, begin);
     check_dealii(content, begin);
-    // Without a slash it would be looked for elsewhere.
+    // A name without a slash would be searched elsewhere.
     const std::string path   = std::filesystem::absolute(file).string();
     void             *result = nullptr;
     ForeignCall::catch_faults(longest_load);

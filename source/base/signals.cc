@@ -11,7 +11,8 @@ namespace greville
 
   namespace
   {
-    // Those that end a run come behind SIGUSR1, so that the largest place wins.
+    // Signals that end a run come after SIGUSR1, so that the largest position
+    // has precedence.
     constexpr std::array<int, 4> signals = {{SIGUSR1, SIGHUP, SIGINT, SIGTERM}};
 
     constexpr std::array<const char *, 4> names = {
@@ -19,7 +20,7 @@ namespace greville
 
     std::array<struct sigaction, 4> before;
 
-    // The place of the signal that has come, + 1.
+    // The position of the received signal, plus 1.
     volatile std::sig_atomic_t last = 0;
   } // namespace
 } // namespace greville
@@ -48,7 +49,7 @@ namespace greville
     struct sigaction action = {};
     action.sa_handler       = greville_catch_signal;
     sigemptyset(&action.sa_mask);
-    // MPI's system calls go on.
+    // MPI's system calls are restarted.
     action.sa_flags = SA_RESTART;
     for (unsigned int k = 0; k < signals.size(); ++k)
       sigaction(signals[k], &action, &before[k]);
@@ -69,7 +70,7 @@ namespace greville
   {
     const int own   = last;
     const int place = Utilities::MPI::max(own, comm);
-    // One that comes in between is found by the next call.
+    // A signal that arrives in between is found by the next call.
     if (last == own)
       last = 0;
     return place == 0 ? 0 : signals[place - 1];

@@ -21,7 +21,7 @@ namespace greville
     constexpr const char *checksum_name = "checksum";
     constexpr const char *columns_name  = "columns";
 
-    // Bytes of what HDF5 adds to the content of a file, and of a table in it.
+    // Bytes that HDF5 adds to the content of a file, and of a table in it.
     constexpr std::uint64_t size_of_headers = 4096;
 
 
@@ -174,7 +174,8 @@ namespace greville
 
 
     /**
-     * The bytes of a file with the content of all processes, and some more.
+     * Return the size of a file with the content of all processes, with a
+     * margin.
      */
     std::uint64_t
     size_of(const TablesFile &content, const MPI_Comm comm)
@@ -234,7 +235,7 @@ namespace greville
     const HDF5Silence silence;
     std::string       message;
     const auto        size = size_of(content, comm);
-    // A file that cannot be made is found by the first process alone, so that
+    // If a file cannot be made, only the first process finds out, so that
     // MPI-IO does not report it from all.
     run_on_first([&]() { make_file(unfinished, size); }, comm);
     try

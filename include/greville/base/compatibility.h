@@ -18,15 +18,15 @@
 #endif
 
 /**
- * The base of all parts of the project. This file holds what deal.II renamed
- * between the oldest and the newest supported version (9.4 to 9.8), so that no
- * other file asks for the version.
+ * The base of all parts of the project. This file contains everything that
+ * deal.II renamed between the oldest and the newest supported version (9.4 to
+ * 9.8), so that no other file depends on the version.
  */
 namespace greville
 {
   /**
-   * The one vector type: the locally owned entries are contiguous, ghost
-   * entries follow them.
+   * The vector type of the project: the locally owned entries are contiguous,
+   * followed by ghost entries.
    */
   using VectorType = dealii::LinearAlgebra::distributed::Vector<double>;
 
@@ -35,7 +35,7 @@ namespace greville
     dealii::parallel::distributed::Triangulation<dim>;
 
   /**
-   * The base of what deal.II's solvers and smoothers keep pointers to.
+   * The base of classes to which deal.II's solvers and smoothers keep pointers.
    */
 #if DEAL_II_VERSION_GTE(9, 7, 0)
   using Observable = dealii::EnableObserverPointer;
@@ -46,8 +46,8 @@ namespace greville
   /**
    * The AdditionalData of SolverFGMRES for modified Gram-Schmidt, the only kind
    * of deal.II 9.4. The default of 9.6 corrects a basis vector after the
-   * preconditioner has used it, so that the residual which it estimates may be
-   * far from the residual of the solution.
+   * preconditioner has used it, so its estimated residual may be far from the
+   * residual of the solution.
    */
   template <typename Fgmres>
   typename Fgmres::AdditionalData
@@ -75,7 +75,7 @@ namespace greville
 } // namespace greville
 
 /*
- * What deal.II's notes of changes say of the names above:
+ * deal.II's change notes on the names above:
  * - EnableObserverPointer: incompatible changes between 9.6.0 and 9.7.0
  *   (2024/09/09): "the Subscriptor class has been renamed to
  *   EnableObserverPointer, since that is what the class actually does".
@@ -86,7 +86,7 @@ namespace greville
  * - OrthogonalizationStrategy: 9.6 added it to SolverFGMRES, with
  *   delayed_classical_gram_schmidt as the default (pull requests 16749, 16833).
  *
- * Names that all supported versions have, used in place of ones that are gone:
+ * Names of all supported versions, used in place of removed names:
  * - ParameterHandler::PRM, ShortPRM: 9.7 removed Text and ShortText
  *   (2024/08/21).
  * - Triangulation::Signals::weight: 9.6 removed cell_weight (2023/06/27), which
@@ -94,8 +94,8 @@ namespace greville
  * - DoFTools::extract_locally_relevant_dofs() that returns the IndexSet: 9.7
  *   deprecates the one that fills an argument.
  *
- * The incompatible changes of 9.8, by its notes, are in nothing that is used
- * here. 9.7 and 9.8 have not been compiled with.
+ * According to its notes, the incompatible changes of 9.8 do not affect this
+ * project. It has not been compiled with 9.7 and 9.8.
  */
 
 #endif

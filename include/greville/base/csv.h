@@ -14,8 +14,8 @@
 namespace greville
 {
   /**
-   * A line of a table whose columns are separated by commas. The first one has
-   * the names of the columns.
+   * A line of a table whose columns are separated by commas. The first line
+   * contains the names of the columns.
    */
   struct CsvLine
   {
@@ -25,8 +25,8 @@ namespace greville
     std::string where; // file, parameter and line, for messages: "...: "
 
     /**
-     * The number in a column. Throws dealii::ExcMessage, which names the
-     * column by @p name, where there is none or it is not finite.
+     * Return the number in a column. Throws dealii::ExcMessage with the @p name
+     * of the column if there is none or it is not finite.
      */
     double
     number(const unsigned int column, const std::string &name) const;
@@ -36,9 +36,9 @@ namespace greville
 
   /**
    * Call @p visit with each line of @p file that is neither empty nor a comment
-   * (#), one after the other, so that no more than a line is in memory. Throws
-   * dealii::ExcMessage where the file cannot be read or has no line but a
-   * header; messages name the @p parameter that gives the file.
+   * (#), keeping only one line in memory. Throws dealii::ExcMessage if the file
+   * cannot be read or contains only a header; messages name the @p parameter
+   * that gives the file.
    */
   void
   read_csv(const std::string                          &file,
@@ -48,9 +48,9 @@ namespace greville
 
 
   /**
-   * Writes a table whose columns are separated by commas, from the first
-   * process. All functions are collective, and throw dealii::ExcMessage where
-   * the file cannot be written.
+   * A writer of a table whose columns are separated by commas, on the first
+   * process. All functions are collective, and throw dealii::ExcMessage if the
+   * file cannot be written.
    */
   class CsvWriter
   {
@@ -65,10 +65,9 @@ namespace greville
          const MPI_Comm                  comm);
 
     /**
-     * Go on with a file of open() after its first @p n_bytes: what comes
-     * behind them is removed. Throws where the file is shorter or has other
-     * columns. Where it is not there a new one is opened, and the result is
-     * false.
+     * Continue a file of open() after its first @p n_bytes and remove the rest.
+     * Throws if the file is shorter or has other columns. If the file does not
+     * exist, a new one is opened and false is returned.
      */
     bool
     go_on(const std::string              &file,
@@ -78,22 +77,20 @@ namespace greville
           const MPI_Comm                  comm);
 
     /**
-     * Write a line. It is in the file when the process ends, however it does.
-     * A file that has been removed or replaced is an error.
+     * Write a line, which is in the file even if the process ends abnormally.
+     * Throws if the file has been removed or replaced.
      */
     void
     write(const std::vector<double> &values);
 
     /**
-     * Write the file to the disk. Returns its number of bytes, 0 where it has
+     * Write the file to the disk. Returns its number of bytes, or 0 if it has
      * not been opened.
      */
     std::uint64_t
     sync();
 
-    /**
-     * The number of bytes, on the first process; 0 on others.
-     */
+    /// Return the number of bytes on the first process; 0 on others.
     std::uint64_t
     n_bytes() const
     {

@@ -14,31 +14,31 @@ namespace greville
 {
   /**
    * Make an empty file on a disk with room for @p size bytes. Throws
-   * dealii::ExcMessage where there is no room: a full disk is found here, where
-   * the system says so, and not by a library, which would try to write what is
-   * left when the program ends.
+   * dealii::ExcMessage if there is not enough room: a full disk is then
+   * detected here, with the system's message, and not in a library, which would
+   * try to write its remaining data at the end of the program.
    */
   void
   make_file(const std::string &file, const std::uint64_t size);
 
   /**
-   * Have room on the disk for @p size bytes behind the end of a file, whose
-   * length stays. Throws dealii::ExcMessage where there is none.
+   * Reserve room on the disk for @p size bytes after the end of a file, without
+   * changing its length. Throws dealii::ExcMessage if there is none.
    */
   void
   reserve_room(const std::string &file, const std::uint64_t size);
 
   /**
-   * The system's reason why a file cannot be written on, "No space left on
-   * device. ", or nothing. What a library met is no longer known: it is tried
-   * again at the end of the file.
+   * Return the system's reason why a file cannot be extended, "No space left on
+   * device. ", or an empty text. Since the error that a library met is no
+   * longer available, writing at the end of the file is tried again.
    */
   std::string
   system_reason(const std::string &file);
 
   /**
-   * Have the system write a file, or a folder, to the disk. Throws
-   * dealii::ExcMessage where that fails.
+   * Make the system write a file or a folder to the disk. Throws
+   * dealii::ExcMessage if this fails.
    */
   void
   write_to_disk(const std::string &file);
@@ -54,9 +54,9 @@ namespace greville
   };
 
   /**
-   * Write a journal: the length of a file and its bytes but those of @p kept,
-   * which need no order and may overlap. The journal appears complete, or not
-   * at all. Throws dealii::ExcMessage where it cannot be written.
+   * Write a journal: the length of a file and all of its bytes except those in
+   * @p kept, which may be unsorted and overlap. The journal appears complete or
+   * not at all. Throws dealii::ExcMessage if it cannot be written.
    */
   void
   write_journal(const std::string            &journal,
@@ -64,9 +64,9 @@ namespace greville
                 const std::vector<ByteRange> &kept);
 
   /**
-   * Make a file what it was when its journal was written, if the bytes that the
-   * journal lacks are as they were. Throws dealii::ExcMessage, and changes
-   * nothing, where the journal is damaged.
+   * Restore a file from its journal, provided that the bytes that the journal
+   * omits have not changed. Throws dealii::ExcMessage, and changes nothing, if
+   * the journal is damaged.
    */
   void
   take_back(const std::string &journal, const std::string &file);
@@ -74,22 +74,20 @@ namespace greville
 
 
   /**
-   * Collective. The first of @p n things that this process takes, and the one
-   * behind its last: each takes the same number, but for one.
+   * Collective. Return the range of @p n items for this process: the first item
+   * and the end. The numbers of items differ by at most one.
    */
   std::pair<std::uint64_t, std::uint64_t>
   share_of(const std::uint64_t n, const MPI_Comm comm);
 
   /**
-   * A sum over numbers with their places, of which the first is @p first, so
-   * that every process can add up its own. It changes with each bit.
+   * Return a sum over numbers and their positions, which begin with @p first,
+   * so that each process can add up its own. It changes with each bit.
    */
   std::uint64_t
   checksum(const std::vector<double> &values, const std::uint64_t first);
 
-  /**
-   * The same of one text behind others, whose checksum is @p before.
-   */
+  /// Return the checksum of one text after others, whose checksum is @p before.
   std::uint64_t
   checksum(const std::string &text, const std::uint64_t before);
 
@@ -97,17 +95,16 @@ namespace greville
 
   /**
    * Collective. Append to a complete @p file the checksum of all of its bytes,
-   * as a line of 64 letters that HDF5 does not read. Each process reads its
-   * share of the file, piece by piece. Throws dealii::ExcMessage where that
-   * fails.
+   * as a line of 64 letters that HDF5 ignores. Each process reads its share of
+   * the file, piece by piece. Throws dealii::ExcMessage if this fails.
    */
   void
   seal_file(const std::string &file, const MPI_Comm comm);
 
   /**
-   * Collective. Throw dealii::ExcMessage where @p file cannot be read, or does
-   * not end with the checksum of what stands before it: where any of its bytes
-   * has been changed or is missing. Reads as seal_file().
+   * Collective. Throw dealii::ExcMessage if @p file cannot be read or does not
+   * end with the checksum of its preceding bytes, that is, if any byte has been
+   * changed or is missing. Reads as seal_file().
    */
   void
   check_seal(const std::string &file, const MPI_Comm comm);

@@ -8,9 +8,9 @@
 #include <algorithm>
 
 /*
- * dealii::eigenvectors(). Its symbol has another name with clang than with g++,
- * by which distributions build deal.II: clang takes what is below, which calls
- * the same functions of deal.II.
+ * dealii::eigenvectors(). Distributions compile deal.II with g++, and clang has
+ * another name for its symbol: with clang, the function below calls the same
+ * functions of deal.II.
  */
 #ifdef __clang__
 namespace greville

@@ -16,15 +16,13 @@
 namespace greville
 {
   /**
-   * The message of an exception in one paragraph, without the decoration that
-   * deal.II puts around it.
+   * Return the message of an exception in one paragraph, without deal.II's
+   * decoration.
    */
   std::string
   message_of(const std::exception &exception);
 
-  /**
-   * A value as a stream writes it.
-   */
+  /// Return a value as text, as written by a stream.
   template <typename T>
   std::string
   text_of(const T &value)
@@ -34,9 +32,7 @@ namespace greville
     return text.str();
   }
 
-  /**
-   * A number with as many @p digits at most.
-   */
+  /// Return a number with at most @p digits digits.
   inline std::string
   rounded(const double value, const unsigned int digits = 4)
   {
@@ -47,21 +43,22 @@ namespace greville
   }
 
   /**
-   * " Did you mean <lumped>?" where a word of @p known is close to @p word,
-   * and nothing otherwise.
+   * Return " Did you mean <lumped>?" if @p known contains a word close to @p
+   * word, otherwise an empty text.
    */
   std::string
   did_you_mean(const std::string &word, const std::vector<std::string> &known);
 
   /**
-   * Collective. The message of the first process whose @p message is not empty,
-   * or an empty one.
+   * Collective. Return the message of the first process whose @p message is not
+   * empty, or an empty text.
    */
   std::string
   first_of_all(const std::string &message, const MPI_Comm comm);
 
   /**
-   * What throw_on_all() throws: all processes have it, and may go on together.
+   * The exception of throw_on_all(), which all processes catch and after which
+   * they may continue together.
    */
   class ErrorOnAll : public dealii::ExcMessage
   {
@@ -70,30 +67,30 @@ namespace greville
   };
 
   /**
-   * Collective. Throw ErrorOnAll on all processes with the message of
-   * the first process whose @p message is not empty, if there is one. Without
-   * it an error of a single process leaves the others waiting.
+   * Collective. Throw ErrorOnAll on all processes with the message of the first
+   * process whose @p message is not empty, if there is one. Otherwise, an error
+   * of a single process would leave the others waiting.
    */
   void
   throw_on_all(const std::string &message, const MPI_Comm comm);
 
   /**
-   * Collective. Call @p action, which must not communicate, and throw on all
-   * processes what it throws on any.
+   * Collective. Call @p action, which must not communicate, and throw its
+   * exception on any process on all processes.
    */
   void
   run_on_all(const std::function<void()> &action, const MPI_Comm comm);
 
   /**
-   * Collective. Call @p action on the first process, and throw on all what it
-   * throws.
+   * Collective. Call @p action on the first process, and throw its exception on
+   * all.
    */
   void
   run_on_first(const std::function<void()> &action, const MPI_Comm comm);
 
   /**
-   * Throw dealii::ExcMessage where a list that the @p parameter gives has
-   * something twice.
+   * Throw dealii::ExcMessage if a list given by the @p parameter contains an
+   * entry twice.
    */
   template <typename T>
   void

@@ -28,9 +28,7 @@ namespace greville
           std::vector<std::string>{text}, parameter, variables, functions))
     {}
 
-    /**
-     * As Formulas::value().
-     */
+    /// Return the value, as Formulas::value().
     double
     operator()(const dealii::ArrayView<const double> &values) const
     {
@@ -43,9 +41,7 @@ namespace greville
 
 
 
-  /**
-   * x, y (and z): the variables of formulas of the position.
-   */
+  /// Return x, y (and z): the variables of formulas of the position.
   template <int dim>
   std::vector<std::string>
   coordinate_names()
@@ -58,8 +54,8 @@ namespace greville
 
   /**
    * A vector whose components are formulas, separated by semicolons in one
-   * parameter. Throws as split_formulas() and Formulas; zero if made without
-   * arguments.
+   * parameter. Throws as split_formulas() and Formulas; zero if constructed
+   * without arguments.
    */
   template <int n>
   class VectorExpression
@@ -90,9 +86,7 @@ namespace greville
       return result;
     }
 
-    /**
-     * For formulas of one variable, and of the coordinates.
-     */
+    /// Evaluate formulas of one variable, or of the coordinates.
     dealii::Tensor<1, n>
     operator()(const double t) const
     {

@@ -10,35 +10,31 @@
 namespace greville
 {
   /**
-   * Exists while code of a user's library runs, such as a UMAT or the
-   * initializers of a library that is loaded. Meanwhile a call of exit() or
-   * _exit() (STOP in Fortran), a signal such as SIGSEGV, and a call that takes
-   * longer than its time limit end the process with one message and the exit
-   * status 1; MPI then ends the others. A process that the code has forked ends
-   * where it returns. The control of floating point numbers (traps, rounding,
-   * denormals) is that of the program again afterwards.
+   * A call of code in a user's library, such as a UMAT or the initializers of a
+   * library. During the lifetime of the object, a call of exit() or _exit()
+   * (STOP in Fortran), a signal such as SIGSEGV, and a call that exceeds its
+   * time limit end the process with one message and the exit status 1; MPI then
+   * ends the others. A process forked by the code ends on return. Afterwards,
+   * the program's floating-point settings (traps, rounding, denormals) are
+   * restored.
    *
-   * There is one at a time, and processes have one thread each.
+   * Only one call exists at a time, and each process has one thread.
    */
   class ForeignCall
   {
   public:
     /**
-     * Let faults in calls end the process. Before calls whose time limit (s) is
-     * @p time_limit; 0 is none.
+     * Make faults in calls end the process; to be called before calls whose
+     * time limit (s) is @p time_limit, or 0 for none.
      */
     static void
     catch_faults(const double time_limit);
 
-    /**
-     * Let messages of crashes outside of calls name a library.
-     */
+    /// Make messages about crashes outside calls name a library.
     static void
     remember_library(const std::string &file);
 
-    /**
-     * The last one, empty if there is none.
-     */
+    /// Return the last of these libraries, empty if there is none.
     static std::string
     library();
 
@@ -53,8 +49,7 @@ namespace greville
 
     /**
      * Write a message that the code @p what, such as "has aborted", to a @p
-     * buffer of @p size letters, without memory from the heap: for handlers of
-     * signals.
+     * buffer of @p size letters without allocating memory: for signal handlers.
      */
     virtual void
     write_message(char             *buffer,
@@ -62,7 +57,8 @@ namespace greville
                   const char       *what) const = 0;
 
     /**
-     * Return whether an @p address lies beside the arguments of the call.
+     * Return whether an @p address is in the memory around the arguments of the
+     * call.
      */
     virtual bool
     is_beyond(const void * /*address*/) const
@@ -70,30 +66,26 @@ namespace greville
       return false;
     }
 
-    /**
-     * Return the message about a call that takes longer than its time limit.
-     */
+    /// Return the message about a call that exceeds its time limit.
     virtual const char *
     text_of_limit() const = 0;
 
-    /**
-     * Return the call under way, or a null pointer.
-     */
+    /// Return the current call, or a null pointer.
     static const ForeignCall *
     under_way();
 
-    /// The longest time of the call, s, or 0 if there is none.
+    /// The time limit of the call, s, or 0 if there is none.
     const double time_limit;
-    /// Different for all calls of a process.
+    /// A number that identifies the call on its process.
     std::uint64_t stamp;
   };
 
 
 
   /**
-   * Exists while the program runs: a library that calls exit() outside of a
-   * ForeignCall, as a thread of it or a law of a plugin may do, ends the
-   * process with a message and the exit status 1.
+   * A guard during the lifetime of the program: a library that calls exit()
+   * outside a ForeignCall, for instance in a thread or in a law of a plugin,
+   * ends the process with a message and the exit status 1.
    */
   class ExitGuard
   {
@@ -108,7 +100,8 @@ namespace greville
     operator=(const ExitGuard &) = delete;
 
     /**
-     * Let exit() end the process: the program has said why.
+     * Allow exit() to end the process, after the program has reported the
+     * reason.
      */
     static void
     release();

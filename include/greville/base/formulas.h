@@ -18,24 +18,24 @@ namespace mu
 namespace greville
 {
   /**
-   * Formulas of a parameter file with the same variables, read by muParser:
-   * doc/user/formulas.md has the whole language. Assignments and commas outside
-   * of the arguments of a function, which muParser allows, are refused.
+   * Formulas of a parameter file with common variables, parsed by muParser: see
+   * doc/user/formulas.md for the language. Assignments and commas outside the
+   * arguments of a function, which muParser allows, are rejected.
    *
-   * The named formulas that they use (NamedFormulas) are evaluated once per
-   * place, and only if their variables have changed since the last place: a
-   * named formula of t is evaluated once per step. Named formulas of variables
-   * that are constant at each material point, such as its initial position,
-   * can be precomputed.
+   * Named formulas in them (NamedFormulas) are evaluated once per place, and
+   * only if their variables have changed since the last place: a named formula
+   * of t is evaluated once per step. Named formulas of variables that are
+   * constant at each material point, such as its initial position, can be
+   * precomputed.
    *
-   * An object is not for several threads at a time.
+   * An object is not thread-safe.
    */
   class Formulas
   {
   public:
     /**
-     * A function that formulas may call with any number of arguments besides
-     * the ones of muParser.
+     * A function that formulas may call with any number of arguments, in
+     * addition to muParser's functions.
      */
     struct Function
     {
@@ -45,10 +45,9 @@ namespace greville
 
     /**
      * The @p texts are formulas, each followed by the definitions that
-     * NamedFormulas::attach() appends. Names that depend only on
-     * @p constant_variables are those that can be precomputed.
-     * Throws dealii::ExcMessage with the name of the @p parameter if a text is
-     * no formula of @p variables.
+     * NamedFormulas::attach() appends. Names that depend only on @p
+     * constant_variables can be precomputed. Throws dealii::ExcMessage with the
+     * name of the @p parameter if a text is not a formula of @p variables.
      */
     Formulas(const std::vector<std::string> &texts,
              const std::string              &parameter,
@@ -59,32 +58,26 @@ namespace greville
     ~Formulas();
 
     /**
-     * The value of formula number @p k for the @p values of the variables.
-     * Throws dealii::ExcMessage, with the parameter and the values of the
-     * variables, where it is not finite or above 1e100 in size.
+     * Return the value of formula number @p k for the @p values of the
+     * variables. Throws dealii::ExcMessage with the parameter and the values of
+     * the variables if it is not finite or its magnitude exceeds 1e100.
      */
     double
     value(const unsigned int                     k,
           const dealii::ArrayView<const double> &values) const;
 
-    /**
-     * The values of all formulas. Throws as value().
-     */
+    /// Compute the values of all formulas. Throws as value().
     void
     evaluate(const dealii::ArrayView<const double> &values,
              const dealii::ArrayView<double>       &results) const;
 
-    /**
-     * Likewise, with what precompute() has returned for this point.
-     */
+    /// Compute the values with the result of precompute() for this point.
     void
     evaluate(const dealii::ArrayView<const double> &values,
              const dealii::ArrayView<const double> &precomputed,
              const dealii::ArrayView<double>       &results) const;
 
-    /**
-     * The number of values that precompute() returns.
-     */
+    /// Return the number of values that precompute() returns.
     unsigned int
     n_precomputed() const;
 
@@ -102,18 +95,14 @@ namespace greville
     bool
     depends_on(const std::string &variable) const;
 
-    /**
-     * The names of all functions and constants.
-     */
+    /// Return the names of all functions and constants.
     static std::vector<std::string>
     known_names();
 
   private:
     struct Formula;
 
-    /**
-     * Read the definitions behind a formula that it uses.
-     */
+    /// Parse the definitions that follow a formula.
     void
     define_names(const std::string &text);
 
@@ -125,15 +114,13 @@ namespace greville
     double
     evaluate(const Formula &formula) const;
 
-    /**
-     * Evaluate formula number @p k, and throw where its value is none.
-     */
+    /// Evaluate formula number @p k, and throw if its value is invalid.
     double
     checked_value(const unsigned int k) const;
 
     /**
-     * Set the variables, and the names that depend on those that change;
-     * @p precomputed may be null.
+     * Set the variables and the names that depend on changed ones; @p
+     * precomputed may be null.
      */
     void
     set(const dealii::ArrayView<const double> &values,
@@ -147,7 +134,7 @@ namespace greville
     std::vector<Formula> formulas;
     std::vector<Formula> names; // each after those that it uses
 
-    // Of the variables and names; muParser has their addresses.
+    // The values of the variables and names; muParser stores their addresses.
     mutable std::deque<double> numbers;
     // True if the names have values of earlier variables.
     mutable bool is_out_of_date = false;
@@ -156,16 +143,16 @@ namespace greville
 
 
   /**
-   * The words of a formula that can be names: those that begin with a letter or
-   * an underscore.
+   * Return the words of a formula that can be names: words that begin with a
+   * letter or an underscore.
    */
   std::vector<std::string>
   names_in_formula(const std::string &text);
 
   /**
-   * The @p n formulas in @p text, which are separated by semicolons, each with
-   * the definitions behind them (NamedFormulas::attach()). Throws
-   * dealii::ExcMessage where there are not @p n of them.
+   * Return the @p n formulas in @p text, which are separated by semicolons,
+   * each followed by its definitions (NamedFormulas::attach()). Throws
+   * dealii::ExcMessage if their number is not @p n.
    */
   std::vector<std::string>
   split_formulas(const std::string &text,

@@ -11,14 +11,14 @@
 #include <vector>
 
 /**
- * What the sources that read and write files of HDF5 share. All of it throws
- * dealii::ExcMessage with what HDF5 says.
+ * Functions for reading and writing HDF5 files. All of them throw
+ * dealii::ExcMessage with HDF5's reason.
  */
 namespace greville
 {
   /**
-   * What HDF5 makes, with the function that closes it. Throws where HDF5 has
-   * not made it.
+   * An object of HDF5, with the function that closes it. Throws if HDF5 has not
+   * made the object.
    */
   class HDF5Handle
   {
@@ -34,9 +34,7 @@ namespace greville
       return id;
     }
 
-    /**
-     * Close it, and throw where that fails: data may be written by it.
-     */
+    /// Close the object, and throw if this fails, since closing may write data.
     void
     finish();
 
@@ -48,8 +46,8 @@ namespace greville
 
 
   /**
-   * HDF5 prints what goes wrong, on all processes; while this object lives it
-   * does not.
+   * Suppresses, during its lifetime, the error messages that HDF5 prints on all
+   * processes.
    */
   class HDF5Silence
   {
@@ -67,15 +65,11 @@ namespace greville
 
 
 
-  /**
-   * Throw where the @p result of a call says that it has failed.
-   */
+  /// Throw if the @p result of a call indicates a failure.
   void
   check_hdf5(const herr_t result);
 
-  /**
-   * Write and read an attribute that is a text.
-   */
+  /// Write and read a text attribute.
   void
   write_hdf5_text(const hid_t        object,
                   const std::string &name,
@@ -84,21 +78,17 @@ namespace greville
   std::string
   read_hdf5_text(const hid_t object, const std::string &name);
 
-  /**
-   * The names of the data sets and groups in a group.
-   */
+  /// Return the names of the data sets and groups in a group.
   std::vector<std::string>
   hdf5_links(const hid_t group);
 
-  /**
-   * The list of HDF5 for files of all processes.
-   */
+  /// Return the property list of HDF5 for files shared by all processes.
   HDF5Handle
   hdf5_access(const MPI_Comm comm);
 
   /**
-   * One call of HDF5 that reads or writes: the rows of this process from number
-   * @p begin on have their place in @p file.
+   * A call of HDF5 that reads or writes the rows of this process from number @p
+   * begin on, which have their place in @p file.
    */
   using HDF5Transfer = std::function<herr_t(const hid_t         memory,
                                             const hid_t         file,
@@ -107,8 +97,8 @@ namespace greville
 
   /**
    * Collective. Read or write the rows [first, first + n_rows) of a data set of
-   * @p n_columns, or of one without columns for 0, by @p transfer. All
-   * processes call it equally often, and throw together.
+   * @p n_columns by @p transfer; 0 stands for a data set without columns. All
+   * processes make the same number of calls, and throw together.
    */
   void
   transfer_hdf5_rows(const hsize_t       first,

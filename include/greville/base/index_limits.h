@@ -13,14 +13,14 @@
 #include <vector>
 
 /**
- * Where 32 bits end: numbers of libraries that are built with 32-bit indices,
- * and the lengths of messages, which MPI counts by int.
+ * Checks of 32-bit limits: numbers in libraries that are built with 32-bit
+ * indices, and the lengths of messages, which MPI counts by int.
  */
 namespace greville
 {
   /**
-   * @p number as an Index of a library. Throws dealii::ExcMessage with @p what
-   * is counted where the Index has too few bits for it.
+   * Return @p number as an Index of a library. Throws dealii::ExcMessage with
+   * the description @p what if the Index has too few bits for it.
    */
   template <typename Index>
   Index
@@ -40,8 +40,8 @@ namespace greville
 
 
   /**
-   * Throws dealii::ExcMessage where a message of @p n_bytes is too long for
-   * deal.II and MPI. What is packed by Boost (@p is_packed) may become longer.
+   * Throw dealii::ExcMessage if a message of @p n_bytes is too long for deal.II
+   * and MPI. Data packed by Boost (@p is_packed) may be longer.
    */
   inline void
   check_message_size(const std::uint64_t n_bytes, const bool is_packed)
@@ -59,7 +59,7 @@ namespace greville
 
 
   /**
-   * Collective. The sum of @p number of the processes before this one.
+   * Collective. Return the sum of @p number over the processes before this one.
    */
   inline std::uint64_t
   sum_before(const std::uint64_t number, const MPI_Comm comm)
@@ -67,15 +67,15 @@ namespace greville
     std::uint64_t sum = 0;
     const int ierr = MPI_Exscan(&number, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
     AssertThrowMPI(ierr);
-    // MPI leaves that of the first process open.
+    // MPI leaves the result on the first process undefined.
     return dealii::Utilities::MPI::this_mpi_process(comm) == 0 ? 0 : sum;
   }
 
 
 
   /**
-   * Collective. dealii::Utilities::MPI::some_to_some() for lists, which must
-   * not be too long for a message.
+   * Collective. Call dealii::Utilities::MPI::some_to_some() for lists, and
+   * throw if they are too long for a message.
    */
   template <typename T>
   std::map<unsigned int, std::vector<T>>

@@ -10,13 +10,13 @@
 namespace greville
 {
   /**
-   * Writes an object of JSON with objects, numbers and strings in it:
+   * A writer for a JSON object that contains objects, numbers and strings:
    *
    *   JsonWriter json;
    *   json.add("points", 100).begin("errors").add("l2", 0.1).end();
    *   json.text();
    *
-   * JSON knows neither infinity nor NaN: they are written as null.
+   * Infinity and NaN, which JSON does not have, are written as null.
    */
   class JsonWriter
   {
@@ -65,9 +65,7 @@ namespace greville
       return *this;
     }
 
-    /**
-     * The object: to be called once, at the end.
-     */
+    /// Return the object: to be called once, at the end.
     std::string
     text()
     {

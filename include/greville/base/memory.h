@@ -11,10 +11,10 @@
 namespace greville
 {
   /**
-   * Collective. Throw dealii::ExcMessage, which names the @p parameter, where
-   * a box of @p n_cells cells in @p dim dimensions does not fit into the memory
-   * that its machine has left for this program. Grids take some hundred bytes
-   * per cell before they have any points: only what cannot work is refused.
+   * Collective. Throw dealii::ExcMessage with the name of the @p parameter if a
+   * box of @p n_cells cells in @p dim dimensions does not fit into the
+   * available memory of its machine. Only impossible grids are rejected: a grid
+   * takes some hundred bytes per cell even without points.
    */
   void
   check_memory_of_cells(const double       n_cells,
@@ -23,7 +23,8 @@ namespace greville
                         const MPI_Comm     comm);
 
   /**
-   * Bytes that this process has allocated, empty where the system does not say.
+   * Return the bytes that this process has allocated, empty if the system does
+   * not tell.
    */
   std::optional<unsigned long>
   allocated_memory();

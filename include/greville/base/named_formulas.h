@@ -11,13 +11,11 @@
 
 namespace greville
 {
-  /**
-   * The pattern of parameters that take formulas. Any text matches it.
-   */
+  /// The pattern of parameters that are formulas. Any text matches it.
   class FormulaPattern : public dealii::Patterns::PatternBase
   {
   public:
-    /// Its description in ParameterHandler.
+    /// The description of the pattern in ParameterHandler.
     static constexpr const char *name = "[Formula]";
 
     bool
@@ -40,8 +38,8 @@ namespace greville
   };
 
   /**
-   * Declare a parameter that takes formulas, in which names of the section
-   * 'Formulas' may stand. Used as add_parameter().
+   * Declare a parameter that is a formula and may contain names of the section
+   * 'Formulas'. Used like add_parameter().
    */
   inline auto
   add_formula(dealii::ParameterHandler &prm,
@@ -56,7 +54,8 @@ namespace greville
 
 
   /**
-   * The formulas of the section 'Formulas', which others use by their names.
+   * The formulas of the section 'Formulas', which other formulas use by their
+   * names.
    */
   class NamedFormulas
   {
@@ -64,22 +63,22 @@ namespace greville
     NamedFormulas() = default;
 
     /**
-     * Throws dealii::ExcMessage for names that are none or mean something else,
-     * for what is no formula of positions and time, and for formulas that use
-     * themselves. The formulas may contain @p functions.
+     * Throws dealii::ExcMessage for invalid or reserved names, for texts that
+     * are not formulas of positions and time, and for circular definitions. The
+     * formulas may contain @p functions.
      */
     NamedFormulas(const std::map<std::string, std::string> &formulas,
                   const std::vector<std::string>           &functions);
 
     /**
-     * The text of a formula, and in further lines "name = formula" for all
-     * names that it needs, each behind those that it uses.
+     * Return the text of a formula, followed by lines "name = formula" for all
+     * names that it needs, each after the names that it uses.
      */
     std::string
     attach(const std::string &text) const;
 
     /**
-     * attach() for the values of all parameters of @p prm that have the
+     * Call attach() for the values of all parameters of @p prm that have the
      * FormulaPattern.
      */
     void
@@ -87,8 +86,8 @@ namespace greville
 
   private:
     /**
-     * Append to @p order the names that @p text uses, and before each those
-     * that its formula uses. @p path has the names on the way to the text.
+     * Append to @p order the names that @p text uses, each after the names that
+     * its formula uses. @p path contains the names that lead to the text.
      */
     void
     collect(const std::string        &text,
@@ -99,7 +98,7 @@ namespace greville
   };
 
   /**
-   * The text of a formula without the definitions that attach() appends.
+   * Return the text of a formula without the definitions that attach() appends.
    */
   inline std::string
   formula_text(const std::string &text)
@@ -108,8 +107,8 @@ namespace greville
   }
 
   /**
-   * Formulas of the initial positions x, y (, z) with X, Y (, Z) as other names
-   * of these.
+   * Return a formula of the initial positions x, y (, z) that may use X, Y (,
+   * Z) as other names of these.
    */
   template <int dim>
   std::string

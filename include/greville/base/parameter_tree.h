@@ -13,18 +13,20 @@
 namespace greville
 {
   /**
-   * Whether a parameter file is one of JSON or XML, by the end of its name.
+   * Return whether a parameter file is in JSON or XML, judging by the
+   * extension.
    */
   bool
   is_parameter_tree(const std::string &file);
 
   /**
-   * The lines that a file of JSON or XML stands for. JSON has sections within
-   * sections with the names of a .prm file, or slashes in a name; a list is a
-   * value with commas, and a list of lists has semicolons between the inner
-   * ones. XML, and JSON with a "default_value" in its parameters, are those
-   * that dealii::ParameterHandler writes. Throws dealii::ExcMessage, which
-   * begins with the place, where the file has another form.
+   * Return the parameter lines of a JSON or XML file. JSON contains nested
+   * sections with the names of a .prm file, or names with slashes; a list
+   * becomes a value with commas, and a list of lists has semicolons between the
+   * inner lists. XML files, and JSON files with a "default_value" in their
+   * parameters, have the format written by dealii::ParameterHandler. Throws
+   * dealii::ExcMessage, which begins with the place, if the file has another
+   * form.
    */
   std::vector<ParameterLine>
   parameter_lines_of_tree(std::istream &stream, const std::string &file);
@@ -36,9 +38,10 @@ namespace greville
   write_as_json(std::ostream &out, const std::string &text);
 
   /**
-   * Write the text of a .prm file as XML with all that dealii::ParameterHandler
-   * writes of its parameters, which @p reference knows. That has sections for
-   * all names and models, as print_parameter_reference() shows them.
+   * Write the text of a .prm file as XML in the format of
+   * dealii::ParameterHandler, with the descriptions of its parameters from @p
+   * reference. This contains sections for all names and models, as in
+   * print_parameter_reference().
    */
   void
   write_as_xml(std::ostream                   &out,

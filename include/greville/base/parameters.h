@@ -25,19 +25,19 @@ namespace greville
     std::string section, name, value;
     /// "Line 7 of <FILE>".
     std::string place;
-    /// The section from outside to inside.
+    /// The section, from the outermost to the innermost.
     std::vector<std::string> path;
-    /// Whether it comes from the command line, which has the last word.
+    /// True if it comes from the command line, which overrides files.
     bool is_setting = false;
   };
 
   /**
-   * The lines of a parameter file and of the files that it includes, and then
-   * those of @p settings, each "SECTION/PARAMETER=VALUE" as it is given on the
-   * command line. Throws dealii::ExcMessage where the file cannot be read, with
-   * the line or the setting where it does not have the form of one. A file with
-   * one of the sections of @p other_sections but without the section @p
-   * own_section is one of the program @p other.
+   * Return the lines of a parameter file and of the files that it includes,
+   * followed by @p settings, each "SECTION/PARAMETER=VALUE" as on the command
+   * line. Throws dealii::ExcMessage if the file cannot be read, and, with the
+   * line or the setting, if one is malformed. A file with one of the sections
+   * of @p other_sections but without the section @p own_section is reported as
+   * a file for the program @p other.
    */
   std::vector<ParameterLine>
   read_parameter_lines(const std::string              &file,
@@ -46,16 +46,14 @@ namespace greville
                        const std::string              &other,
                        const std::vector<std::string> &settings = {});
 
-  /**
-   * The lines of the @p text of a parameter file that is called @p name.
-   */
+  /// Return the lines of the @p text of a parameter file named @p name.
   std::vector<ParameterLine>
   parameter_lines_of(const std::string &text, const std::string &name);
 
   /**
-   * Throw dealii::ExcMessage with the line, the parameter, the value, what is
-   * allowed and what may have been meant, where @p prm does not know a
-   * parameter or does not allow its value.
+   * Throw dealii::ExcMessage with the line, the parameter, the value, the
+   * allowed values and a suggestion if @p prm does not have a parameter or does
+   * not allow its value.
    */
   void
   check_parameter_lines(const dealii::ParameterHandler   &prm,
@@ -78,8 +76,8 @@ namespace greville
              const std::string &allowed);
 
   /**
-   * Declare a parameter, whose default is the @p value, and which is read into
-   * it:
+   * Declare a parameter whose default is @p value, and which is read into @p
+   * value:
    *   add_parameter(prm, "Area", area, Patterns::Double(0.))("What it is.");
    */
   template <typename T>
@@ -141,10 +139,9 @@ namespace greville
   }
 
   /**
-   * Let @p parameters declare themselves in a section of @p prm, by
-   * declare(prm, arguments...). Their members
-   * are the defaults, and take what is read into @p prm from then on: they have
-   * to stay where they are until @p prm is gone.
+   * Let @p parameters declare themselves in a section of @p prm by declare(prm,
+   * arguments...). Their members are the defaults, and later receive the values
+   * read by @p prm: they must not move while @p prm exists.
    */
   template <typename Parameters, typename... Arguments>
   void
@@ -159,32 +156,32 @@ namespace greville
   }
 
   /**
-   * Set what @p lines say in @p prm, in which it has been declared. Throws as
-   * check_parameter_lines().
+   * Set the values of @p lines in @p prm, in which they have been declared.
+   * Throws as check_parameter_lines().
    */
   void
   parse_parameter_lines(dealii::ParameterHandler         &prm,
                         const std::vector<ParameterLine> &lines);
 
   /**
-   * Takes what a reference is about: a ParameterHandler in which all parameters
-   * have been declared.
+   * A function that uses a reference: a ParameterHandler in which all
+   * parameters have been declared.
    */
   using UseParameters =
     std::function<void(const dealii::ParameterHandler &prm)>;
 
   /**
-   * The words that a parameter, "Section/Parameter", may have as its value or
-   * in its list of values. Empty where it takes others.
+   * Return the words that a parameter, "Section/Parameter", may have as its
+   * value or in its list of values; empty if other values are allowed.
    */
   std::vector<std::string>
   words_of_parameter(const dealii::ParameterHandler &prm,
                      const std::string              &parameter);
 
   /**
-   * Write what is known of @p what: the parameters of a section, or all of a
-   * parameter, "Section/Parameter". Throws dealii::ExcMessage, with the nearest
-   * name, where there is neither.
+   * Describe @p what: the parameters of a section, or a parameter
+   * "Section/Parameter". Throws dealii::ExcMessage, with the nearest name, if
+   * there is neither.
    */
   void
   describe_parameter(std::ostream                   &out,
@@ -192,15 +189,16 @@ namespace greville
                      const std::string              &what);
 
   /**
-   * The name that ParameterHandler writes as "Box_20size": "Box size".
+   * Return a name from ParameterHandler's form: "Box_20size" becomes "Box
+   * size".
    */
   std::string
   demangle(const std::string &name);
 
   /**
    * Write all parameters of @p prm as a page of Markdown: a table per section
-   * with defaults, allowed values and meanings, and above it the first section
-   * of the parameter files @p examples that is one like it.
+   * with defaults, allowed values and meanings, preceded by the first similar
+   * section in the parameter files @p examples.
    */
   void
   print_parameter_reference(std::ostream                   &out,
@@ -209,32 +207,31 @@ namespace greville
                             const std::string              &examples);
 
   /**
-   * A function of x, y (and z) from its expression; a constant where the
-   * expression is a number. @p name is the parameter that an error message
-   * names.
+   * Return a function of x, y (and z) from its expression; a constant if the
+   * expression is a number. @p name is the parameter for error messages.
    */
   template <int dim>
   std::unique_ptr<dealii::Function<dim>>
   make_function(const std::string &expression, const std::string &name);
 
   /**
-   * Make a folder and those above it. Throws dealii::ExcMessage, which names
-   * the @p parameter, where it cannot be made or nothing can be written there.
+   * Make a folder and its parents. Throws dealii::ExcMessage with the name of
+   * the @p parameter if it cannot be made or is not writable.
    */
   void
   create_folder(const std::string &folder, const std::string &parameter);
 
   /**
-   * "Cannot write <FILE>: No space left on device." with the last error of the
-   * system.
+   * Return "Cannot write <FILE>: No space left on device." with the system's
+   * last error.
    */
   std::string
   write_error(const std::string &file);
 
   /**
-   * Write a file under another name first and rename it at the end, so that no
-   * half-written file is ever seen. The folder has to exist. Throws
-   * dealii::ExcMessage with the file where that fails.
+   * Write a file under a temporary name and rename it at the end, so that no
+   * half-written file is ever visible. The folder must exist. Throws
+   * dealii::ExcMessage with the file if this fails.
    */
   void
   write_atomically(const std::string &file, const std::string &content);

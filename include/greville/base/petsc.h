@@ -14,9 +14,7 @@
 
 namespace greville
 {
-  /**
-   * Throw dealii::LACExceptions::ExcPETScError where a PETSc call failed.
-   */
+  /// Throw dealii::LACExceptions::ExcPETScError if a PETSc call failed.
   inline void
   check_petsc(const PetscErrorCode error)
   {
@@ -65,9 +63,7 @@ namespace greville
       vector.reset(vec);
     }
 
-    /**
-     * Call @p function with a PETSc vector that has the entries at @p values.
-     */
+    /// Call @p function with a PETSc vector of the entries at @p values.
     template <typename Function>
     void
     with(const double *values, const Function &function) const

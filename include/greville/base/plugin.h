@@ -5,7 +5,7 @@
 
 #include <deal.II/base/config.h>
 
-/// As in CMakeLists.txt, which source/base/program.cc checks.
+/// The same version as in CMakeLists.txt, which source/base/program.cc checks.
 #define GREVILLE_PLUGIN_VERSION "1.0.0"
 
 #define GREVILLE_QUOTE_(x) #x
@@ -17,7 +17,7 @@
 #  define GREVILLE_COMPILER "g++ " GREVILLE_QUOTE(__GNUC__)
 #endif
 
-// The two libraries of deal.II exclude each other in one program.
+// A program cannot contain both libraries of deal.II.
 #ifdef DEBUG
 #  define GREVILLE_BUILD_TYPE "Debug"
 #else
@@ -31,9 +31,10 @@
 #endif
 
 /**
- * Everything on which the layout of classes in the headers depends, as a string
- * literal: a plugin and the program have to agree in it. The number of bytes is
- * that of the widest vector of the instruction set (base/simd.h).
+ * A string literal with everything on which the layout of classes in the
+ * headers depends: it must be the same in a plugin and the program. The number
+ * of bytes is the width of the widest vector of the instruction set
+ * (base/simd.h).
  */
 #define GREVILLE_BUILD                                                     \
   "Greville " GREVILLE_PLUGIN_VERSION ", deal.II " DEAL_II_PACKAGE_VERSION \

@@ -9,18 +9,18 @@
 
 namespace greville
 {
-  /**
-   * What becomes of the results of an earlier run in the folder of a new one.
-   */
+  /// The treatment of the results of an earlier run in the folder of a new one.
   enum class EarlierResults
   {
-    /// They go to the first of the folders earlier_1, earlier_2, ... in it
-    /// that does not exist.
+    /**
+     * They are moved to the first folder among earlier_1, earlier_2, ... in it
+     * that does not exist.
+     */
     move_aside,
     /// The new run ends with a message.
     refuse,
     remove,
-    /// The new run goes on with them.
+    /// The new run continues them.
     keep
   };
 
@@ -29,21 +29,21 @@ namespace greville
   /**
    * The folder of the results of a run, which no other run may use at the same
    * time: the first process holds a lock on its file `lock` until the object is
-   * destroyed or the process ends, however it does. The file says on which
-   * host and by which process.
+   * destroyed or the process ends in any way. The file names the host and the
+   * process.
    *
-   * Results are files with the names that the programs and scripts give them,
-   * and the folders of the runs of a sweep with all that is in them; other
-   * files in the folder stay as they are.
+   * Results are files with the names that the programs and scripts use, and the
+   * folders of the runs of a sweep with their content; other files in the
+   * folder are not touched.
    */
   class RunFolder
   {
   public:
     /**
-     * Collective. Make the folder and take it. Throws dealii::ExcMessage, which
-     * names the @p parameter that gives the folder, where it cannot be written
-     * to, another run holds it, or it has results and @p earlier is to refuse.
-     * Earlier results stay until make_room().
+     * Collective. Make the folder and lock it. Throws dealii::ExcMessage with
+     * the name of the @p parameter that gives the folder if it is not writable,
+     * if another run holds it, or if it contains results and @p earlier is to
+     * refuse. Earlier results remain until make_room().
      */
     RunFolder(const std::string   &path,
               const std::string   &parameter,
@@ -57,10 +57,9 @@ namespace greville
     ~RunFolder();
 
     /**
-     * Collective. Treat earlier results as it was asked for: to be called when
-     * nothing can be wrong with the new run any more, before it writes its
-     * first file. Throws dealii::ExcMessage where they cannot be moved or
-     * removed.
+     * Collective. Treat earlier results as requested: to be called when the new
+     * run has been fully checked, before it writes its first file. Throws
+     * dealii::ExcMessage if they cannot be moved or removed.
      */
     void
     make_room();

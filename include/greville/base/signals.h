@@ -10,10 +10,10 @@
 namespace greville
 {
   /**
-   * Catches the signals by which users and batch systems ask a run to end
-   * (SIGINT, SIGTERM, SIGHUP) or to write a checkpoint (SIGUSR1), as long as
-   * the object lives; there is one at a time. A second signal to end has its
-   * usual effect: the process ends at once.
+   * A handler, during its lifetime, of the signals by which users and batch
+   * systems ask a run to end (SIGINT, SIGTERM, SIGHUP) or to write a checkpoint
+   * (SIGUSR1); only one exists at a time. A second signal to end has its usual
+   * effect: the process ends at once.
    */
   class SignalCatcher
   {
@@ -27,16 +27,14 @@ namespace greville
     ~SignalCatcher();
 
     /**
-     * Collective. The number of a signal that any process has got since the
-     * last call, 0 if none; one to end before SIGUSR1. All processes get the
-     * same answer.
+     * Collective. Return the number of a signal that any process has received
+     * since the last call, 0 if none. Signals to end take precedence over
+     * SIGUSR1. All processes return the same number.
      */
     static int
     take(const MPI_Comm comm);
 
-    /**
-     * "SIGTERM".
-     */
+    /// Return the name of a signal, such as "SIGTERM".
     static std::string
     name(const int signal);
   };

@@ -8,9 +8,9 @@
 namespace greville
 {
   /**
-   * A vector of @p n numbers, in one register where the machine has such wide
-   * ones. (The VectorizedArray of a deal.II that was compiled for any machine,
-   * as distributions do, holds one double only.)
+   * A vector of @p n numbers, in one register if the machine has registers of
+   * this width. (The VectorizedArray of a deal.II that was compiled for generic
+   * machines, as in distributions, holds one double only.)
    */
   template <typename Number, int n>
   using FixedSimd =

@@ -10,9 +10,7 @@
 
 namespace greville
 {
-  /**
-   * Thrown by TimeIntegrator::try_step() where a shorter step is to be tried.
-   */
+  /// Thrown by TimeIntegrator::try_step() if a shorter step should be tried.
   class StepRejected : public std::runtime_error
   {
   public:
@@ -22,15 +20,15 @@ namespace greville
 
 
   /**
-   * Thrown where a step fails whatever its length. It leaves the state behind
-   * as it is then, so that the caller has to go back.
+   * Thrown if a step fails regardless of its length. The state is left as it is
+   * at that moment, so the caller must restore it.
    */
   class StepFailed : public std::runtime_error
   {
   public:
     /**
-     * Where materials can be the cause, @p by_materials tells messages to say
-     * what is known of them.
+     * If materials may be the cause, @p by_materials adds information about
+     * them to messages.
      */
     StepFailed(const std::string &message, const bool by_materials = true)
       : std::runtime_error(message)
@@ -41,8 +39,8 @@ namespace greville
   };
 
   /**
-   * What Simulation::step() throws on all processes where a step fails: the
-   * state is the last good one.
+   * Thrown by Simulation::step() on all processes if a step fails; the state is
+   * the last good one.
    */
   class StepGivenUp : public ErrorOnAll
   {
@@ -51,9 +49,8 @@ namespace greville
   };
 
   /**
-   * Collective. Call an action, and throw StepFailed with its message where it
-   * throws ErrorOnAll. Other errors are those of one process, which the others
-   * do not know of: they go on as they are.
+   * Collective. Call an action, and throw StepFailed with its message if it
+   * throws ErrorOnAll. Other exceptions, of one process only, are not changed.
    */
   template <typename Action>
   void
@@ -79,9 +76,7 @@ namespace greville
     fail_with([&]() { throw_on_all(message, comm); });
   }
 
-  /**
-   * A message that goes on after what was its end.
-   */
+  /// Return a message without its final stop, so that it can be continued.
   inline std::string
   without_stop(std::string text)
   {

@@ -12,14 +12,14 @@
 namespace greville
 {
   /**
-   * Rows of numbers that are spread over the processes: all rows of the first
-   * process come before those of the second.
+   * Rows of numbers distributed over the processes: all rows of the first
+   * process come before the rows of the second.
    */
   struct DistributedTable
   {
     std::string              name;
     std::vector<std::string> columns;
-    /// The rows of this process, one after the other.
+    /// The rows of this process, one after another.
     std::vector<double> values;
 
     std::size_t
@@ -29,7 +29,8 @@ namespace greville
     }
 
     /**
-     * Collective. The values of all rows, on all processes: of small tables.
+     * Collective. Return the values of all rows on all processes, for small
+     * tables.
      */
     std::vector<double>
     gather(const MPI_Comm comm) const;
@@ -37,23 +38,19 @@ namespace greville
 
 
 
-  /**
-   * Texts and tables, both by name, as a file has them.
-   */
+  /// The content of a file: texts and tables, both by name.
   struct TablesFile
   {
     std::map<std::string, std::string> texts;
     std::vector<DistributedTable>      tables;
 
     /**
-     * The table of a name. Throws dealii::ExcMessage where there is none.
+     * Return the table with a name. Throws dealii::ExcMessage if there is none.
      */
     const DistributedTable &
     table(const std::string &name) const;
 
-    /**
-     * The text of a name. Throws dealii::ExcMessage where there is none.
-     */
+    /// Return the text with a name. Throws dealii::ExcMessage if there is none.
     const std::string &
     text(const std::string &name) const;
   };
@@ -67,8 +64,8 @@ namespace greville
    * processes.
    *
    * The file appears under its name when it is complete and on the disk: it is
-   * written to FILE.new, which takes the place of what was there. Throws
-   * dealii::ExcMessage on all processes where that fails.
+   * written to FILE.new, which then replaces the file. Throws
+   * dealii::ExcMessage on all processes if this fails.
    */
   void
   write_tables(const std::string &file,
@@ -78,10 +75,10 @@ namespace greville
 
 
   /**
-   * Collective. Read a file of write_tables() on any number of processes: each
-   * gets the same number of rows of a table, but for one. Throws
-   * dealii::ExcMessage on all processes where the file cannot be read, is
-   * truncated, or does not have its checksums.
+   * Collective. Read a file of write_tables() on any number of processes, whose
+   * numbers of rows of a table differ by at most one. Throws dealii::ExcMessage
+   * on all processes if the file cannot be read, is truncated, or its checksums
+   * do not match.
    */
   TablesFile
   read_tables(const std::string &file, const MPI_Comm comm);

@@ -8,22 +8,20 @@
 #include <string>
 #include <vector>
 
-/**
- * Parameter files that are compiled in.
- */
+/// Parameter files that are part of the program.
 namespace greville
 {
   /**
-   * Those to begin with: prm/templates, and those of the guide in
+   * Return the templates: prm/templates, and the examples of the guide in
    * doc/user/examples.
    */
   std::vector<ProgramTemplate>
   simulation_templates();
 
   /**
-   * The sections that the references of the programs show as examples: the
-   * files of prm/simulation/sections and of prm/mass/sections, one behind the
-   * other.
+   * Return the sections that the references of the programs show as examples:
+   * the files of prm/simulation/sections and prm/mass/sections, one after
+   * another.
    */
   std::string
   simulation_examples();

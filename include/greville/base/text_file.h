@@ -9,7 +9,7 @@
 namespace greville
 {
   /**
-   * Open a file of text. The stream has failed where it cannot be read. Throws
+   * Open a text file. The stream has failed if the file cannot be read. Throws
    * dealii::ExcMessage, which begins with @p what, for a folder, and for a
    * device, whose lines may have no end.
    */
@@ -18,14 +18,14 @@ namespace greville
 
   /**
    * Read the next line of a text, and count it in @p number, which is 0 before
-   * the first one. The byte order mark of UTF-8, by which editors begin a file,
-   * is left out. Returns whether there is a line.
+   * the first line. The byte order mark of UTF-8, with which some editors begin
+   * a file, is skipped. Returns whether there is a line.
    */
   bool
   read_text_line(std::istream &stream, std::string &line, unsigned int &number);
 
   /**
-   * Throw dealii::ExcMessage, which begins with @p place, where @p text is not
+   * Throw dealii::ExcMessage, which begins with @p place, if @p text is not
    * UTF-8.
    */
   void

@@ -15,9 +15,7 @@ namespace greville
   template <int dim>
   using VectorField = std::array<VectorType, dim>;
 
-  /**
-   * The components of fields, one behind the other.
-   */
+  /// Return the components of fields, one after another.
   template <typename Vector, typename Field>
   std::vector<Vector *>
   columns_of(const std::vector<Field *> &fields)

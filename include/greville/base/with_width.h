@@ -10,9 +10,9 @@
 namespace greville
 {
   /**
-   * Call an action with a number, one of @p numbers, that the compiler knows:
-   * action(std::integral_constant<int, number>()). Returns whether it was one
-   * of them.
+   * Call an action with a number, one of @p numbers, as a compile-time
+   * constant: action(std::integral_constant<int, number>()). Returns whether it
+   * is one of them.
    */
   template <int... numbers, typename Action>
   bool
@@ -28,9 +28,7 @@ namespace greville
    */
   constexpr unsigned int max_width = 8;
 
-  /**
-   * The same with a number of columns.
-   */
+  /// Call an action with a number of columns as a constant.
   template <typename Action>
   void
   with_width(const unsigned int width, const Action &action)
@@ -40,7 +38,8 @@ namespace greville
   }
 
   /**
-   * The same with the number p + 1 of functions of an order p in a direction.
+   * Call an action with the number p + 1 of functions of an order p per
+   * direction as a constant.
    */
   template <typename Action>
   void

@@ -12,7 +12,7 @@ namespace greville
 {
   /**
    * An array of zeros, aligned to 64 bytes, whose pages the system provides
-   * when they are first written: entries that are never touched cost no memory.
+   * when they are first written: untouched entries use no memory.
    */
   template <typename Number>
   class ZeroedArray
