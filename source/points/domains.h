@@ -9,18 +9,16 @@
  * B-splines averaged over the domains of points. To be included in sources.
  *
  * The domain of a point is a box around it with edges 2 s_d along the axes. It
- * has the second moments that the box of the stress-free state has when F has
- * deformed it, s_i^2 = sum_j F_ij^2 s0_j^2: a rotation leaves a cube as it is,
- * and boxes that filled a body before a stretch along the axes fill it
- * afterwards. It has one cell at most, and is cut at the edges of the grid.
+ * has the same second moments as the stress-free box deformed by F, s_i^2 =
+ * sum_j F_ij^2 s0_j^2: a rotated cube keeps its domain, and boxes that fill a
+ * body before a stretch along the axes fill it afterwards. Its size is limited
+ * to one cell, and it is cut at the edges of the grid.
  */
 namespace greville
 {
   namespace internal
   {
-    /**
-     * The windows where points have domains.
-     */
+    /// Return the windows if points have domains, otherwise null.
     template <int dim>
     inline const CellWindows<dim> *
     windows_of(const MaterialPoints<dim> &points,
@@ -43,9 +41,7 @@ namespace greville
 
 
 
-    /**
-     * The halves s_d of the edges of the domains of a group.
-     */
+    /// Load the half edges s_d of the domains of a group.
     template <int dim>
     inline void
     load_domains(const MaterialPoints<dim> &points,
@@ -70,9 +66,7 @@ namespace greville
 
 
 
-    /**
-     * Those of a point.
-     */
+    /// Return the half edges s_d of a point.
     template <int dim>
     inline dealii::Tensor<1, dim>
     domain_of_point(const MaterialPoints<dim> &points,
@@ -97,9 +91,7 @@ namespace greville
 
 
 
-    /**
-     * The shape of a window for a point.
-     */
+    /// Return the shape functions of a window at a point.
     template <int dim, int n>
     inline WindowShape<dim, n, double>
     evaluated(const WindowGeometry<dim, n> &cell,
@@ -113,9 +105,7 @@ namespace greville
 
 
 
-    /**
-     * The coefficients of the functions of a window, [function][field].
-     */
+    /// Read the coefficients of the functions of a window, [function][field].
     template <int dim, int n>
     inline void
     read_window(const WindowGeometry<dim, n> &cell,

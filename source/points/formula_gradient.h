@@ -14,7 +14,8 @@ namespace greville
   namespace internal
   {
     /**
-     * An initial displacement or velocity; zero if the text is empty.
+     * Return the formulas of an initial displacement or velocity; zero if the
+     * text is empty.
      */
     template <int dim>
     VectorExpression<dim>
@@ -28,7 +29,8 @@ namespace greville
     }
 
     /**
-     * Derivatives of formulas by differences of sixth order with these steps.
+     * Return derivatives of formulas by differences of sixth order with these
+     * steps.
      */
     template <int dim>
     dealii::Tensor<2, 3>

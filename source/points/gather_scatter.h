@@ -6,21 +6,21 @@
 #include "window_shape.h"
 
 /**
- * Sums over the functions that a point with a domain sees, and sums of such
- * points into these functions. To be included in sources.
+ * Sums over the functions that do not vanish on a point's domain, and sums of
+ * such points into these functions. To be included in sources.
  *
- * Each function has some vectors of four numbers in a buffer. SIMD goes over
- * these numbers and not over points, as each point has functions of its own:
- * a box that reaches over a face sees n + 1 of them in that direction, and
- * another one n, out of the n + 2 of the window.
+ * Each function has some vectors of four numbers in a buffer. SIMD is used over
+ * these numbers and not over points, since each point has its own functions:
+ * out of the n + 2 functions of the window in a direction, n + 1 do not vanish
+ * on a box that extends over a face, and n on other boxes.
  */
 namespace greville
 {
   namespace internal
   {
     /**
-     * Numbers between two fields of a function: a vector takes two fields in
-     * 2D.
+     * The distance of two fields of a function in the buffer: a vector contains
+     * two fields in 2D.
      */
     template <int dim>
     constexpr int field_stride = dim == 2 ? 2 : 4;
@@ -35,9 +35,9 @@ namespace greville
 
 
     /**
-     * Which sums there are, with the vectors u_a of all functions a: n_vectors
-     * of values N_a u_a, and for vector number with_slopes, if it is not
-     * negative, those with d_d N_a for each direction d.
+     * The kinds of sums, for vectors u_a of all functions a: n_vectors of
+     * values N_a u_a, and for vector number with_slopes, unless negative, also
+     * d_d N_a u_a for each direction d.
      */
     template <int n_vectors_, int with_slopes_>
     struct Sums
@@ -56,15 +56,13 @@ namespace greville
 
 
     /**
-     * The univariate functions of a cell or of its window at a group of points:
-     * those of lane l from begin[d][l] to end[d][l] do not vanish.
+     * The univariate functions of a cell or of its window at a group of points;
+     * the functions of lane l that do not vanish are begin[d][l] to end[d][l].
      */
     template <int dim, int n_1d>
     struct LaneShapes
     {
-      /**
-       * The functions of the cell, which are in the middle of its window.
-       */
+      /// Read the functions of the cell, which are in the middle of its window.
       void
       read(const ShapeValues<dim, n_1d - 2> &shape)
       {
@@ -105,8 +103,8 @@ namespace greville
 
 
     /**
-     * Factors of the functions of a row along x: N of y and z, and behind the
-     * first entry its derivatives by y and z.
+     * Factors of the functions of a row along x: N of y and z, followed by its
+     * derivatives by y and z.
      */
     template <int dim>
     struct RowFactors
@@ -119,7 +117,7 @@ namespace greville
 
     /**
      * Call action(number of the first function of a row along x, factors) for
-     * all rows that a lane sees.
+     * all rows of a lane.
      */
     template <int dim, int n_1d, typename Kind, typename Action>
     inline __attribute__((always_inline)) void
@@ -149,9 +147,7 @@ namespace greville
 
 
 
-    /**
-     * The functions along x that a lane sees.
-     */
+    /// The nonzero functions of a lane along x.
     template <typename Kind, int n_x>
     struct RowAlongX
     {
@@ -193,9 +189,7 @@ namespace greville
 
 
 
-    /**
-     * The sums over the functions with the numbers @p u that one lane sees.
-     */
+    /// Compute the sums over the functions of one lane with the numbers @p u.
     template <typename Kind, int n_x, int dim, int n_1d>
     inline __attribute__((always_inline)) void
     gather_lane(const LaneShapes<dim, n_1d> &shapes,
@@ -238,9 +232,7 @@ namespace greville
 
 
 
-    /**
-     * The transpose: add to the numbers @p u of the functions that a lane sees.
-     */
+    /// Apply the transpose: add to the numbers @p u of the functions of a lane.
     template <typename Kind, int n_x, int dim, int n_1d>
     inline __attribute__((always_inline)) void
     scatter_lane(const LaneShapes<dim, n_1d> &shapes,
@@ -282,8 +274,8 @@ namespace greville
 
 
     /**
-     * The sums of the first @p count points of a group: number k of vector v of
-     * Sums in sums[4 v + k], and zero for other lanes.
+     * Compute the sums of the first @p count points of a group: number k of
+     * vector v of Sums is in sums[4 v + k], with zeros for other lanes.
      */
     template <typename Kind, int dim, int n_1d>
     __attribute__((noinline)) void

@@ -9,9 +9,7 @@ namespace greville
 {
   namespace internal
   {
-    /**
-     * The univariate functions of a cell at a point.
-     */
+    /// Return the univariate functions of a cell at a point.
     template <int dim, int n>
     ShapeValues<dim, n, double>
     evaluated(const CellGeometry<dim, n> &cell, const dealii::Point<dim> &x)
@@ -61,9 +59,7 @@ namespace greville
 
 
 
-    /**
-     * And the values of the functions.
-     */
+    /// Gradients and values of the functions.
     template <int dim, int n>
     struct ValuesAndGradients
     {
@@ -86,9 +82,7 @@ namespace greville
 
 
 
-    /**
-     * The value of a field with these coefficients of one component.
-     */
+    /// Return the value of a field with these coefficients of one component.
     template <int dim, int n>
     double
     value_of_component(const ShapeValues<dim, n, double> &shape,
@@ -104,7 +98,7 @@ namespace greville
 
 
     /**
-     * The inverse of the deformation of a point since the initial
+     * Return the inverse of the deformation of a point since the initial
      * configuration, in 2D in the plane.
      */
     template <int dim>
@@ -120,8 +114,8 @@ namespace greville
 
 
     /**
-     * The increment f = 1 + dt grad w of the deformation of a point, for a
-     * field with @p coefficients [component][function], whose gradient is that
+     * Return the increment f = 1 + dt grad w of the deformation of a point, for
+     * a field with @p coefficients [component][function], with the gradient
      * with respect to the position at the start of the step.
      */
     template <int dim, int n>

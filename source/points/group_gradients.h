@@ -6,7 +6,8 @@
 #include "point_kernels.h"
 
 /**
- * Fields and sums of a cell at groups of points. To be included in sources.
+ * Evaluation of fields, and sums, of a cell at groups of points. To be included
+ * in sources.
  */
 namespace greville
 {
@@ -14,8 +15,8 @@ namespace greville
   {
     /**
      * The functions of a cell at a group of points, row by row in x, for a
-     * field of @p n_components. All pairs of a component and a direction, and
-     * behind them the value of the first component if @p with_value, make an
+     * field of @p n_components. The pairs of a component and a direction,
+     * followed by the value of the first component if @p with_value, form an
      * array.
      */
     template <int dim, int n, int n_components, bool with_value>
@@ -23,19 +24,21 @@ namespace greville
     {
       static constexpr int n_pairs = n_components * dim + (with_value ? 1 : 0);
       static constexpr int n_numbers = power(n, dim) * n_components;
-      // For reduce_four().
+      // The padded length for reduce_four().
       static constexpr int n_padded = (n_numbers + 3) / 4 * 4;
 
       /**
        * Call action(number of the row, factors of the row for derivatives in
-       * each direction; for that along x it is the one for values as well).
+       * each direction); the factor for the derivative along x is also the
+       * factor for values.
        */
       template <typename Action>
       inline __attribute__((always_inline)) void
       for_each_row(const Action &action) const
       {
         const auto &N = this->N, &dN = this->dN;
-        // Not unrolled, as the code of high orders would not fit the cache.
+        // Not unrolled, since the code of high orders would not fit into the
+        // cache.
 #pragma GCC unroll 1
         for (int z = 0; z < (dim == 3 ? n : 1); ++z)
 #pragma GCC unroll 6
@@ -54,9 +57,7 @@ namespace greville
             }
       }
 
-      /**
-       * H_ij = d_j u_i, with u[function * n_components + i].
-       */
+      /// Compute H_ij = d_j u_i, with u[function * n_components + i].
       inline __attribute__((always_inline)) void
       gradient(const double *u, Simd (&H)[n_pairs]) const
       {
@@ -86,8 +87,8 @@ namespace greville
       }
 
       /**
-       * sums[function * n_components + i] += T_ij d_j N, and for i = 0 what is
-       * given with the value, times N.
+       * Compute sums[function * n_components + i] += T_ij d_j N, and for i = 0
+       * also the entry for the value times N.
        */
       inline __attribute__((always_inline)) void
       add_divergence(const Simd (&T)[n_pairs], Simd *sums) const

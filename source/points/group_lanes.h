@@ -9,9 +9,7 @@
 
 #include <cmath>
 
-/**
- * Groups of points as their material sees them. To be included in sources.
- */
+/// Conversion of groups of points to MaterialLanes. To be included in sources.
 namespace greville
 {
   namespace internal
@@ -37,8 +35,8 @@ namespace greville
 
 
     /**
-     * A group as its material sees it, see load_material_point(), but for the
-     * stress.
+     * Load a group as MaterialLanes without the stress, see
+     * load_material_point().
      */
     template <int dim>
     inline void
@@ -85,9 +83,7 @@ namespace greville
 
 
 
-    /**
-     * Write what Material::update_lanes() has changed.
-     */
+    /// Store the results of Material::update_lanes().
     template <int dim>
     inline void
     store_material_lanes(const MaterialLanes    &points,
@@ -100,7 +96,7 @@ namespace greville
       };
       for (unsigned int k = 0; k < Layout::n_stress; ++k)
         store_at(Layout::stress + k, points.stress[k]);
-      // Lanes without a point have none.
+      // Lanes without a point have no modulus.
       Lanes modulus = points.wave_modulus;
       for (unsigned int lane = points.count; lane < n_lanes; ++lane)
         modulus[lane] = 0.;
@@ -111,9 +107,8 @@ namespace greville
 
 
     /**
-     * The points of a group as the material sees them, and back. The increment
-     * of F_zz is for 2D. Returns whether all of the @p count points are all
-     * right.
+     * Update a group of points by its material. The increment of F_zz is for
+     * 2D. Returns whether all of the @p count points are valid.
      */
     template <int dim>
     inline bool

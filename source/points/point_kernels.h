@@ -10,15 +10,16 @@
 #include <cstring>
 
 /**
- * What the kernels of points share. To be included in sources, not in headers.
+ * Common parts of the kernels for points. To be included in sources, not in
+ * headers.
  */
 namespace greville
 {
   namespace internal
   {
     /**
-     * One number of all points of a group. (Cells have few points: the widest
-     * vectors of a machine would have empty lanes.)
+     * One number of all points of a group. (Since cells have few points, wider
+     * vectors would have empty lanes.)
      */
     using Simd = FixedSimd<double, MaterialPoints<2>::width>;
 
@@ -40,9 +41,7 @@ namespace greville
 
 
 
-    /**
-     * What is the same for all points of a cell.
-     */
+    /// Data shared by all points of a cell.
     template <int dim, int n>
     struct CellGeometry
     {
@@ -106,7 +105,8 @@ namespace greville
       }
 
       /**
-       * The values of all functions of the cell, in lexicographic order.
+       * Compute the values of all functions of the cell, in lexicographic
+       * order.
        */
       void
       multiply(Number (&values)[power(n, dim)]) const
@@ -149,7 +149,8 @@ namespace greville
 
 
     /**
-     * Collective. The way back: add up what all processes have for a function.
+     * Collective. Add up the numbers of each function in the buffers of all
+     * processes.
      */
     template <typename Buffer>
     inline void
@@ -180,10 +181,9 @@ namespace greville
     }
 
     /**
-     * Ask for the numbers from @p first to @p last, which is excluded, of the
-     * group behind number @p g of the cell number @p c of points.cells():
-     * kernels read some of its numbers only, in a pattern that processors do
-     * not foresee.
+     * Prefetch the numbers [first, last) of the group after number @p g of the
+     * cell number @p c of points.cells(): kernels read only some of its
+     * numbers, in a pattern that processors do not predict.
      */
     template <int dim>
     inline __attribute__((always_inline)) void
@@ -206,9 +206,7 @@ namespace greville
 
 
 
-    /**
-     * Ask for the numbers, @p n_numbers of each, of the functions of a cell.
-     */
+    /// Prefetch the numbers, @p n_numbers each, of the functions of a cell.
     template <int n_functions>
     inline __attribute__((always_inline)) void
     prefetch_functions(const unsigned int *functions,
@@ -225,9 +223,7 @@ namespace greville
 
 
 
-    /**
-     * The sums over the lanes of four vectors, in one.
-     */
+    /// Return the sums over the lanes of four vectors, as one vector.
     inline Simd
     reduce_four(const Simd *values)
     {
@@ -249,7 +245,7 @@ namespace greville
 
 
     /**
-     * Where the basis functions of a group are taken.
+     * Load the positions at which the basis functions of a group are evaluated.
      */
     template <int dim>
     inline __attribute__((always_inline)) void
@@ -262,9 +258,7 @@ namespace greville
 
 
 
-    /**
-     * C = A B, or A B^T.
-     */
+    /// Compute C = A B, or A B^T.
     template <int dim>
     inline void
     multiply(const Simd (&A)[dim][dim],
@@ -298,10 +292,10 @@ namespace greville
 
 
     /**
-     * The inverse of the deformation gradients (in 2D in the plane) of a group
-     * since the initial configuration, which takes gradients with respect to
-     * reference positions to those with respect to current ones. Field @p
-     * initial_F as in PointLayout.
+     * Compute the inverse deformation gradients (in 2D in the plane) of a group
+     * since the initial configuration, which map gradients with respect to
+     * reference positions to gradients with respect to current ones. @p
+     * initial_F is the field of PointLayout.
      */
     template <int dim>
     inline void
@@ -312,7 +306,7 @@ namespace greville
       Simd F[dim][dim];
       for (int i = 0; i < dim; ++i)
         load_numbers<dim>(group, PointLayout<dim>::F + i * dim, F[i]);
-      // The transposed cofactors.
+      // Compute the transposed cofactors.
       Simd det = 0.;
       if constexpr (dim == 2)
         {

@@ -8,18 +8,18 @@
 #include <optional>
 
 /**
- * What explicit steps sum over the functions that points with domains see. To
- * be included in sources.
+ * Sums in explicit steps over the functions of points with domains. To be
+ * included in sources.
  */
 namespace greville
 {
   namespace internal
   {
     /**
-     * The functions of windows that the points of a body see, cell by cell:
-     * means over domains where the cell reaches its neighbours, and values at
-     * the points elsewhere. Sums without slopes do not depend on which cells
-     * reach where values are not averaged.
+     * The functions of the windows of a body's points, cell by cell: means over
+     * domains if the cell reaches its neighbours, and values at the points
+     * otherwise. If values are not averaged, sums without slopes do not depend
+     * on which cells reach their neighbours.
      */
     template <int dim, int n>
     class SeenFunctions
@@ -47,9 +47,7 @@ namespace greville
         functions = windows->functions(cell);
       }
 
-      /**
-       * internal::gather() for a group with @p count points at @p x.
-       */
+      /// Call internal::gather() for a group with @p count points at @p x.
       template <typename Kind>
       void
       gather(const double      *group,

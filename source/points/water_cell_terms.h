@@ -16,9 +16,7 @@ namespace greville
   {
     using namespace dealii;
 
-    /**
-     * det(1 + h) - 1, exact to round-off where h is small.
-     */
+    /// Return det(1 + h) - 1, exact to round-off for small h.
     template <int dim>
     double
     change_of_volume(const Tensor<2, dim> &h)
@@ -43,15 +41,16 @@ namespace greville
       double         u_r = 0.; // in axisymmetry
       double         p   = 0.;
       Tensor<1, dim> p_slope;
-      // The sums of the absolute values of what these are the sums of.
+      // The sums of the absolute values of the terms in slope, p and the slope
+      // of p.
       double slope_size = 0., p_size = 0., p_slope_size = 0.;
     };
 
 
 
     /**
-     * The terms of a cell: fields at them, and the sums over them. Fields and
-     * sums that are null are left out, and with the rows the pressure.
+     * The terms of a cell: fields at them, and the sums over them. Null fields
+     * and sums are omitted; with the rows, the pressure is omitted, too.
      */
     template <int dim>
     class CellTerms
@@ -72,8 +71,10 @@ namespace greville
       virtual void
       end() = 0;
 
-      /// Of the forces of the cells, and of the absolute values of what their
-      /// rows are the sums of.
+      /**
+       * The sums of the squares of the cell forces, and of the absolute values
+       * of the terms in the rows.
+       */
       std::array<double, 2> squares{};
     };
 
@@ -209,7 +210,7 @@ namespace greville
       double                                    f[dim][n_functions];
       double                                    p[n_functions], r[n_functions];
       double                                    r_size[n_functions];
-      // Of the last evaluate().
+      // The gradients of the last evaluate().
       Gradients<dim, n>          G;
       ValuesAndGradients<dim, n> q;
       double                     N[n_functions];
@@ -232,9 +233,7 @@ namespace greville
 
 
 
-    /**
-     * Let action(term, its WaterValues) say what each term gives.
-     */
+    /// Add the contribution action(term, its WaterValues) of each term.
     template <int dim, typename Terms, typename Action>
     void
     sum_terms(CellTerms<dim> &of_cell, Terms &terms, const Action &action)

@@ -15,9 +15,7 @@ namespace greville
 {
   namespace internal
   {
-    /**
-     * What is the same for all points of a cell that sees its window.
-     */
+    /// Data shared by all points of a cell that uses its window.
     template <int dim, int n>
     struct WindowGeometry
     {
@@ -77,8 +75,7 @@ namespace greville
     /**
      * Values and derivatives of the univariate functions of a window at a group
      * of points, or at one: derivatives are averaged over domains, and values
-     * where the windows average them. Functions before first and from last on
-     * are zero.
+     * if the windows average them. Functions outside [first, last) are zero.
      */
     template <int dim, int n, typename Number = Simd>
     struct WindowShape
@@ -93,7 +90,8 @@ namespace greville
       {
         using std::max;
         using std::min;
-        // In cells: below, averages are those of a point.
+        // The domain size, in cells, below which point values are used instead
+        // of averages.
         constexpr double smallest = 1e-8;
         averages_values           = cell.averages_values;
 #pragma GCC unroll 3
@@ -156,7 +154,8 @@ namespace greville
              ++a_z)
           for (int a_y = first[1]; a_y < last[1]; ++a_y)
             {
-              // Without means of values, neighbours see one derivative only.
+              // If values are not averaged, functions of neighbours have one
+              // derivative only.
               const bool at_z =
                 averages_values || dim == 2 || (a_z > 0 && a_z <= n);
               const bool at_y = averages_values || (a_y > 0 && a_y <= n);
@@ -180,8 +179,8 @@ namespace greville
       }
 
       /**
-       * The field with coefficients u[function * dim + i], and its gradient
-       * H_ij = d_j u_i, if @p with_gradient.
+       * Compute the field with coefficients u[function * dim + i], and its
+       * gradient H_ij = d_j u_i if @p with_gradient.
        */
       template <bool with_gradient>
       void
@@ -223,9 +222,7 @@ namespace greville
         });
       }
 
-      /**
-       * The gradient of a field alone.
-       */
+      /// Compute only the gradient of a field.
       void
       gradient(const double *u, Number (&H)[dim][dim]) const
       {
@@ -233,9 +230,7 @@ namespace greville
         evaluate_field<true>(u, values, H);
       }
 
-      /**
-       * sums[function * dim + i] += values[i] N.
-       */
+      /// Compute sums[function * dim + i] += values[i] N.
       void
       add_values(const Number (&values)[dim], Number *sums) const
       {
@@ -249,9 +244,7 @@ namespace greville
         });
       }
 
-      /**
-       * sums[function * dim + i] += T_ij d_j N.
-       */
+      /// Compute sums[function * dim + i] += T_ij d_j N.
       void
       add_divergence(const Number (&T)[dim][dim], Number *sums) const
       {
@@ -277,7 +270,7 @@ namespace greville
       Number N[dim][n_1d];
       Number dN[dim][n_1d];
       int    first[dim], last[dim];
-      // Lengths of the box in the cells before and behind, in cells.
+      // The lengths of the box in the cells before and behind, in cells.
       Number before[dim], behind[dim];
       bool   averages_values;
 
@@ -296,7 +289,7 @@ namespace greville
                 Number       *values,
                 Number       *slopes)
       {
-        // Means of t^k are sums of begin^i end^(k - i) over k + 1.
+        // The mean of t^k is the sum of begin^i end^(k - i) over k + 1.
         Number means[n], sum = weight, of_begin = weight;
         means[0] = weight;
 #pragma GCC unroll 8

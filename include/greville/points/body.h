@@ -14,8 +14,8 @@
 namespace greville
 {
   /**
-   * Parameters of a body: where its points are initially, their velocity and
-   * stress.
+   * Parameters of a body: the initial positions, velocity and stress of its
+   * points.
    */
   struct BodyParameters : PointPlacement
   {
@@ -43,8 +43,10 @@ namespace greville
     const BodyParameters *parameters = nullptr;
     const Material       *material   = nullptr;
     MaterialPoints<dim>   points;
-    /// Number of points of all processes, with those that have left the grid.
-    /// 0: the body is not there.
+    /**
+     * The number of points on all processes, including points that have left
+     * the grid; 0 if the body is absent.
+     */
     std::uint64_t n_points = 0;
   };
 
@@ -52,14 +54,14 @@ namespace greville
 
   /**
    * Collective. Make the points of @p body on the cells of @p space. Its name,
-   * parameters and material are set; @p layout has the history variables of
-   * the material. @p gravity (m / s^2) is that of the K0
-   * procedure. Throws dealii::ExcMessage for a body that is empty or sticks out
-   * of the grid, for wrong formulas, files and stresses.
+   * parameters and material must be set; @p layout contains the history
+   * variables of the material. @p gravity (m / s^2) is used in the K0
+   * procedure. Throws dealii::ExcMessage for a body that is empty or extends
+   * beyond the grid, and for invalid formulas, files and stresses.
    *
-   * The points, and their ids, do not depend on the number of processes. Where
-   * they have an initial displacement, they still lie in the cells of
-   * their positions before: returns the cells that points have to leave.
+   * Points and ids do not depend on the number of processes. Points with an
+   * initial displacement are still stored in the cells of their original
+   * positions; the cells that points must leave are returned.
    */
   template <int dim>
   std::vector<unsigned int>

@@ -11,8 +11,7 @@
 namespace greville
 {
   /**
-   * Bodies to look at, which may belong to several vectors. The list refers to
-   * them.
+   * A read-only list of bodies from one or several vectors, to which it refers.
    */
   template <int dim>
   class BodyList
@@ -20,9 +19,7 @@ namespace greville
   public:
     BodyList() = default;
 
-    /**
-     * Not explicit: a vector of bodies is a list of them.
-     */
+    /// Implicit conversion, since a vector of bodies is a list of them.
     BodyList(const std::vector<Body<dim>> &bodies)
     {
       add(bodies);
@@ -41,9 +38,7 @@ namespace greville
       pointers.push_back(&body);
     }
 
-    /**
-     * Bodies in the place of those of the same name.
-     */
+    /// Replace bodies by others with the same names.
     void
     put(const std::vector<Body<dim>> &others)
     {

@@ -17,32 +17,31 @@
 namespace greville
 {
   /**
-   * Water of a given pressure @f$\bar p@f$ around all bodies, at a surface that
-   * is nowhere described but by the points: the *layer* of the cells that hold
-   * points and share a face with a cell that holds none. Walls of the grid are
-   * no such face.
+   * Water of a given pressure @f$\bar p@f$ around all bodies. The surface is
+   * defined by the points only: it lies in the *layer* of the cells with points
+   * that share a face with a cell without points. Walls of the grid do not
+   * count as such faces.
    *
-   * The pores of the layer leak into the water outside. The balance of water of
-   * WaterPoints, r, and its force f get
+   * The pores of the layer leak into the water outside. To the balance of water
+   * of WaterPoints, r, and its force f are added
    * @f{align*}{
    *   r_b &+= dt \sum_{p\ in\ the\ layer} V \frac{c \kappa}{\delta^2}
    *          (p - \bar p) \, q_b, \\
    *   f_a &+= \sum_p V \left(\bar p \, \nabla N_a + N_a \nabla \bar p\right),
    * @f}
    * with V, the conductivity kappa and the gradients at the start of the step.
-   * Delta is the thickness of the layer, the part of a cell that is filled
-   * times its size. The layer lets pass what flows through it to a surface with
-   * the pressure @f$\bar p@f$, @f$\kappa (p - \bar p) / \delta@f$ with p at
-   * its inner side, for c = 2 if the pressure is linear in it, and for c = 1.44
-   * if it follows the leak. As a spline it does neither; c = 1.2 has the
-   * smallest error on average. A leak that is much stronger would hold the
-   * pressure not in the layer but in all cells over which the spline is
-   * extended to the surface.
+   * Delta is the thickness of the layer, the filled fraction of a cell times
+   * its size. The layer has the flow @f$\kappa (p - \bar p) / \delta@f$ to a
+   * surface with the pressure @f$\bar p@f$, with p at its inner side, for c = 2
+   * if the pressure is linear in the layer, and for c = 1.44 if it follows the
+   * leak. Since it is a spline, neither holds; c = 1.2 has the smallest error
+   * on average. A much stronger leak would fix the pressure not only in the
+   * layer, but in all cells over which the spline is extended to the surface.
    *
-   * The force is that of @f$\bar p@f$ on the surface, by Gauss's theorem. With
-   * that of WaterPoints it is the force of @f$p - \bar p@f$ and the buoyancy
-   * @f$-\nabla \bar p@f$, so that errors of the sums over points do not move
-   * soil where water is at rest.
+   * The force is the force of @f$\bar p@f$ on the surface, by Gauss's theorem.
+   * Together with the force of WaterPoints, it is the force of @f$p - \bar p@f$
+   * and the buoyancy @f$-\nabla \bar p@f$, so that errors of the sums over
+   * points do not move soil in water at rest.
    */
   template <int dim>
   class FreeSurface
@@ -50,7 +49,7 @@ namespace greville
   public:
     /**
      * Collective. See WaterPoints::reinit(). The pressure is a formula of x, y
-     * (, z) and t, Pa. Throws dealii::ExcMessage where it is none.
+     * (, z) and t, Pa. Throws dealii::ExcMessage if it is invalid.
      */
     FreeSurface(const SplineSpace<dim>          &displacements,
                 const SplineSpace<dim>          &pressures,
@@ -60,8 +59,8 @@ namespace greville
                 const std::string               &parameter);
 
     /**
-     * Collective. Find the layer, from the part of each owned cell of the
-     * displacement that points fill.
+     * Collective. Find the layer from the filled fractions of the owned cells
+     * of the displacement.
      */
     void
     find_layer(const std::vector<double> &filled);
@@ -73,19 +72,17 @@ namespace greville
     clear(const double dt, const double time);
 
     /**
-     * Add the points of a body. Throws dealii::ExcMessage where the formula has
-     * no value.
+     * Add the points of a body. Throws dealii::ExcMessage if the formula has no
+     * value.
      */
     void
     add(const MaterialPoints<dim> &points, const WaterConstants &constants);
 
-    /**
-     * Collective. Of all points that were added: make f.
-     */
+    /// Collective. Compute f after all points have been added.
     void
     finish();
 
-    /// f.
+    /// Return f.
     const VectorField<dim> &
     force() const
     {
@@ -113,8 +110,8 @@ namespace greville
                          StencilMatrix<dim>          &matrix) const;
 
     /**
-     * Of the last add_rows() on this process: the water that left, m^3 (2D:
-     * m^2).
+     * Return the volume of water that left on this process in the last
+     * add_rows(), m^3 (2D: m^2).
      */
     double
     outflow() const
@@ -122,7 +119,7 @@ namespace greville
       return volume_out;
     }
 
-    /// Whether an owned cell is one of the layer.
+    /// Return whether an owned cell belongs to the layer.
     bool
     is_in_layer(const unsigned int cell) const
     {
@@ -139,9 +136,7 @@ namespace greville
       double             outside; // Pa
     };
 
-    /**
-     * Add leak * (p - outside), or leak * p, to the rows. Returns the sum.
-     */
+    /// Add leak * (p - outside), or leak * p, to the rows. Returns the sum.
     double
     sum(const VectorType &p, VectorType &rows, const bool with_outside) const;
 

@@ -16,16 +16,15 @@ namespace greville
   /**
    * The material points of one body on this process, sorted by cells.
    *
-   * Points lie in *groups* of four points of one cell, an array
-   * [number of the point's double][lane] each, so that a kernel loads one
-   * number of all points of a group by one instruction. The groups of a cell
-   * form a list; all but the first are full. Lanes without a point hold one
-   * without mass and volume at the centre of the cell, which adds nothing
-   * anywhere: no kernel needs masks. A point that changes its cell is copied,
-   * all others stay where they are; defragment() puts groups into the order of
-   * the cells again when many have moved.
+   * Points are stored in *groups* of four points of one cell, each an array
+   * [number of the point's double][lane], so that a kernel loads one number of
+   * all points of a group by one instruction. The groups of a cell form a
+   * linked list; all but the first are full. Empty lanes contain a point
+   * without mass and volume at the centre of the cell, which contributes
+   * nothing, so kernels need no masks. Only points that change their cell are
+   * copied; defragment() restores the order of the cells when many have moved.
    *
-   * Cells are counted as in SplineSpace::owned_cells().
+   * Cells are numbered as in SplineSpace::owned_cells().
    */
   template <int dim>
   class MaterialPoints
@@ -33,9 +32,7 @@ namespace greville
   public:
     static constexpr unsigned int none = -1;
 
-    /**
-     * Points of a group.
-     */
+    /// The number of points of a group.
     static constexpr unsigned int width = 4;
 
     /**
@@ -50,9 +47,7 @@ namespace greville
       return point_layout;
     }
 
-    /**
-     * Take another space on the same cells.
-     */
+    /// Replace the space by another one on the same cells.
     void
     set_space(const SplineSpace<dim> &space)
     {
@@ -68,9 +63,7 @@ namespace greville
       return *spline_space;
     }
 
-    /**
-     * Points on this process.
-     */
+    /// Return the number of points on this process.
     std::size_t
     n_points() const
     {
@@ -83,24 +76,18 @@ namespace greville
       return counts[cell];
     }
 
-    /**
-     * The cells with points, ascending.
-     */
+    /// Return the cells with points, ascending.
     const std::vector<unsigned int> &
     cells() const;
 
-    /**
-     * The first group of a cell, none where there is no point.
-     */
+    /// Return the first group of a cell, or none if there is no point.
     unsigned int
     first_group(const unsigned int cell) const
     {
       return heads[cell];
     }
 
-    /**
-     * The group behind @p group in the list of its cell, or none.
-     */
+    /// Return the group after @p group in the list of its cell, or none.
     unsigned int
     next_group(const unsigned int group) const
     {
@@ -108,7 +95,8 @@ namespace greville
     }
 
     /**
-     * Number of points in the first group of a cell; the others are full.
+     * Return the number of points in the first group of a cell; the other
+     * groups are full.
      */
     unsigned int
     n_in_first_group(const unsigned int cell) const
@@ -116,9 +104,7 @@ namespace greville
       return counts[cell] == 0 ? 0 : (counts[cell] - 1) % width + 1;
     }
 
-    /**
-     * The numbers of a group: number k of lane l is at k * width + l.
-     */
+    /// Return the numbers of a group: number k of lane l is at k * width + l.
     double *
     group(const unsigned int g)
     {
@@ -162,9 +148,7 @@ namespace greville
           action(ConstPointRef<dim>(group(g) + lane, width));
     }
 
-    /**
-     * The point in a lane of a group.
-     */
+    /// Return the point in a lane of a group.
     PointRef<dim>
     point(const unsigned int g, const unsigned int lane)
     {
@@ -185,7 +169,7 @@ namespace greville
            const dealii::ArrayView<const double> &values);
 
     /**
-     * Take the points out of @p cell whose position is not in it any more and
+     * Remove the points of @p cell whose position is not in it any more, and
      * append their numbers to @p leaving.
      */
     void
@@ -197,15 +181,11 @@ namespace greville
     void
     clean(const unsigned int cell);
 
-    /**
-     * Put the groups into the order of the cells.
-     */
+    /// Sort the groups in the order of the cells.
     void
     defragment();
 
-    /**
-     * Bytes of points and lists on this process.
-     */
+    /// Return the bytes of points and lists on this process.
     std::size_t
     memory_consumption() const;
 
@@ -236,7 +216,8 @@ namespace greville
     PointLayout<dim>        point_layout;
     std::size_t             n_all_points = 0;
 
-    // More than the groups need, so that it seldom has to grow.
+    // The numbers of all groups, with spare room, so that the array seldom
+    // grows.
     dealii::AlignedVector<double> data;
     std::vector<unsigned int>     heads;  // per cell
     std::vector<unsigned int>     counts; // per cell
@@ -250,7 +231,8 @@ namespace greville
 
 
   /**
-   * The volume of owned cell number @p cell that points of a @p layout fill.
+   * Return the volume of owned cell number @p cell that points of a @p layout
+   * fill.
    */
   template <int dim>
   inline double

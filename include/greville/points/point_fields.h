@@ -11,14 +11,15 @@
 
 namespace greville
 {
-  /**
-   * A field that points_NNNN.pvtu may have, by its name in `Output/Fields`.
-   */
+  /// A field that points_NNNN.pvtu may contain, by its name in `Output/Fields`.
   template <int dim>
   struct OutputField
   {
     std::string name;
-    /// Names of its numbers in the file; those of a vector are all the same.
+    /**
+     * The names of its numbers in the file; equal for all components of a
+     * vector.
+     */
     std::vector<std::string> components;
     bool                     is_vector = false;
     /// Write the numbers of a point of body number b.
@@ -32,10 +33,11 @@ namespace greville
 
 
   /**
-   * The fields @p names of the points of @p bodies on a process: F is the
-   * deformation gradient, strain Green's, (F^T F - 1) / 2, size the edge of a
-   * cube of the volume of a point, m, and history what materials keep, a field
-   * of all points that is zero where a material does not have it.
+   * Return the fields @p names of the points of @p bodies on a process: F is
+   * the deformation gradient, strain is Green's strain, (F^T F - 1) / 2, size
+   * is the edge of a cube with the volume of a point, m, and history contains
+   * the history variables of the materials, each a field of all points that is
+   * zero for materials without it.
    */
   template <int dim>
   std::vector<OutputField<dim>>
@@ -43,9 +45,7 @@ namespace greville
                const BodyList<dim>            &bodies,
                const unsigned int              process);
 
-  /**
-   * All names, separated by '|'.
-   */
+  /// Return all names, separated by '|'.
   std::string
   output_field_names();
 } // namespace greville

@@ -8,9 +8,7 @@
 
 namespace greville
 {
-  /**
-   * What points carry beyond the numbers that all of them have.
-   */
+  /// A named field of points, in addition to the numbers that all points have.
   struct PointField
   {
     std::string  name;
@@ -21,11 +19,12 @@ namespace greville
 
 
   /**
-   * Where the numbers of a material point lie. Each is counted in doubles from
-   * the begin of the point; symmetric tensors are stored as xx, yy, zz, xy (in
+   * The positions of the numbers of a material point, counted in doubles from
+   * the begin of the point. Symmetric tensors are stored as xx, yy, zz, xy (in
    * 3D then xz, yz), the deformation gradient row by row, in 2D followed by
-   * F_zz. Behind what all points have come fields with names, first the history
-   * variables of the material, then those of
+   * F_zz. The numbers that all points have are followed by named fields: the
+   * history variables of the material, and as many of the following as are
+   * needed:
    *   "affine", dim x dim numbers: the matrix of APIC, row by row, 1 / s,
    *   "load", dim numbers: the acceleration by loads, m / s^2,
    *   "initial_F", dim x dim numbers: the deformation gradient (in 2D in the
@@ -36,7 +35,7 @@ namespace greville
    *     the stress-free state over which gradients are averaged, m,
    *   "radius0", one number: of axisymmetric points (x is the distance r from
    *     the axis), their r in the stress-free state, m: F_zz = r / radius0,
-   * and of what else somebody keeps at points (PointLoad) that there are.
+   * and further fields, for instance of a PointLoad.
    */
   template <int dim>
   class PointLayout
@@ -63,14 +62,14 @@ namespace greville
     static constexpr unsigned int F = wave_modulus + 1;
     /// The initial position, m.
     static constexpr unsigned int reference = F + n_F;
-    /// A number that no other point of the body has.
+    /// A number that identifies the point within its body.
     static constexpr unsigned int id = reference + dim;
-    /// Number of doubles that every point has.
+    /// The number of doubles that every point has.
     static constexpr unsigned int n_fixed = id + 1;
 
     /**
-     * Where entry (i, j) of a stress, or of the deformation gradient, lies
-     * behind its begin.
+     * Return the position of entry (i, j) of a stress or deformation gradient,
+     * counted from its begin.
      */
     static constexpr unsigned int
     stress_index(const unsigned int i, const unsigned int j)
@@ -84,53 +83,55 @@ namespace greville
       return dim == 2 && i == 2 && j == 2 ? 4 : i * dim + j;
     }
 
-    /// Where history variables begin.
+    /// The position of the history variables.
     static constexpr unsigned int state = n_fixed;
 
     /**
-     * With the history variables of a material as fields of one component.
+     * Set up a layout with the history variables of a material as fields of one
+     * component.
      */
     PointLayout(const std::vector<std::string> &state_names = {});
 
-    /**
-     * Add a field, unless there is one of this name.
-     */
+    /// Add a field, unless there is one with this name.
     void
     add(const std::string &name, const unsigned int n_components);
 
-    /**
-     * A history variable or added field, nullptr where there is none.
-     */
+    /// Return a history variable or added field, nullptr if there is none.
     const PointField *
     find(const std::string &name) const;
 
-    /**
-     * The first number of a field that there is.
-     */
+    /// Return the first number of an existing field.
     unsigned int
     first(const std::string &name) const;
 
     /**
-     * A name for each number, in their order: "position_0", ..., "mass", ...
+     * Return a name for each number, in their order: "position_0", ..., "mass",
+     * ...
      */
     std::vector<std::string>
     names() const;
 
     unsigned int n_state = 0;
-    /// Number of doubles of a point.
+    /// The number of doubles of a point.
     unsigned int size = n_fixed;
-    /// The first number of the position at which basis functions are taken:
-    /// `position` in updated Lagrangian steps, `reference` in total Lagrangian
-    /// ones, in which gradients are those with respect to it.
+    /**
+     * The first number of the position at which basis functions are evaluated:
+     * `position` in updated Lagrangian steps, `reference` in total Lagrangian
+     * steps, whose gradients are with respect to the reference position.
+     */
     unsigned int basis_position = position;
 
-    /// The first number of "initial_F", 0 where there is none. Points of total
-    /// Lagrangian steps with initial stresses have it: F F_initial^-1 is the
-    /// deformation since the configuration of their basis functions.
+    /**
+     * The first number of "initial_F", 0 if there is none. Points of total
+     * Lagrangian steps with initial stresses have it: F F_initial^-1 is the
+     * deformation since the configuration of their basis functions.
+     */
     unsigned int initial_F = 0;
 
-    /// "projected_J", 0 where there is none. J and F are always those of the
-    /// motion.
+    /**
+     * The number of "projected_J", 0 if there is none. J and F always belong to
+     * the motion.
+     */
     unsigned int projected_J = 0;
 
     void
@@ -140,7 +141,7 @@ namespace greville
       projected_J = first("projected_J");
     }
 
-    /// "radius0", 0 where there is none: in plane strain.
+    /// The number of "radius0", 0 in plane strain.
     unsigned int radius0 = 0;
 
     void
@@ -157,8 +158,9 @@ namespace greville
     }
 
     /**
-     * The volume per area of the plane of coordinates at @p x: the radius of
-     * axisymmetric points, whose quantities are those per radian, else 1.
+     * Return the volume per area of the plane of coordinates at @p x: the
+     * radius of axisymmetric points, whose quantities are per radian, otherwise
+     * 1.
      */
     template <typename Position>
     double
@@ -167,7 +169,7 @@ namespace greville
       return is_axisymmetric() ? x[0] : 1.;
     }
 
-    /// "domain", 0 where there is none.
+    /// The first number of "domain", 0 if there is none.
     unsigned int domain = 0;
 
     void

@@ -30,9 +30,7 @@ namespace greville
       , stride(stride)
     {}
 
-    /**
-     * A ConstPointRef from a PointRef.
-     */
+    /// Convert a PointRef to a ConstPointRef.
     template <
       typename Other,
       typename = std::enable_if_t<std::is_convertible_v<Other *, Number *>>>
@@ -42,7 +40,8 @@ namespace greville
     {}
 
     /**
-     * Number k of the point, for what PointLayout knows at run time only.
+     * Return number k of the point, for positions that are known at run time
+     * only.
      */
     Number &
     operator[](const unsigned int k) const
@@ -86,9 +85,7 @@ namespace greville
       return dealii::Point<dim>(vector(Layout::reference));
     }
 
-    /**
-     * Where basis functions are taken.
-     */
+    /// Return the position at which basis functions are evaluated.
     dealii::Point<dim>
     basis_position(const Layout &layout) const
     {
@@ -113,9 +110,7 @@ namespace greville
       return (*this)[Layout::J];
     }
 
-    /**
-     * V = J V0.
-     */
+    /// Return the volume V = J V0.
     double
     volume() const
     {
@@ -123,8 +118,8 @@ namespace greville
     }
 
     /**
-     * The extent along the axes of a square or cube of the volume; of an
-     * axisymmetric point in the plane of coordinates.
+     * Return the edge of a square or cube of the point's volume; for
+     * axisymmetric points, of a square in the plane of coordinates.
      */
     double
     extent(const Layout &layout) const
@@ -145,9 +140,7 @@ namespace greville
       return (*this)[Layout::id];
     }
 
-    /**
-     * Component k of the n_stress that are stored.
-     */
+    /// Return component k of the n_stress stored components.
     Number &
     stress(const unsigned int k) const
     {
@@ -174,9 +167,7 @@ namespace greville
             stress(Layout::stress_index(i, j)) = sigma[i][j];
     }
 
-    /**
-     * Entry (i, j) with i, j < dim, or F_zz.
-     */
+    /// Return entry (i, j) with i, j < dim, or F_zz.
     Number &
     F(const unsigned int i, const unsigned int j) const
     {
@@ -203,9 +194,7 @@ namespace greville
       F(2, 2) = F_3d[2][2];
     }
 
-    /**
-     * The dim, or dim x dim, numbers that begin at number @p first.
-     */
+    /// Return the dim, or dim x dim, numbers from number @p first on.
     dealii::Tensor<1, dim>
     vector(const unsigned int first) const
     {
@@ -260,8 +249,9 @@ namespace greville
 
 
   /**
-   * The radius of an axisymmetric point, to which the increment of F_zz in a
-   * step that moves it to the radius r is relative: r over it.
+   * Return the radius of an axisymmetric point to which the increment of F_zz
+   * is relative: a step that moves the point to the radius r has the increment
+   * r over this radius.
    */
   template <int dim>
   inline double
@@ -273,9 +263,9 @@ namespace greville
 
 
   /**
-   * A point as its material sees it, with the increment 1, from the numbers of
-   * a point: with the projected J where there is one, and F scaled to it. @p
-   * point is a new one.
+   * Fill @p point, a new MaterialPoint with the increment 1, from the numbers
+   * of a point. If there is a projected J, it is used as J, and F is scaled to
+   * it.
    */
   template <int dim>
   inline void
@@ -306,9 +296,7 @@ namespace greville
 
 
 
-  /**
-   * Write what Material::update() has changed.
-   */
+  /// Store the results of Material::update().
   template <int dim>
   inline void
   store_material_point(const MaterialPoint    &point,

@@ -12,38 +12,34 @@
 namespace greville
 {
   /**
-   * The derivative of the internal force of a TrialStep as the points have it:
+   * The derivative of the internal force of a TrialStep, stored at the points:
    * @f[
    *   C_{iJkL} = V_n \frac{\partial P_{iJ}}{\partial f_{kL}}, \qquad
    *   (K u)_{ai} = \sum_p \partial_J N_a \, C_{iJkL} \, \partial_L u_k .
    * @f]
-   * It is applied point by point, and its matrices of cells are made from it,
-   * for spaces of any order on the same mesh. Points are stored in groups of
-   * four, cell by cell: position, and C as a matrix of pairs (iJ) and (kL), of
-   * which symmetric ones have the upper half, 45 numbers in 3D. Axisymmetric
-   * points have a fifth pair, that of f_zz = 1 + u_r / r, which multiplies N in
-   * place of a derivative: C has the factor 1 / r for it.
+   * It is applied point by point, and cell matrices are computed from it, for
+   * spaces of any order on the same mesh. Points are stored in groups of four,
+   * cell by cell: position, and C as a matrix of pairs (iJ) and (kL). Symmetric
+   * matrices are stored as their upper half, 45 numbers in 3D. Axisymmetric
+   * points have a fifth pair for f_zz = 1 + u_r / r, which multiplies N in
+   * place of a derivative: C contains the factor 1 / r for it.
    */
   template <int dim>
   class PointTangents
   {
   public:
-    /**
-     * The space of products; it is kept by reference.
-     */
+    /// Set the space of products, which is kept by reference.
     void
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * Forget the points. All that follow are @p symmetric, or all of them are
-     * stored in full; and all are @p axisymmetric, or none.
+     * Remove all points. The points added afterwards are all @p symmetric or
+     * all stored in full, and all @p axisymmetric or none.
      */
     void
     clear(const bool symmetric, const bool axisymmetric);
 
-    /**
-     * Have memory for so many groups of points, and not for more.
-     */
+    /// Reserve memory for exactly this number of groups of points.
     void
     reserve(const std::size_t n_groups);
 
@@ -60,8 +56,8 @@ namespace greville
     add(const unsigned int cell, const std::vector<TrialPoint<dim>> &points);
 
     /**
-     * y += K x for vectors on the places of a matrix on the space, dim
-     * components each.
+     * Compute y += K x for vectors on the places of a matrix on the space, with
+     * dim components each.
      */
     void
     add_product(double                   *y,
@@ -69,8 +65,8 @@ namespace greville
                 const StencilMatrix<dim> &places) const;
 
     /**
-     * What for_each_cell() gives: the symmetric part of the matrix of a cell,
-     * as BlockStencil::add_cell() takes it.
+     * A function called by for_each_cell() with the symmetric part of a cell's
+     * matrix, in the layout of BlockStencil::add_cell().
      */
     template <typename Number>
     using CellAction = std::function<void(const unsigned int cell,
@@ -94,7 +90,7 @@ namespace greville
       std::size_t  first; // number
     };
 
-    /// Numbers of a point.
+    /// Return the number of numbers of a point.
     unsigned int
     n_numbers() const
     {

@@ -16,9 +16,9 @@
 namespace greville
 {
   /**
-   * Where a point is, for messages: "at (0.1, 0.2) m, in the cell (3, 4)", with
-   * the lexicographic index of the owned cell number @p cell, and a @p word for
-   * "in".
+   * Return the position of a point for messages: "at (0.1, 0.2) m, in the cell
+   * (3, 4)", with the lexicographic index of the owned cell number @p cell, and
+   * a @p word for "in".
    */
   template <int dim>
   std::string
@@ -30,11 +30,10 @@ namespace greville
 
 
   /**
-   * Two isotropic tensors that make stress out of a gradient: that of
-   * elasticity, which follows the state of a point (lambda and G of the
-   * stress-free state are multiplied by the wave modulus of the point over
-   * lambda + 2 G, and by @p elastic_factor), and that of viscosity, which is
-   * the same in any state.
+   * Two isotropic tensors that map a gradient to a stress: the elasticity,
+   * which follows the state of a point (lambda and G of the stress-free state
+   * are multiplied by the wave modulus of the point over lambda + 2 G, and by
+   * @p elastic_factor), and the viscosity, which is the same in any state.
    */
   struct Stiffness
   {
@@ -54,38 +53,38 @@ namespace greville
    *   momentum  P_i = sum_p m_p (v_p + C_p (xi_i - x_p)) N_i(x_p),
    *   force     f_i = sum_p (m_p b_p N_i(x_p) - V_p sigma_p grad N_i(x_p)),
    * with the acceleration b_p by loads and, for APIC, the affine matrix C_p and
-   * the Greville point xi_i
-   * (@ref Jiang2015 "Jiang et al., 2015"). The way back is
+   * the Greville point xi_i (@ref Jiang2015 "Jiang et al., 2015"). The transfer
+   * back to the points is
    *   v_p <- flip (v_p + dt' a(x_p)) + (1 - flip) v(x_p),    (PIC: flip = 0)
    *   x_p <- x_p + dt v(x_p),
    *   F_p <- (1 + dt grad w(x_p)) F_p,  J_p likewise, sigma_p by the material.
-   * Values of all fields are those at the x_p before the call. For APIC,
-   * v_p = v(x_p) and C_p = sum_i N_i v_i (xi_i - x_p)^T D_p^-1 with the
-   * diagonal matrix D_p = sum_i N_i (xi_i - x_p)(xi_i - x_p)^T.
+   * All fields are evaluated at the x_p before the call. For APIC, v_p = v(x_p)
+   * and C_p = sum_i N_i v_i (xi_i - x_p)^T D_p^-1 with the diagonal matrix D_p
+   * = sum_i N_i (xi_i - x_p)(xi_i - x_p)^T.
    *
-   * With CellWindows, N_i and its gradient are means over the domains of points
-   * (@ref Bardenhagen2004 "Bardenhagen and Kober, 2004") in the cells that
-   * reach their neighbours, or the gradient alone is.
+   * With CellWindows, the gradients of N_i, and possibly N_i itself, are means
+   * over the domains of points (@ref Bardenhagen2004 "Bardenhagen and Kober,
+   * 2004") in the cells that reach their neighbours.
    *
-   * Kernels take the points of a group by SIMD; loops over a cell's functions
-   * are a tensor product. The space has order 1 to 5.
+   * Kernels process the points of a group by SIMD, and loops over a cell's
+   * functions use the tensor product. The space has order 1 to 5.
    */
   template <int dim>
   class PointTransfer
   {
   public:
     /**
-     * The space is kept by reference, and so are the windows of its cells,
-     * which are null where gradients are those at points.
+     * The space and the windows of its cells are kept by reference. Windows are
+     * null if gradients are evaluated at points.
      */
     void
     reinit(const SplineSpace<dim> &space,
            const CellWindows<dim> *windows = nullptr);
 
     /**
-     * Collective. Overwrite those of the three that are given with the sums
-     * over all @p bodies, which have to live on cells of the space. Mass and
-     * momentum go together.
+     * Collective. Overwrite each vector that is given with the sums over all @p
+     * bodies, which must be on cells of the space. Mass and momentum must be
+     * given together.
      */
     void
     points_to_grid(const std::vector<const MaterialPoints<dim> *> &bodies,
@@ -108,7 +107,7 @@ namespace greville
                  DensityWeights<dim>                            &weights) const;
 
     /**
-     * Add sum_p m_p N_i(x_p) N_j(x_p), which this process's points contribute
+     * Add sum_p m_p N_i(x_p) N_j(x_p), the contribution of this process' points
      * to the mass matrix.
      */
     void
@@ -116,11 +115,11 @@ namespace greville
                     StencilMatrix<dim> &matrix) const;
 
     /**
-     * The part of each owned cell that points fill: the sum of their volumes
-     * over that of the cell, for CellFilling. A point counts V0 if it is
-     * compressed and 1.5 V0 at most if it is expanded, so that a stretched body
-     * stays filled and spray does not look like a body. In total Lagrangian
-     * steps it counts V0.
+     * Compute the fraction of each owned cell that points fill, for
+     * CellFilling: the sum of their volumes over the volume of the cell. A
+     * point counts with V0 if it is compressed and with at most 1.5 V0 if it is
+     * expanded, so that a stretched body remains filled but spray is not taken
+     * for a body. In total Lagrangian steps it counts with V0.
      */
     void
     filling(const std::vector<const MaterialPoints<dim> *> &bodies,
@@ -139,8 +138,8 @@ namespace greville
                   const bool                 overwrite);
 
     /**
-     * Collective. y = M x with the mass matrix M_ij = sum_p m_p N_i(x_p)
-     * N_j(x_p) of all @p bodies.
+     * Collective. Compute y = M x with the mass matrix M_ij = sum_p m_p
+     * N_i(x_p) N_j(x_p) of all @p bodies.
      */
     void
     multiply_mass(const std::vector<const MaterialPoints<dim> *> &bodies,
@@ -148,22 +147,23 @@ namespace greville
                   VectorField<dim>                               &y);
 
     /**
-     * Collective. Points share their changes of volume with their neighbours:
+     * Collective. Average the changes of volume of neighboring points:
      *   J_p <- J_p + part sum_i N_i(x_p) w_i (J_i - J_p),
      *   J_i = sum_p V0_p J_p N_i(x_p) / sum_p V0_p N_i(x_p),
      *   w_i = sum_p V0_p max(J_p - 1, 0) N_i / sum_p V0_p |J_p - 1| N_i,
-     * which keeps the sum of V0 J. The velocity of the grid moves all points of
-     * a cell alike, so that nothing else removes differences of J between them:
-     * where some points have J < 1 and bear pressure, others J > 1 and none, a
-     * fluid bears a pressure with more than its volume. The weight w_i leaves
-     * alone what is all compressed, whose pressure is a smooth field. F stays.
+     * which conserves the sum of V0 J. Since the grid velocity moves all points
+     * of a cell in the same way, nothing else removes differences of J between
+     * them: if some points have J < 1 and bear pressure, and others J > 1 and
+     * none, a fluid bears pressure although its mean volume is too large. The
+     * weight w_i excludes fully compressed regions, whose pressure is a smooth
+     * field. F is not changed.
      */
     void
     share_volume(MaterialPoints<dim> &points, const double part);
 
     /**
-     * The diagonal of D_p = sum_i N_i (xi_i - x)(xi_i - x)^T for a point @p x
-     * of owned cell number @p cell, m^2.
+     * Return the diagonal of D_p = sum_i N_i (xi_i - x)(xi_i - x)^T for a point
+     * @p x of owned cell number @p cell, m^2.
      */
     dealii::Tensor<1, dim>
     spread(const unsigned int cell, const dealii::Point<dim> &x) const;
@@ -176,14 +176,13 @@ namespace greville
     std::vector<double>
     read_windows(const CellWindows<dim> *seen, const VectorField<dim> &field);
 
-    /**
-     * Make place for @p stride numbers of each function that points see.
-     */
+    /// Allocate @p stride numbers for each function of the points' cells.
     void
     resize_numbers(const unsigned int stride);
 
     /**
-     * Collective. Copy a vector to number @p k of each function, or sum these.
+     * Collective. Copy a vector to number @p k of each function, or add these
+     * numbers up into it.
      */
     void
     read_number(const VectorType &vector, const unsigned int k);

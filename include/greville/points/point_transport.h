@@ -10,11 +10,11 @@
 namespace greville
 {
   /**
-   * Brings points to the cells, and the processes, that they have moved to.
-   * Points that leave the grid by less than 1e-9 cells are put back onto its
-   * wall. Those that leave it where it is periodic come back on the other side:
-   * position and reference position, whose difference is the displacement, move
-   * by whole periods.
+   * A transport of points to the cells, and the processes, to which they have
+   * moved. Points that leave the grid by less than 1e-9 cells are moved back
+   * onto its wall. Points that leave it in a periodic direction re-enter on the
+   * other side: position and reference position, whose difference is the
+   * displacement, move by whole periods.
    */
   template <int dim>
   class PointTransport
@@ -27,7 +27,7 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * What became of the points of a body that left their cells, on this
+     * The result for the points of a body that left their cells, on this
      * process.
      */
     struct Result
@@ -35,26 +35,26 @@ namespace greville
       std::size_t n_moved   = 0;
       std::size_t n_sent    = 0;
       std::size_t n_removed = 0;
-      /// Mass of those that were removed.
+      /// The mass of removed points.
       double removed_mass = 0.;
-      /// The id of a point outside of the grid, and its position.
+      /// The id of a point outside the grid, and its position.
       std::int64_t       outside = -1;
       dealii::Point<dim> outside_position;
     };
 
     /**
      * Collective. Move the points that have left @p left_cells. Points outside
-     * of the grid are removed and counted.
+     * the grid are removed and counted.
      */
     Result
     move(MaterialPoints<dim>             &points,
          const std::vector<unsigned int> &left_cells);
 
     /**
-     * Collective. Insert points into their cells, wherever these are: @p rows
-     * has the lexicographic position of the cell and the numbers of a point,
-     * one point after the other. Points of a cell get the order of the
-     * processes that call with them, and of their rows there.
+     * Collective. Insert points into their cells on any process: @p rows
+     * contains the lexicographic position of the cell and the numbers of a
+     * point, one point after another. Points of a cell are sorted by the
+     * calling process and the order in @p rows.
      */
     void
     insert(MaterialPoints<dim> &points, const std::vector<double> &rows);

@@ -23,40 +23,41 @@ namespace greville
 
 
 
-  /**
-   * How grid_to_points() moves points.
-   */
+  /// The parts of an update of points by grid_to_points().
   template <int dim>
   struct PointUpdate
   {
-    /// Grid acceleration a: points are kicked if it is given.
+    /// Grid acceleration a; if given, points are kicked by it.
     const VectorField<dim> *acceleration = nullptr;
-    /// Grid velocity v: points are moved by it if @p move, and PIC and APIC
-    /// take it over where points are kicked.
+    /**
+     * Grid velocity v: points are moved by it if @p move. In a kick, PIC and
+     * APIC points take it over.
+     */
     const VectorField<dim> *velocity = nullptr;
-    /// Grid velocity w whose gradient deforms the points, if it is given.
+    /// Grid velocity w; if given, its gradient deforms the points.
     const VectorField<dim> *deformation = nullptr;
-    /// Whether x changes.
+    /// True if x changes.
     bool move = false;
-    /// Steps of time (s) of velocity and of position and deformation.
+    /// Time steps (s) of the velocity, and of position and deformation.
     double velocity_step = 0.;
     double step          = 0.;
     /// The time at the end of the step, s.
     double time = 0.;
     /// 1: FLIP, 0: PIC.
     double flip = 1.;
-    /// APIC: points have an affine matrix.
+    /// True for APIC: points have an affine matrix.
     bool apic = false;
-    /// The projection of the changes of volume, if there is one.
+    /// The projection of volume changes, or null.
     VolumeProjection<dim> *projection = nullptr;
-    /// The law of the points, which gives them a stress where they are
-    /// deformed; null: they have none.
+    /// The law that gives deformed points a stress; null if they have none.
     const Material *material = nullptr;
-    /// What it says at the end of the step, see Material.
+    /// Material::strength_reduction() at the end of the step.
     double strength_reduction = 1.;
-    /// What a kick sums up, if it is given: points as they are before, with
-    /// velocities that are the part row_fraction of the way from those before
-    /// to those after the kick.
+    /**
+     * The row that a kick sums up, or null: points as they are before the kick,
+     * with velocities interpolated by the fraction row_fraction between those
+     * before and after the kick.
+     */
     RowSums<dim> *row          = nullptr;
     double        row_fraction = 0.;
   };
@@ -64,23 +65,23 @@ namespace greville
 
 
   /**
-   * Sums and extremes over points after they have been updated, which show
-   * whether a step was sound.
+   * Sums and extremes over updated points, which indicate whether a step was
+   * sound.
    */
   struct PointSums
   {
-    /// Of points that have moved: their mass (kg; 2D: kg / m) and momentum, and
-    /// the largest part of a cell that one of them has crossed in a direction.
+    /**
+     * For moved points: mass (kg; 2D: kg / m), momentum, and the largest
+     * fraction of a cell crossed in a direction.
+     */
     double                mass     = 0.;
     std::array<double, 3> momentum = {};
     double                crossed  = 0.;
-    /// Of points that have been deformed: the extremes of J.
+    /// For deformed points: the extremes of J.
     double smallest_J = std::numeric_limits<double>::max();
     double largest_J  = 0.;
 
-    /**
-     * Add those of other points, or of another pass over the same ones.
-     */
+    /// Add the sums of other points, or of another pass over the same points.
     void
     add(const PointSums &other)
     {
@@ -95,9 +96,7 @@ namespace greville
 
 
 
-  /**
-   * What grid_to_points() found on this process.
-   */
+  /// The results of grid_to_points() on this process.
   struct PointReport
   {
     /// The largest c + |v| (m / s) with the speed c of pressure waves, and c.
@@ -105,7 +104,9 @@ namespace greville
     PointSums sums;
     /// Cells that at least one point has left.
     std::vector<unsigned int> left_cells;
-    /// First point with J <= 0 or NaN in stress or position: id, and reason.
+    /**
+     * The first point with J <= 0 or NaN in stress or position: id, and reason.
+     */
     std::int64_t bad_point = -1;
     std::string  bad_reason;
   };

@@ -8,15 +8,15 @@
 namespace greville
 {
   /**
-   * A copy of the material points of one body on this process, which takes
-   * about half of their memory: to go back to an earlier state that is looked
-   * at then, not to continue as if nothing had happened.
+   * A copy of the material points of one body on this process, in about half of
+   * their memory: it restores an earlier state for inspection, not for an exact
+   * continuation.
    *
-   * Mass, stress-free volume and id are kept as they are, all other numbers in
-   * single precision: the position relative to the centre of its cell (so to
-   * 1e-7 of a cell), the initial position relative to that of today,
-   * J, its projection and the diagonal of F less 1, others relative to their
-   * own size. Lanes without a point are not kept.
+   * Mass, stress-free volume and id are stored exactly, all other numbers in
+   * single precision: the position relative to the centre of its cell (to 1e-7
+   * of a cell), the initial position relative to the current one, J, its
+   * projection and the diagonal of F less 1, others relative to their own size.
+   * Lanes without a point are not stored.
    */
   template <int dim>
   class PointsCopy
@@ -26,15 +26,13 @@ namespace greville
     copy(const MaterialPoints<dim> &points);
 
     /**
-     * Overwrite @p points, which have to be those that were copied or others
-     * of the same space, with the copy, which has its own layout.
+     * Overwrite @p points, which must be the copied points or others of the
+     * same space, with the copy, which has its own layout.
      */
     void
     restore(MaterialPoints<dim> &points) const;
 
-    /**
-     * Bytes on this process.
-     */
+    /// Return the bytes on this process.
     std::size_t
     memory_consumption() const;
 

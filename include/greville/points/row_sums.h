@@ -14,10 +14,7 @@ namespace greville
   template <int dim>
   class PointTransfer;
 
-  /**
-   * The largest of the numbers that have been added, and 0 where there are
-   * none.
-   */
+  /// The largest of the numbers that have been added; 0 if there are none.
   struct Largest
   {
     static constexpr double none = std::numeric_limits<double>::lowest();
@@ -43,9 +40,9 @@ namespace greville
 
 
   /**
-   * The points with the largest edges x (m), position with half of the size,
-   * that together have at least the mass @p needed (kg; 2D: kg / m), or all
-   * points. Few of many points are kept at a time.
+   * The points with the largest edges x (m), position plus half of the size,
+   * whose total mass is at least @p needed (kg; 2D: kg / m), or all points.
+   * Only few of many points are stored at a time.
    */
   class OuterPoints
   {
@@ -55,9 +52,7 @@ namespace greville
       : needed(needed)
     {}
 
-    /**
-     * Points with smaller edges are not wanted.
-     */
+    /// Return the edge below which points are not needed.
     double
     smallest() const
     {
@@ -73,9 +68,7 @@ namespace greville
         drop();
     }
 
-    /**
-     * Edges and masses.
-     */
+    /// Return edges and masses.
     const std::vector<std::pair<double, double>> &
     get() const
     {
@@ -96,8 +89,8 @@ namespace greville
   /**
    * Sums and extremes over the points of a body on this process, for a row of
    * statistics. Units: kg, m, s, J; in 2D per metre of thickness. Each group of
-   * points is added by add_group(), before a step changes it, and by
-   * add_motion() with the velocities that it has at the time of the row.
+   * points is added by add_group() before a step changes it, and by
+   * add_motion() with its velocities at the time of the row.
    */
   template <int dim>
   class RowSums
@@ -110,18 +103,18 @@ namespace greville
     using Lane = std::array<double, width>;
 
     /**
-     * Energies are those of the @p material; without one they are left out.
-     * Only points whose y is larger than @p front_above count for fronts, of
-     * which outer_points() keeps those with the mass @p outer_mass, see
-     * OuterPoints; none where it is 0.
+     * Energies are computed for the @p material, and omitted if it is null.
+     * Only points with y above @p front_above count for run-out fronts.
+     * outer_points() collects the outermost of them with the mass @p
+     * outer_mass, see OuterPoints; none if it is 0.
      */
     RowSums(const Material *material    = nullptr,
             const double    front_above = std::numeric_limits<double>::lowest(),
             const double    outer_mass  = 0.);
 
     /**
-     * What depends on positions, stresses and history. The first @p count lanes
-     * have a point.
+     * Add the quantities that depend on positions, stresses and history. The
+     * first @p count lanes contain points.
      */
     void
     add_group(const MaterialPoints<dim> &points,
@@ -129,9 +122,9 @@ namespace greville
               const unsigned int         count);
 
     /**
-     * What depends on velocities @p v (dim x width), and with APIC on the
-     * affine matrices @p C (dim x dim x width) and the diagonals @p D of
-     * PointTransfer::spread() (dim x width).
+     * Add the quantities that depend on velocities @p v (dim x width), and with
+     * APIC on the affine matrices @p C (dim x dim x width) and the diagonals @p
+     * D of PointTransfer::spread() (dim x width).
      */
     void
     add_motion(const double      *group,
@@ -141,8 +134,8 @@ namespace greville
                const double      *D = nullptr);
 
     /**
-     * All points as they are. Without the @p transfer what depends on
-     * velocities is left out.
+     * Add all points in their current state. If @p transfer is null, quantities
+     * that depend on velocities are omitted.
      */
     void
     add(const MaterialPoints<dim> &points,
@@ -161,7 +154,7 @@ namespace greville
     std::array<Lane, n_spins> angular_momentum{};
     Lane                      square_of_speed{};
     Largest                   front, height;
-    /// Of points that count for fronts.
+    /// The mass of points that count for fronts.
     double mass_above = 0.;
 
     static double

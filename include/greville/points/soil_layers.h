@@ -11,9 +11,7 @@
 
 namespace greville
 {
-  /**
-   * A body with K0, whose weight lies on those below.
-   */
+  /// A body with a K0 stress, whose weight acts on the bodies below.
   struct SoilLayer
   {
     std::string name; // of the body
@@ -22,16 +20,16 @@ namespace greville
   };
 
   /**
-   * make_points() of a body below @p layers: the vertical stress of its K0
-   * procedure, Pa, is
+   * Call make_points() for a body below @p layers: the vertical stress of its
+   * K0 procedure, Pa, is
    *   rho g (s - y) + sum_i rho_i g (s_i - s_(i-1)),
-   * with its own 'Surface' s at the place, and above it the surfaces s_i of the
-   * layers, from below, that are there: a layer is where its 'Shape' has the
-   * middle between s_(i-1) and s_i. The body may be among the layers.
+   * with its own 'Surface' s at the place and the surfaces s_i of the layers
+   * above it, from below. A layer is present at a place if its 'Shape' contains
+   * the middle between s_(i-1) and s_i. The body may be among the layers.
    *
-   * Below a water @p table the pressure p of water at rest is subtracted, and
-   * that of water above the highest surface added: the stress is the effective
-   * one. Points with a field "pore_pressure" keep p.
+   * Below a water @p table, the pressure p of water at rest is subtracted, and
+   * the pressure of water above the highest surface is added: the result is the
+   * effective stress. Points with a field "pore_pressure" store p.
    */
   template <int dim>
   std::vector<unsigned int>

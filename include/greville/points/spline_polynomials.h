@@ -21,7 +21,8 @@ namespace greville
     reinit(const KnotVector &knots);
 
     /**
-     * With t = (x - centre of the cell) / h: N_a = sum_k c[a (p+1) + k] t^k.
+     * Return the coefficients c in N_a = sum_k c[a (p+1) + k] t^k with t = (x -
+     * centre of the cell) / h.
      */
     const double *
     coefficients(const unsigned int cell) const
@@ -30,7 +31,8 @@ namespace greville
     }
 
     /**
-     * Greville abscissae of the functions of a cell minus its centre.
+     * Return the Greville abscissae of the functions of a cell minus its
+     * centre.
      */
     const double *
     greville_offsets(const unsigned int cell) const
@@ -43,9 +45,7 @@ namespace greville
     std::vector<double> polynomials, offsets;
   };
 
-  /**
-   * Those of all directions of a space.
-   */
+  /// The polynomials of all directions of a space.
   template <int dim>
   struct SpacePolynomials
   {

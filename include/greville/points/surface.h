@@ -11,59 +11,63 @@
 
 namespace greville
 {
-  /// Up to which distance surfaces in contact see one another, in units of the
-  /// cell size of the coarser grid.
+  /**
+   * The distance up to which surfaces in contact interact, in units of the cell
+   * size of the coarser grid.
+   */
   constexpr double farthest_gap_in_cells = 0.5;
 
 
 
   /**
    * Points on a part of the surface of a body, which move and deform with it
-   * and bear one load. What is their mass for others is their initial area dA0,
-   * m^2 (in 2D m, or m^2 per radian), so that sums over points take their field
-   * "load" as the force per initial area, Pa. They have no volume, no stress
-   * and no material; F is that from the initial positions, and the field
-   * "normal" the normal there, outwards.
+   * and bear one load. Their initial area dA0, m^2 (in 2D m, or m^2 per
+   * radian), is stored as their mass, so that sums over points treat their
+   * field "load" as a force per initial area, Pa. They have no volume, stress
+   * or material; F refers to the initial positions, and the field "normal"
+   * contains the outward normal there.
    */
   template <int dim>
   struct Surface
   {
     std::string         name;
     MaterialPoints<dim> points;
-    /// The number of the body that it belongs to.
+    /// The number of its body.
     unsigned int body = 0;
-    /// The contact that its load is that of, which the points keep; empty:
-    /// none. Points in contact have the fields "slip", "new_slip", "gap",
-    /// "state", with water "pore_pressure" (see ContactPoint), and "before", x
-    /// at the start of the last step. The gap is at most farthest_gap_in_cells,
-    /// where there is nothing, too. Those that are material points of the body
-    /// have a "radius" (m), "last_radius" at the start of the last step, their
-    /// area as mass, and the opposite of the other side's normal as normal.
+    /**
+     * The contact to which the load belongs and whose data the points store;
+     * empty if none. Points in contact have the fields "slip", "new_slip",
+     * "gap", "state", with water "pore_pressure" (see ContactPoint), and
+     * "before", x at the start of the last step. The gap is limited to
+     * farthest_gap_in_cells, also if nothing is near. Material points of the
+     * body in contact have a "radius" (m), "last_radius" at the start of the
+     * last step, their area as mass, and the opposite of the other side's
+     * normal as normal.
+     */
     std::string contact;
-    /// At most what the load per initial area changes by displacement, Pa / m,
-    /// and by velocity, Pa s / m: they bound explicit steps.
+    /**
+     * Upper bounds of the derivatives of the load per initial area by
+     * displacement, Pa / m, and by velocity, Pa s / m, which limit explicit
+     * steps.
+     */
     double stiffness = 0., damping = 0.;
   };
 
 
 
-  /**
-   * A point of a surface at some time, as its load sees it.
-   */
+  /// The state of a surface point at some time, as the argument of its load.
   template <int dim>
   struct SurfaceState
   {
     dealii::Point<dim> X, x;
-    /// In the initial configuration.
+    /// The normal in the initial configuration.
     dealii::Tensor<1, dim> normal;
     dealii::Tensor<2, dim> F;
     /// m / s
     dealii::Tensor<1, dim> velocity;
     bool                   is_axisymmetric = false;
 
-    /**
-     * The normal today times the area over the initial one: J F^-T N.
-     */
+    /// Return the current normal times the area over the initial one: J F^-T N.
     dealii::Tensor<1, dim>
     area_vector() const
     {
@@ -91,10 +95,10 @@ namespace greville
 
 
   /**
-   * Collective. The surface of those of the @p placed points of @p body that
-   * lie in the shape @p where (empty: all). They have the initial displacement
-   * and velocity of the body. @p section names the load, or the contact. Throws
-   * dealii::ExcMessage where there are none.
+   * Collective. Return the surface of the @p placed points of @p body that lie
+   * in the shape @p where (empty: all). They have the initial displacement and
+   * velocity of the body. @p section names the load or the contact. Throws
+   * dealii::ExcMessage if there are none.
    */
   template <int dim>
   Surface<dim>
@@ -109,7 +113,8 @@ namespace greville
 
 
   /**
-   * Without a point yet: one for material points of @p body in a @p contact.
+   * Return a surface, without points yet, for material points of @p body in a
+   * @p contact.
    */
   template <int dim>
   Surface<dim>

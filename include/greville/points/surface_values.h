@@ -12,16 +12,16 @@
 namespace greville
 {
   /**
-   * Collective. The values of a spline with these coefficients at the points of
-   * each of the @p surfaces, in their order. The cells of the spline are the
-   * @p parents of those of the points: owned cell c lies in owned cell
+   * Collective. Return the values of a spline with these coefficients at the
+   * points of each of the @p surfaces, in their order. The cells of the spline
+   * are the @p parents of the points' cells: owned cell c lies in owned cell
    * parents[c].
    *
-   * Basis functions are taken where those of the points are, in total
-   * Lagrangian steps in the initial configuration. A material point with the
-   * radius R that faces another surface (see Surface) has its own surface ahead
-   * of it, so that its value is @f$p + R \, n \cdot \nabla p@f$, which is exact
-   * for water at rest.
+   * Basis functions are evaluated as for the points, in total Lagrangian steps
+   * in the initial configuration. The surface of a material point with the
+   * radius R that faces another surface (see Surface) is ahead of the point, so
+   * its value is @f$p + R \, n \cdot \nabla p@f$, which is exact for water at
+   * rest.
    */
   template <int dim>
   std::vector<std::vector<double>>

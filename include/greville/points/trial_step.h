@@ -9,15 +9,15 @@
 
 namespace greville
 {
-  /**
-   * The stress of a step that goes into its internal force.
-   */
+  /// The stress used in the internal force of a step.
   enum class StepStress
   {
-    /// At its end.
+    /// The stress at the end of the step.
     end,
-    /// A mean whose work is the change of the energy of the points, see
-    /// TrialStep.
+    /**
+     * A mean stress whose work is the change of the energy of the points, see
+     * TrialStep.
+     */
     energy_consistent
   };
 
@@ -29,31 +29,37 @@ namespace greville
   template <int dim>
   struct TrialPoint
   {
-    /// Where the basis functions are taken, m.
+    /// The position at which basis functions are evaluated, m.
     dealii::Point<dim> x;
-    /// Volume at the start, m^3 (in 2D m^2, or m^3 per radian).
+    /// The volume at the start, m^3 (in 2D m^2, or m^3 per radian).
     double volume;
     /// The first Piola-Kirchhoff stress relative to the begin, Pa.
     dealii::Tensor<2, dim> P;
-    /// Its derivative by the increment f, where it is asked for: dP_iJ / df_kL
-    /// = map_Jj A_ijkl map_Ll.
+    /**
+     * Its derivative by the increment f, if requested: dP_iJ / df_kL = map_Jj
+     * A_ijkl map_Ll.
+     */
     dealii::Tensor<4, dim> A;
     dealii::Tensor<2, dim> map;
-    /// Half of the edges of the domain over which gradients are averaged in
-    /// cells that reach their neighbours (CellWindows), m.
+    /**
+     * Half of the edges of the domain over which gradients are averaged in
+     * cells that reach their neighbours (CellWindows), m.
+     */
     dealii::Tensor<1, dim> domain = {};
 
-    /**
-     * What the zz entries add in axisymmetry: f_zz = 1 + u_r / radius.
-     */
+    /// The additional zz entries in axisymmetry: f_zz = 1 + u_r / radius.
     struct Hoop
     {
-      /// m; 0 in plane strain, where nothing below counts.
+      /**
+       * The radius, m; 0 in plane strain, where the members below are not used.
+       */
       double radius = 0.;
-      /// The increment, and P_zz.
+      /// The increment f_zz, and P_zz.
       double f = 1., P = 0.;
-      /// dP_zz / df_zz, dP_zz / df_kL = of_kl map_Ll, dP_iJ / df_zz =
-      /// map_Jj by_ij.
+      /**
+       * The derivatives dP_zz / df_zz, dP_zz / df_kL = of_kl map_Ll, dP_iJ /
+       * df_zz = map_Jj by_ij.
+       */
       double                 A = 0.;
       dealii::Tensor<2, dim> of, by;
     };
@@ -64,9 +70,9 @@ namespace greville
 
 
   /**
-   * The internal force of points that a displacement u of the grid has moved
-   * from x_n, and its derivative. With the basis functions at x_n, the
-   * increment f = 1 + grad u and the volumes V_n,
+   * The internal force of points moved from x_n by a displacement u of the
+   * grid, and its derivative. With the basis functions at x_n, the increment f
+   * = 1 + grad u and the volumes V_n,
    * @f[
    *   r_i = \sum_p V_n P_{iJ} \partial_J N(x_n), \qquad
    *   P = \det(f) \, \sigma f^{-T}, \qquad
@@ -74,50 +80,48 @@ namespace greville
    *     (D_{ijkl} + \sigma_{ij} \delta_{kl} - \sigma_{il} \delta_{jk})
    *     f^{-1}_{Jj} f^{-1}_{Ll}
    * @f]
-   * with the Cauchy stress sigma that the material gives for the end of the
-   * step and D of Material::tangents(). The points do not change: the materials
-   * work on copies.
+   * with the Cauchy stress sigma of the material at the end of the step and D
+   * of Material::tangents(). The points do not change: the materials work on
+   * copies.
    *
-   * The energy-consistent stress is that of
-   * @ref Gonzalez2000 "Gonzalez, 2000":
-   * P = (1 + f) / 2 S with the symmetric tensor
+   * The energy-consistent stress (@ref Gonzalez2000 "Gonzalez, 2000") is P = (1
+   * + f) / 2 S with the symmetric tensor
    * @f[
    *   S = \bar S + \frac{\Delta W - \bar S : \Delta E}{\Delta E : \Delta E}
    *       \Delta E, \qquad \Delta E = \tfrac12 (f^T f - 1),
    * @f]
    * where S bar is the mean of the second Piola-Kirchhoff stresses (relative to
    * x_n) at both ends, and Delta W the change of the stored and the dissipated
-   * energy per volume. So V_n P : grad u is the change of the energy of a
-   * point, and the force has no moment. The derivative is that of S bar.
+   * energy per volume. V_n P : grad u is then the change of the energy of a
+   * point, and the force has no moment. The derivative is taken of S bar only.
    *
-   * Points of total Lagrangian steps (PointLayout::basis_position) have the
-   * basis functions at X: f = 1 + grad_X u F_n^-1, and P and its derivative are
-   * those times F_n^-T, which belong to gradients with respect to X.
+   * Points of total Lagrangian steps (PointLayout::basis_position) use basis
+   * functions at X: f = 1 + grad_X u F_n^-1, and P and its derivative are
+   * multiplied by F_n^-T for gradients with respect to X.
    *
-   * Axisymmetric points have the entry f_zz = 1 + N u_r / r_n as well (u_r / X
-   * in total Lagrangian steps gives the same), and the component r of the force
-   * gets V_n P_zz N / r_n.
+   * Axisymmetric points also have the entry f_zz = 1 + N u_r / r_n (u_r / X in
+   * total Lagrangian steps gives the same), and V_n P_zz N / r_n is added to
+   * the component r of the force.
    *
-   * With the J hat of a VolumeProjection, the material sees it in place of J,
-   * sigma is its answer, and f remains that of the motion. The derivative is
-   * that for a constant J hat / J.
+   * With a VolumeProjection, the material computes sigma with J hat in place of
+   * J, while f remains the increment of the motion. The derivative is taken at
+   * constant J hat / J.
    */
   template <int dim>
   class TrialStep
   {
   public:
     /**
-     * The space is kept by reference, and so are its windows, null where there
-     * are none.
+     * The space and its windows, null if there are none, are kept by reference.
      */
     void
     reinit(const SplineSpace<dim> &space,
            const CellWindows<dim> *windows = nullptr);
 
     /**
-     * Evaluate points of one body in a step of length @p dt that ends at @p
+     * Evaluate the points of one body in a step of length @p dt that ends at @p
      * time (s) with the displacement @p u (m) and a @p strength_reduction (see
-     * Material::strength_reduction()), and give them cell by cell to @p action,
+     * Material::strength_reduction()), and pass them cell by cell to @p action,
      * which may change them. @p J_hat is null without a projection.
      */
     using Action = std::function<void(const unsigned int            cell,
@@ -152,8 +156,7 @@ namespace greville
   {
   public:
     /**
-     * The space is kept by reference, and so are its windows, null where there
-     * are none.
+     * The space and its windows, null if there are none, are kept by reference.
      */
     void
     reinit(const SplineSpace<dim> &space,
@@ -180,43 +183,39 @@ namespace greville
               const std::vector<TrialSurfacePoint<dim>> &points);
 
     /**
-     * Add what PointTangents leave out in a cell that reaches its neighbours:
-     * the product of a field with the derivative of the force of means over
-     * domains, less that of gradients at points. @p u is the buffer of
-     * CellWindows::read().
+     * Add the terms that PointTangents omit in a cell that reaches its
+     * neighbours: the product of a field with the derivative of the force with
+     * means over domains, less the product with gradients at points. @p u is
+     * the buffer of CellWindows::read().
      */
     void
     add_change(const unsigned int                  cell,
                const std::vector<TrialPoint<dim>> &points,
                const std::vector<double>          &u);
 
-    /**
-     * Sum of the squares of all forces that have been added, cell by cell.
-     */
+    /// Return the sum of the squares of all cell forces that have been added.
     double
     square_of_forces() const
     {
       return square;
     }
 
-    /**
-     * Collective. The sums of all processes.
-     */
+    /// Collective. Compute the sums over all processes.
     void
     take_force(VectorField<dim> &force) const;
 
     /**
-     * What loads on surfaces contribute to the stiffness, minus their
-     * derivative: the symmetric part of the matrix of a cell, as
-     * BlockStencil::add_cell() takes it with a stride of n.
+     * Return the contribution of surface loads to the stiffness, minus their
+     * derivative: the symmetric part of the matrix of a cell, in the layout of
+     * BlockStencil::add_cell() with a stride of n.
      */
     const float *
     stiffness(const unsigned int                         cell,
               const std::vector<TrialSurfacePoint<dim>> &points);
 
     /**
-     * Add all of it times a vector on the places of a matrix on the space, dim
-     * components each.
+     * Add the full contribution times a vector on the places of a matrix on the
+     * space, with dim components each.
      */
     void
     add_product(double                                    *y,

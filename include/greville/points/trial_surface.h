@@ -10,20 +10,20 @@
 
 namespace greville
 {
-  /**
-   * A point of a surface in a trial step, in the configuration at its begin.
-   */
+  /// A surface point in a trial step, in the configuration at its begin.
   template <int dim>
   struct TrialSurfacePoint
   {
-    /// Where the basis functions are taken, m.
+    /// The position at which basis functions are evaluated, m.
     dealii::Point<dim> x;
     /// The initial area, m^2 (in 2D m), or the mass of a point of a body.
     double area;
     /// Force per initial area, Pa, or per mass.
     dealii::Tensor<1, dim> load;
-    /// Its derivatives by the displacement, [i][k], and by the gradient of the
-    /// displacement with respect to x, [i][k][L], where they are asked for.
+    /**
+     * The derivatives of the load by the displacement, [i][k], and by the
+     * gradient of the displacement with respect to x, [i][k][L], if requested.
+     */
     dealii::Tensor<2, dim> by_displacement;
     dealii::Tensor<3, dim> by_gradient;
   };
@@ -47,8 +47,8 @@ namespace greville
 
 
   /**
-   * Where a surface is in a trial step with the displacement u: after the share
-   * of it that is given, with the velocity v + v_by_u u.
+   * The motion of a surface in a trial step with the displacement u: its state
+   * after the given share of the step, with the velocity v + v_by_u u.
    */
   template <int dim>
   struct SurfaceMotion
@@ -61,9 +61,9 @@ namespace greville
 
 
   /**
-   * Loads on surfaces, and on points of bodies, that a displacement u of the
-   * grid has moved. The derivatives are central differences, which are exact up
-   * to round-off for loads that are quadratic in F, x and v, as pressure is.
+   * Loads on surfaces, and on points of bodies, moved by a displacement u of
+   * the grid. The derivatives are central differences, which are exact up to
+   * round-off for loads that are quadratic in F, x and v, such as pressure.
    */
   template <int dim>
   class TrialSurfaces
@@ -76,7 +76,7 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * Evaluate the points of a surface and give them cell by cell to @p action.
+     * Evaluate the points of a surface and pass them cell by cell to @p action.
      */
     using Action =
       std::function<void(const unsigned int                         cell,

@@ -9,7 +9,7 @@ namespace greville
 {
   /**
    * The projected J of a body's points, the derivatives of their P by its
-   * logarithm, and the share of these that a stiffness matrix has.
+   * logarithm, and the share of these included in a stiffness matrix.
    */
   template <int dim>
   struct ProjectedBody
@@ -18,15 +18,15 @@ namespace greville
     double                              share;
     std::vector<double>                 J_hat;
     std::vector<dealii::Tensor<2, dim>> derivatives;
-    /// Of P_zz, in axisymmetry.
+    /// The derivatives of P_zz, in axisymmetry.
     std::vector<double> hoop_derivatives;
   };
 
 
 
   /**
-   * A projection of ratios of volumes against locking, F-bar: the material of a
-   * body sees, in place of F and J = det F of the motion,
+   * A projection of volume ratios against locking (F-bar): in place of F and J
+   * = det F of the motion, the material of a body uses
    * @f[
    *   \hat F = (\hat J / J)^{1/dim} F, \qquad
    *   \hat J = \sum_I c_I N_I, \qquad
@@ -34,38 +34,39 @@ namespace greville
    *     = \sum_q V_q N_I(x_q) J_q,
    * @f]
    * the L2 projection with the stress-free volumes V of the points. The N_I are
-   * B-splines of order p - 1 on the mesh (for p = 1 they are one in a cell
-   * each), or of order p on the coarse mesh of cells of twice the size. The
-   * forces on the grid are those of the stress sigma(F hat) in the true
-   * configuration, J sigma F^-T (@ref deSouzaNeto1996 "de Souza Neto, Peric,
-   * Dutko and Owen, 1996"; with B-splines: @ref Elguedj2008 "Elguedj, Bazilevs,
-   * Calo and Hughes, 2008"). J hat is a function of where points are at the end
-   * of a step, so that no error adds up from step to step.
+   * B-splines of order p - 1 on the mesh (for p = 1, constants in each cell),
+   * or of order p on the coarse mesh of cells of twice the size. The forces on
+   * the grid follow from the stress sigma(F hat) in the true configuration, J
+   * sigma F^-T (@ref deSouzaNeto1996 "de Souza Neto, Peric, Dutko and Owen,
+   * 1996"; with B-splines: @ref Elguedj2008 "Elguedj, Bazilevs, Calo and
+   * Hughes, 2008"). J hat is a function of the positions of points at the end
+   * of a step, so errors do not accumulate.
    *
-   * In updated Lagrangian steps x is the position at the start of the step. In
-   * total Lagrangian ones it is the initial position, and J and V are those
-   * relative to the initial configuration, so that initial stresses remain.
+   * In updated Lagrangian steps, x is the position at the start of the step. In
+   * total Lagrangian steps, it is the initial position, and J and V are
+   * relative to the initial configuration, so that initial stresses are
+   * preserved.
    *
-   * The system is solved by a few iterations with the lumped matrix, as many
-   * for all right-hand sides, so that J hat is linear in J. They need no
-   * extension of the N_I at surfaces, keep a constant J, and are exact for p =
-   * 1. Where bodies hardly change their volume, the first of them would be
-   * enough; the others make J hat accurate where they do, at surfaces above
-   * all. Where functions of order p = 1 are extended, bodies still lock with
-   * the N_I on the mesh. Cells of the coarse mesh begin at the lower corner of
-   * the grid, and the last ones reach beyond it where the number of cells is
-   * odd.
+   * The system is solved by a few iterations with the lumped matrix, with the
+   * same number for all right-hand sides, so that J hat is linear in J. The
+   * iterations need no extension of the N_I at surfaces, preserve a constant J,
+   * and are exact for p = 1. For nearly incompressible bodies, a single
+   * iteration would suffice; the others make J hat accurate for changes of
+   * volume, above all at surfaces. If functions of order p = 1 are extended,
+   * bodies still lock with the N_I on the mesh. Cells of the coarse mesh begin
+   * at the lower corner of the grid, and the last cells extend beyond it if the
+   * number of cells is odd.
    *
-   * Bodies are projected one by one: their points may differ in stiffness.
+   * Bodies are projected one by one, since their stiffness may differ.
    */
   template <int dim>
   class VolumeProjection
   {
   public:
     /**
-     * Collective. The space of order p is kept by reference. With @p coarse the
-     * cells of the projection have twice the size. Throws dealii::ExcMessage
-     * where a periodic direction has not the cells for that.
+     * Collective. The space of order p is kept by reference. If @p coarse, the
+     * cells of the projection have twice the size. Throws dealii::ExcMessage if
+     * a periodic direction has too few cells or an odd number of them for that.
      */
     void
     reinit(const SplineSpace<dim>        &space,
@@ -73,9 +74,9 @@ namespace greville
            const bool                     coarse);
 
     /**
-     * Collective. J hat of the @p points of a body, in the order of
+     * Collective. Return J hat of the @p points of a body, in the order of
      * MaterialPoints::for_each(), after a step @p dt (s) with the velocity @p w
-     * of the grid; or, with a @p direction, its derivative by dt w. Without @p
+     * of the grid; or, with a @p direction, its derivative by dt w. Unless @p
      * moves, axisymmetric points keep their radius.
      */
     const std::vector<double> &
@@ -86,9 +87,9 @@ namespace greville
             const bool                 moves     = true);
 
     /**
-     * Collective. The derivative of log J hat, less a @p share of that of log
-     * J, of the same points in the direction @p du of the displacement @p u,
-     * which has given them @p J_hat.
+     * Collective. Return the derivative of log J hat, less a @p share of the
+     * derivative of log J, of the same points in the direction @p du of the
+     * displacement @p u, which resulted in @p J_hat.
      */
     const std::vector<double> &
     differentiate(const MaterialPoints<dim> &points,
@@ -114,9 +115,8 @@ namespace greville
 
     SpacePolynomials<dim> tables;
 
-    // The functions N_I: of q + 1 polynomials in each direction, cell by cell
-    // of the projection, and local numbers of functions, cell by cell of the
-    // mesh.
+    // The functions N_I: q + 1 polynomials in each direction, by cell of the
+    // projection, and local numbers of functions, by cell of the mesh.
     unsigned int                       coarsening = 1;
     unsigned int                       q          = 0;
     std::array<SplinePolynomials, dim> polynomials;
@@ -124,7 +124,7 @@ namespace greville
     VectorType                         weighted, weight;
 
     std::vector<double> buffer, sums;
-    // Of the points: J of the motion, then J hat; dJ / J in the direction.
+    // J of the points' motion, then J hat; dJ / J in the direction.
     std::vector<double> J, rates;
   };
 } // namespace greville

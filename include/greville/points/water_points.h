@@ -28,36 +28,38 @@ namespace greville
    *          + \tfrac{\beta}{h} (p - \bar p) \, q_b \right) dA, \qquad
    *   w = \nabla p - \rho_w g,
    * @f}
-   * where all gradients, V = J V_0 and areas are those at the end of the step.
-   * The last line is Nitsche's method for the pressure of drained boundaries.
-   * The flow outwards is \f$\kappa (\beta / h \, (p - \bar p) - w \cdot n)\f$
-   * there. A seepage face has the positive part of it, times q_b, in place of
-   * the line (@ref Chouly2015 "Chouly, Hild and Renard, 2015", theta = 0),
-   * which is not less stable: its points change between drained and impervious
-   * ones within Newton's method. Where a flow is given, that stands there. The
-   * change of volume is summed at the points of the displacement, and the
-   * storage is that per V_0.
+   * where all gradients, V = J V_0 and areas belong to the end of the step. The
+   * last line is Nitsche's method for the pressure of drained boundaries, with
+   * the outflow \f$\kappa (\beta / h \, (p - \bar p) - w \cdot n)\f$. For a
+   * seepage face, the line is replaced by the positive part of the outflow
+   * times q_b (@ref Chouly2015 "Chouly, Hild and Renard, 2015", theta = 0),
+   * which is not less stable: its points switch between drained and impervious
+   * within Newton's method. For a given flow, the line is replaced by this
+   * flow. The change of volume is summed at the points of the displacement, and
+   * the storage is per V_0.
    *
-   * BDF2 has the same form, as a step of length (1 + s) / (1 + 2 s) dt whose r
-   * is less s^2 / (1 + 2 s) of what has come to each point in the step before
+   * BDF2 has the same form: a step of length (1 + s) / (1 + 2 s) dt, with s^2 /
+   * (1 + 2 s) times each point's inflow in the previous step subtracted from r
    * (@ref Hairer1993 "Hairer, Norsett and Wanner, 1993", section III.5), where
    * s is the ratio of the lengths of both steps.
    *
-   * The p_n is that which points keep, sampled at their places: where points
-   * stay in the space of the pressure, as in total Lagrangian steps, this is
-   * the same as its coefficients.
+   * p_n is the pressure stored in the points, sampled at their positions: if
+   * points do not move in the space of the pressure, as in total Lagrangian
+   * steps, this is equivalent to storing its coefficients.
    *
-   * Axisymmetric points have volumes and areas per radian. Their J has the
-   * factor r / r_n, and forces have the part @f$- V p N_a / r@f$ along r.
+   * Axisymmetric points have volumes and areas per radian. Their J includes the
+   * factor r / r_n, and forces have the additional term @f$- V p N_a / r@f$
+   * along r.
    */
   template <int dim>
   class WaterPoints
   {
   public:
     /**
-     * The spaces have the same order and are kept by reference. Cells of the
-     * @p pressures are the @p parents of those of the @p displacements, which
-     * have as many: owned cell c lies in owned cell parents[c].
+     * The spaces have the same order and are kept by reference. Cells of the @p
+     * pressures are the @p parents of the cells of the @p displacements, for
+     * each of which there is an entry: owned cell c lies in owned cell
+     * parents[c].
      */
     void
     reinit(const SplineSpace<dim>          &displacements,
@@ -66,8 +68,9 @@ namespace greville
            const bool                       is_axisymmetric = false);
 
     /**
-     * The numbers of points that keep the pressure, Pa, and for BDF2 what water
-     * has come in the last step per stress-free volume; invalid without it.
+     * The positions of the points' numbers for the pressure, Pa, and for BDF2
+     * the inflow of water in the last step per stress-free volume, which is
+     * invalid otherwise.
      */
     struct Numbers
     {
@@ -75,9 +78,9 @@ namespace greville
     };
 
     /**
-     * Begin a step of length @p dt (s) with the weight of water per volume (N /
-     * m^3) without points. Of what has come in the step before the fraction
-     * @p earlier counts.
+     * Begin a step of length @p dt (s) without points, with the @p weight of
+     * water per volume (N / m^3). The inflow of the previous step counts with
+     * the factor @p earlier.
      */
     void
     clear(const double                  dt,
@@ -96,8 +99,8 @@ namespace greville
     add(const DrainedPoint<dim> &point);
 
     /**
-     * Collective. f and r for a displacement in the step, m, and a pressure,
-     * Pa.
+     * Collective. Compute f and r for a displacement in the step, m, and a
+     * pressure, Pa.
      */
     void
     evaluate(const VectorField<dim> &u,
@@ -106,7 +109,8 @@ namespace greville
              VectorType             &rows);
 
     /**
-     * Collective. The derivatives of the last evaluate() in a direction.
+     * Collective. Compute the derivatives of the last evaluate() in a
+     * direction.
      */
     void
     multiply(const VectorField<dim> &du,
@@ -115,36 +119,37 @@ namespace greville
              VectorType             &rows) const;
 
     /**
-     * Collective. That of the force in the direction of a pressure alone.
+     * Collective. Compute the derivative of the force in the direction of a
+     * pressure alone.
      */
     void
     spread(const VectorType &dp, VectorField<dim> &force) const;
 
     /**
-     * Collective. f at the start of the step, with the pressures that points
-     * keep.
+     * Collective. Compute f at the start of the step from the pressures stored
+     * in the points.
      */
     void
     begin_force(VectorField<dim> &force) const;
 
     /**
-     * Collective. The displacement @p u, m^2 s^2 / kg times Pa, by which the
-     * forces of the pressure 1 move a body that has nothing but its mass M, M u
-     * = - f: it is not zero where the body can move at its surface.
-     * add_schur_complement() needs it for bodies with inertia.
+     * Collective. Set the displacement @p u, m^2 s^2 / kg times Pa, by which
+     * the forces of the pressure 1 move a body with the mass M and without
+     * stiffness, M u = - f: it is not zero if the body can move at its surface.
+     * It is needed by add_schur_complement() for bodies with inertia.
      */
     void
     set_free_motion(const VectorField<dim> &u);
 
     /**
-     * Add the derivative of r by p at the start of the step, and what a
-     * displacement that follows the pressure adds: the Schur complement. With
-     * @p kick = 0 the latter is that of stiff soil without inertia, the sum
-     * of V q q over the modulus of pressure waves of each point; else that of
-     * soil that has nothing but its mass times @p kick (s^2), the sum
-     * of V / rho grad q . grad q and, at free surfaces, of V div u q q with the
-     * u of set_free_motion(). The functions are those of any order on the same
-     * cells as the pressures.
+     * Add the Schur complement: the derivative of r by p at the start of the
+     * step, and the contribution of the displacement that follows the pressure.
+     * If @p kick is 0, the latter is the contribution of stiff soil without
+     * inertia, the sum of V q q over the modulus of pressure waves of each
+     * point. Otherwise it is the contribution of soil without stiffness and
+     * with its mass times @p kick (s^2), the sum of V / rho grad q . grad q
+     * and, at free surfaces, of V div u q q with the u of set_free_motion().
+     * The functions may have any order on the same cells as the pressures.
      */
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
@@ -152,24 +157,24 @@ namespace greville
                          StencilMatrix<dim>          &matrix) const;
 
     /**
-     * Collective. The mean of the pressure at the start around each function of
-     * the pressure, 0 where there are no points.
+     * Collective. Compute the mean of the initial pressure around each function
+     * of the pressure; 0 if there are no points.
      */
     void
     average_old_pressure(VectorType &p) const;
 
     /**
-     * Give the points of all bodies, in the order in which they were added,
-     * the numbers of the last evaluate().
+     * Store the numbers of the last evaluate() in the points of all bodies, in
+     * the order in which they were added.
      */
     void
     store(const std::vector<std::pair<MaterialPoints<dim> *, Numbers>> &bodies)
       const;
 
     /**
-     * Of the last evaluate() on this process: the volume of water that the step
-     * has brought to the pores, that which has left through all boundaries, and
-     * through each of them, m^3 (2D: m^2).
+     * Return volumes of water on this process in the last evaluate(), m^3 (2D:
+     * m^2): the inflow to the pores in the step, and the outflow through all
+     * boundaries and through each of them.
      */
     const std::vector<double> &
     volumes() const
@@ -178,8 +183,9 @@ namespace greville
     }
 
     /**
-     * The work of the pressure on the soil of this process in the step of the
-     * last evaluate(), with the mean of its values at both ends, J (2D: J / m).
+     * Return the work of the pressure on the soil of this process in the step
+     * of the last evaluate(), with the mean of its values at both ends, J (2D:
+     * J / m).
      */
     double
     work() const
@@ -188,9 +194,9 @@ namespace greville
     }
 
     /**
-     * The sums of squares of the forces that the cells of this process gave to
-     * the last evaluate(), and of the absolute values of what their rows are
-     * the sums of, to which round-off is relative.
+     * Return two sums for the last evaluate() on this process: of the squares
+     * of the cell forces, and of the absolute values of the terms in the rows,
+     * to which round-off is relative.
      */
     const std::array<double, 2> &
     squares() const
@@ -199,8 +205,8 @@ namespace greville
     }
 
     /**
-     * The sums of V and of V times the modulus of pressure waves over the
-     * points of this process.
+     * Return the sums of V and of V times the modulus of pressure waves over
+     * the points of this process.
      */
     const std::array<double, 2> &
     moduli() const
@@ -208,7 +214,7 @@ namespace greville
       return sums_of_moduli;
     }
 
-    /// The mass of the points of this process, kg (2D: kg / m).
+    /// Return the mass of the points of this process, kg (2D: kg / m).
     double
     mass() const
     {
@@ -222,8 +228,8 @@ namespace greville
     using Change      = typename WaterTerms<dim>::Change;
 
     /**
-     * Fields, if they are not null, and zeros for sums, function by function.
-     * The latter are null if they are left out.
+     * Begin a pass with the given fields, unless null, and zeros for the
+     * requested sums, by function. Sums that are not requested are null.
      */
     typename WaterTangents<dim>::Fields
     begin_pass(const VectorField<dim> *u,
@@ -231,9 +237,7 @@ namespace greville
                const bool              with_force,
                const bool              with_rows) const;
 
-    /**
-     * Collective. The sums of all processes.
-     */
+    /// Collective. Compute the sums over all processes.
     void
     end_pass(VectorField<dim> &force, VectorType *rows) const;
 

@@ -15,8 +15,9 @@ namespace greville
   /**
    * The pressure of water at rest below a water table,
    *   p(x) = rho_w g (s(x) - y), at least -suction,
-   * with the height s of the table at the place and y, both upwards along the
-   * axis of gravity. Without a table it is 0 everywhere.
+   * with the height s of the table at the place and the height y of the place,
+   * both upwards along the axis of gravity. Without a table, it is 0
+   * everywhere.
    */
   template <int dim>
   class WaterTable
@@ -25,9 +26,9 @@ namespace greville
     WaterTable() = default;
 
     /**
-     * The table is a formula, m; empty: none. The density is that of water, kg
-     * / m^3, the suction is in Pa, 0: it has no bound. Throws
-     * dealii::ExcMessage for wrong formulas, and where gravity (m / s^2) is not
+     * @p table is a formula, m, or empty for no table. @p density is the
+     * density of water, kg / m^3; the suction is in Pa, 0 for no bound. Throws
+     * dealii::ExcMessage for invalid formulas, and if gravity (m / s^2) is not
      * along an axis.
      */
     WaterTable(const std::string            &table,
@@ -36,7 +37,8 @@ namespace greville
                const dealii::Tensor<1, dim> &gravity);
 
     /**
-     * Pa. Throws dealii::ExcMessage where the formula has no value.
+     * Return the pressure, Pa. Throws dealii::ExcMessage if the formula has no
+     * value.
      */
     double
     operator()(const dealii::Point<dim> &x) const;

@@ -11,7 +11,7 @@
 namespace greville
 {
   /**
-   * The derivatives of what the points of bodies give to the sums of
+   * The derivatives of the contributions of bodies' points to the sums of
    * WaterPoints, in the direction of a displacement u and a pressure q of the
    * grid. With gradients at the end of the trial step, h = grad u, the relative
    * change of volume e = tr h (in axisymmetry + u_r / r), the volume V there
@@ -24,24 +24,24 @@ namespace greville
    *         + (\kappa_J e + \kappa_p q) w\right) \cdot \nabla q_b,
    * @f}
    * with the derivatives of the mobility by the relative change of volume and
-   * by the pressure. Points are stored in groups of four, cell by cell, with
-   * 15 numbers each in 2D and 22 in 3D; the last one is 1 / r in axisymmetry
-   * and 0 else.
+   * by the pressure. Points are stored in groups of four, cell by cell, with 15
+   * numbers each in 2D and 22 in 3D; the last one is 1 / r in axisymmetry and 0
+   * otherwise.
    */
   template <int dim>
   class WaterTangents
   {
   public:
     /**
-     * Take the points of the last trial step of @p terms, those of a cell
-     * behind one another.
+     * Set the points from the last trial step of @p terms; the terms of a cell
+     * are consecutive.
      */
     void
     set(const WaterTerms<dim>                              &terms,
         const std::vector<typename WaterTerms<dim>::Point> &points);
 
     /**
-     * Fields and sums of the owned and ghost functions of the spaces, which
+     * Fields and sums for the owned and ghost functions of the spaces, which
      * have the same order; cell c of the displacement lies in cell parents[c]
      * of the pressure.
      */
@@ -60,9 +60,7 @@ namespace greville
     void
     add_product(const Fields &fields) const;
 
-    /**
-     * Add df for u = 0. There are no rows.
-     */
+    /// Add df for u = 0, without rows.
     void
     add_spread(const Fields &fields) const;
 
@@ -74,7 +72,7 @@ namespace greville
       std::size_t  first; // number
     };
 
-    /// Where the numbers of a point begin.
+    /// The positions of the numbers of a point.
     enum Number : unsigned int
     {
       x         = 0,
@@ -90,7 +88,10 @@ namespace greville
       n_numbers
     };
 
-    /// The derivative by the pressure alone, if @p of_pressure.
+    /**
+     * Add the derivatives, or only the derivative by the pressure if @p
+     * of_pressure.
+     */
     void
     add(const Fields &fields, const bool of_pressure) const;
 

@@ -10,47 +10,49 @@
 
 namespace greville
 {
-  /**
-   * What a material says of the water in it.
-   */
+  /// Constants of the pore water in a material.
   struct WaterConstants
   {
     /// Porosity over the bulk modulus of water, 1 / Pa.
     double storage = 0.;
-    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s), in
-    /// the stress-free state where there is a solid part.
+    /**
+     * Hydraulic conductivity over the unit weight of water, m^2 / (Pa s); if
+     * the solid part is given, in the stress-free state.
+     */
     double mobility = 0.;
-    /// 1 - porosity where the conductivity follows the void ratio; 0: it is
-    /// constant.
+    /**
+     * 1 - porosity if the conductivity follows the void ratio; 0 if it is
+     * constant.
+     */
     double solid = 0.;
-    /// Pa, see relative_conductivity().
+    /// The suction, Pa, see relative_conductivity().
     double suction = 0.;
   };
 
 
 
   /**
-   * The law of Kozeny and Carman (@ref Carman1937 "1937"): e^3 / (1 + e) over
-   * its value for J = 1, with the void ratio e of 1 + e = J / solid, and its
-   * derivative by J. At least 1e-6, where hardly a pore is left.
+   * Return the law of Kozeny and Carman (@ref Carman1937 "1937"), e^3 / (1 + e)
+   * over its value for J = 1, with the void ratio e from 1 + e = J / solid, and
+   * its derivative by J. The value is at least 1e-6, even if hardly any pores
+   * are left.
    */
   std::array<double, 2>
   kozeny_carman(const double J, const double solid);
 
   /**
-   * The conductivity at a pressure p (Pa) over that of full pores, and its
-   * derivative: it falls smoothly from 1 at p = 0 to 1e-3 at p = -suction. 1
-   * where the suction is 0. This lets water leave the soil above a free surface
-   * (@ref Bathe1979 "Bathe and Khoshgoftaar, 1979"); the pores stay full.
+   * Return the conductivity at a pressure p (Pa) relative to saturation, and
+   * its derivative: it decreases smoothly from 1 at p = 0 to 1e-3 at p =
+   * -suction, and is 1 if the suction is 0. This lets water leave the soil
+   * above a free surface (@ref Bathe1979 "Bathe and Khoshgoftaar, 1979"); the
+   * pores remain saturated.
    */
   std::array<double, 2>
   relative_conductivity(const double p, const double suction);
 
 
 
-  /**
-   * A point of the boundary at which the pressure or the flow is given.
-   */
+  /// A boundary point with a given pressure or flow.
   template <int dim>
   struct DrainedPoint
   {
@@ -64,21 +66,25 @@ namespace greville
     Kind         kind = Kind::pressure;
     unsigned int cell;     // owned
     unsigned int boundary; // the number of the wall or the surface
-    /// Where the basis functions are taken, m.
+    /// The position at which basis functions are evaluated, m.
     dealii::Point<dim> x;
-    /// The normal, outwards, times the area at the start of the step.
+    /// The outward normal times the area at the start of the step.
     dealii::Tensor<1, dim> area;
-    /// From gradients with respect to x to those at the start of the step:
-    /// 1, or the inverse of F in total Lagrangian steps.
+    /**
+     * The map from gradients with respect to x to gradients at the start of the
+     * step: 1, or the inverse of F in total Lagrangian steps.
+     */
     dealii::Tensor<2, dim> to_basis;
-    /// Pa; of the kind flux the flow outwards, m / s.
+    /// The pressure, Pa; for the kind flux, the outflow, m / s.
     double value;
-    /// See WaterConstants, and the volume at the start of the step over that of
-    /// the stress-free state.
+    /**
+     * See WaterConstants; and the volume at the start of the step over the
+     * stress-free volume.
+     */
     double mobility = 0.;
     double solid    = 0.;
     double old_J    = 1.;
-    /// Of Nitsche's method, over the size of a cell at the start, 1 / m.
+    /// The penalty of Nitsche's method over the cell size at the start, 1 / m.
     double penalty = 0.;
     /// The distance from the axis at the start, m; 0 without axisymmetry.
     double radius = 0.;
@@ -87,37 +93,35 @@ namespace greville
 
 
   /**
-   * What a point of a body, or of a drained boundary, gives to the sums of
-   * WaterPoints, which has the equations, and the derivatives of that.
+   * The contributions of points of bodies and of drained boundaries to the sums
+   * of WaterPoints, which states the equations, and their derivatives.
    */
   template <int dim>
   struct WaterTerms
   {
-    /**
-     * A term of the sums. Those of a cell follow one another.
-     */
+    /// A term of the sums. Terms of a cell are consecutive.
     struct Term
     {
       unsigned int           cell;
       dealii::Point<dim>     x;
       dealii::Tensor<2, dim> to_basis;
-      // See WaterConstants; of points times the volume at the start.
+      // See WaterConstants; for points, times the volume at the start.
       double mobility = 0., solid = 0., suction = 0.;
-      // The volume at the start over that of the stress-free state.
+      // The volume at the start over the stress-free volume.
       double old_J = 1.;
-      // Of axisymmetric ones: the distance from the axis at the start, that to
-      // which the change of the volume is relative, and that at the end.
+      // For axisymmetric terms: the distance from the axis at the start, the
+      // distance to which the change of volume is relative, and the distance at
+      // the end.
       double radius = 0., radius_of_F = 0., end_radius = 0.;
 
       // At the end of a trial step: the volume relative to the start and its
-      // change, what makes gradients there of those of the basis functions, and
-      // the pressure.
+      // change, the map from gradients of the basis functions to gradients
+      // there, and the pressure.
       double                 J = 1., change = 0.;
       dealii::Tensor<2, dim> map;
       double                 p = 0.;
       dealii::Tensor<1, dim> gradient;
-      // The sums of the absolute values of what change, p and gradient are the
-      // sums of.
+      // The sums of the absolute values of the terms in change, p and gradient.
       double change_size = 0., p_size = 0., gradient_size = 0.;
     };
 
@@ -126,11 +130,11 @@ namespace greville
       double volume; // at the start
       // Times volumes: V0 phi / K_w, and V over the modulus of pressure waves.
       double storage, compliance;
-      // Over the density, and the volume times div u of
+      // The volume over the density, and the volume times div u of
       // WaterPoints::set_free_motion().
       double of_mass, of_surface = 0.;
       double old_p;
-      // What the last steps say of the water that comes, see WaterPoints.
+      // The contribution of previous steps to the inflow, see WaterPoints.
       double earlier = 0.;
     };
 
@@ -143,8 +147,8 @@ namespace greville
     };
 
     /**
-     * That of a term at the end of the last trial step, and its derivatives by
-     * the relative change of volume and by the pressure.
+     * The mobility of a term at the end of the last trial step, and its
+     * derivatives by the relative change of volume and by the pressure.
      */
     struct Mobility
     {
@@ -152,8 +156,8 @@ namespace greville
     };
 
     /**
-     * What a term gives: to the force by gradients of N and, along r, by N; to
-     * the rows by q and by gradients of q.
+     * The contribution of a term: to the force by gradients of N and, along r,
+     * by N; to the rows by q and by gradients of q.
      */
     struct Sources
     {
@@ -165,9 +169,7 @@ namespace greville
       double value_size = 0., gradient_size = 0.;
     };
 
-    /**
-     * A direction at a term, with gradients at the end.
-     */
+    /// A direction of differentiation at a term, with gradients at the end.
     struct Change
     {
       dealii::Tensor<2, dim> h;         // of the displacement
@@ -176,7 +178,7 @@ namespace greville
       dealii::Tensor<1, dim> gradient;
     };
 
-    /// The area at the end, from the @p inverse of 1 + grad u.
+    /// Compute the area at the end, from the @p inverse of 1 + grad u.
     void
     finish(Drained &term, const dealii::Tensor<2, dim> &inverse) const
     {
@@ -192,18 +194,21 @@ namespace greville
     Sources
     sources(const Drained &term) const;
 
-    /// At the end of the last trial step, in a direction.
+    /// Return the derivative in a direction, at the end of the last trial step.
     Sources
     derivative(const Drained &term, const Change &change) const;
 
     static Mobility
     mobility(const Term &term);
 
-    /// Times the area at the end; of seepage faces without its sign.
+    /**
+     * Return the outflow times the area at the end; for seepage faces, also if
+     * it is negative.
+     */
     double
     outflow(const Drained &term) const;
 
-    /// Of the step, s, and of water per volume, N / m^3.
+    /// The length of the step, s, and the weight of water per volume, N / m^3.
     double                 dt = 0.;
     dealii::Tensor<1, dim> weight;
     bool                   is_axisymmetric = false;
