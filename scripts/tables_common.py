@@ -52,20 +52,20 @@ def folder_of(*words):
 
 def run(file, folder, settings={}, program="greville", processes=0):
     """Run a parameter file, or the text of one, with results in a folder and {"SECTION/PARAMETER": value} set."""
-    path = OPTIONS.build / program
+    path = ROOT / "scripts/sweep" if program == "sweep" else OPTIONS.build / program
     if not path.exists():
         raise ResultsError(f"there is no program {path}: --build FOLDER has the programs.")
     folder.parent.mkdir(parents=True, exist_ok=True)
     if isinstance(file, str):
         text, file = file, folder.with_suffix(".prm")
         file.write_text(text)
-    if program == "greville":
+    if program != "greville_benchmark":
         settings = {"Output/Directory": folder, "Output/Earlier results": "remove", **settings}
     command = (["mpirun", "-np", str(processes)] if processes else []) + [path, file]
     for parameter, value in settings.items():
         command += ["--set", f"{parameter}={value}"]
     environment = dict(os.environ, OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
-                       OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
+                       OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1", GREVILLE=str(OPTIONS.build / "greville"),
                        PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe")
     before, begin = os.times(), time.monotonic()
     process = subprocess.run(command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True,

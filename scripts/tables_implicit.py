@@ -315,7 +315,7 @@ MIDPOINT = section("Scheme", Stress_update="implicit-midpoint", Mass="consistent
 def rows_of(text, file="statistics.csv"):
     """The rows of a table that a run leaves, and what it ended with."""
     (folder_of("run") / file).unlink(missing_ok=True)
-    result = run(text + section("Output", Fields_every=0), folder_of("run"))
+    result = run(text + section("Output", Fields_every=0), folder_of("run"), program="sweep" if file == "convergence.csv" else "greville")
     if result.has_failed and not (result.folder / file).exists():
         sys.exit(result.error)
     return read_table(result.folder / file).rows(), result.error.strip()

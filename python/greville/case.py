@@ -1,4 +1,5 @@
-"""Runs parameter files: Case, Sweep, and what they need of the programs."""
+"""Runs parameter files: Case, and what it needs of the programs."""
+import contextlib
 import json
 import os
 import pty
@@ -91,20 +92,34 @@ def check_number(name, n):
         raise RunFailed(f"{name} has to be a whole number above zero, not {n!r}.")
 
 
+def start(arguments, processes, terminal=True, **streams):
+    """Start the program in a session of its own, so that Ctrl-C reaches it by interrupt() only."""
+    command = [str(program()), *map(str, arguments)]
+    if processes > 1:
+        command = ["mpirun", "-np", str(processes), *command]
+    # mpirun gives processes a terminal whatever its own output is.
+    variables = environment() if terminal else {**environment(), "TERM": "dumb"}
+    return subprocess.Popen(command, stdin=subprocess.DEVNULL, env=variables, start_new_session=True, **streams)
+
+
+def interrupt(process, processes):
+    """Let the program write a checkpoint and end; mpirun would kill it before."""
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    with contextlib.suppress(OSError):   # Of one that has just ended.
+        for pid in children.read_text().split() if processes > 1 else [process.pid]:
+            os.kill(int(pid), signal.SIGINT)
+
+
 def call(arguments, processes=1, progress=None):
     """Run the program, and return what it prints; progress(part, line) is called about five times a second."""
     check_number("processes", processes)
     if progress is not None and not callable(progress):
         raise RunFailed(f"progress has to be a function of the part that is done and a line, not {progress!r}.")
-    command = [str(program()), *map(str, arguments)]
-    if processes > 1:
-        command = ["mpirun", "-np", str(processes), *command]
     lines, rest = [], b""
     # The program shows each step to a terminal, and ten lines to a file.
     ours, theirs = pty.openpty()
     with tempfile.TemporaryFile() as messages:
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=theirs, stderr=messages, env=environment(),
-                                   start_new_session=True)
+        process = start(arguments, processes, stdout=theirs, stderr=messages)
         os.close(theirs)
         try:
             while True:
@@ -126,10 +141,7 @@ def call(arguments, processes=1, progress=None):
                     elif line and not found:
                         lines.append(line)
         except KeyboardInterrupt:
-            # The program writes a checkpoint; mpirun would kill it before.
-            children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-            for pid in children.read_text().split() if processes > 1 else [process.pid]:
-                os.kill(int(pid), signal.SIGINT)
+            interrupt(process, processes)
             raise
         finally:
             status = process.wait()
@@ -220,6 +232,16 @@ def read_tree(file):
     return tree
 
 
+def values_of(text):
+    """The parameters of a text of the program by name."""
+    return {name: line.value for name, line in read_parameter_text(text).items()}
+
+
+def folder_of(parameters):
+    """The folder of the results of a run with these parameters."""
+    return Path(parameters["Output/Directory"] or f"output/{parameters['Simulation/Name']}")
+
+
 class Case:
     """A problem: a parameter file (.prm, .json, .yaml), a template by its name, or sections as a dict, with settings.
 
@@ -285,7 +307,7 @@ class Case:
     @property
     def parameters(self):
         """All parameters that a run would have, as text by name."""
-        return {name: line.value for name, line in read_parameter_text(self._call("--print-parameters")).items()}
+        return values_of(self._call("--print-parameters"))
 
     def save(self, file):
         """Write what is not a default as .prm, .json or .yaml, which this package reads again."""
@@ -312,8 +334,7 @@ class Case:
     @property
     def results(self):
         """The folder of the results."""
-        parameters = self.parameters
-        return Path(parameters["Output/Directory"] or f"output/{parameters['Simulation/Name'] or self.name}")
+        return folder_of(self.parameters)
 
     def run(self, processes=1, progress=None, resume=False):
         """Run the program, and return the Run; progress(part, line) takes the place of the bar or line that is shown."""
@@ -327,52 +348,6 @@ class Case:
         """The Table of a laboratory test of a material, such as 'triaxial-drained'."""
         self._call("--element-test", test, *(["--material", material] if material else []))
         return read_table(self.results / "element_test.csv")
-
-
-class Sweep:
-    """The results of a sweep: its table (sweep.csv), and for each run its value and its Run; None where it has failed.
-
-    message is what the program says of runs that have failed.
-    """
-
-    def __init__(self, folder, message=""):
-        self.folder, self.message = path_of(folder), message
-        self.table = read_table(self.folder / "sweep.csv")
-        self.values, self.runs = self.table["value"], []
-        for name, failed in zip(self.table["run"], self.table["failed"]):
-            self.runs.append(None if failed else Run(self.folder / name))
-
-    def report(self, **options):
-        """Write report.html about the runs side by side, and return its path; options are those of Run.report()."""
-        from . import report
-        return report.write([self.folder], **options)
-
-    def __iter__(self):
-        return iter(zip(self.values, self.runs))
-
-    def __len__(self):
-        return len(self.runs)
-
-
-def sweep(case, parameter, values, processes=1, processes_per_run=1, progress=None):
-    """Run a case with each of these values of a parameter, as many runs at a time as groups of processes; a Sweep."""
-    check_number("processes", processes)
-    check_number("processes_per_run", processes_per_run)
-    if not isinstance(case, Case):
-        raise RunFailed(f"A sweep needs a Case, not {case!r}.")
-    if isinstance(values, (str, bytes, dict)) or not hasattr(values, "__iter__"):
-        raise RunFailed(f"The values of a sweep are a list, not {values!r}.")
-    case = case.copy().set("Sweep/Parameter", parameter).set("Sweep/Values", " | ".join(map(as_text, values)))
-    case.set("Sweep/Processes per run", processes_per_run if processes > 1 else 0)
-    folder = case.results
-    message = ""
-    try:
-        case._call(processes=processes, progress=progress or Progress())
-    except RunFailed as error:
-        message = str(error)
-        if not message.startswith("Runs of 'Sweep' failed"):
-            raise
-    return Sweep(folder, message)
 
 
 def build_umat(file, library=None):

@@ -80,8 +80,8 @@ namespace greville
       "The values of that parameter to run, separated by '|', each as it would "
       "stand in its section.");
     add_parameter(prm, "Processes per run", processes, Patterns::Integer(0))(
-      "The processes are divided into groups of so many, and the runs among "
-      "the groups, which run side by side; what a run prints is in its folder, "
+      "Each run takes so many processes, and as many runs go side by side as "
+      "there are groups of processes; what a run prints is in its folder, "
       "output.txt. 0: all processes take one run after the other. Unit: none.");
   }
 

@@ -345,22 +345,6 @@ namespace greville
 
 
 
-  SimulationParameters
-  SimulationParameters::with(const std::string &changes) const
-  {
-    SimulationParameters result;
-    auto                 lines = parameter_lines_of(used_text, general.name);
-    for (ParameterLine &line : parameter_lines_of(changes, general.name))
-      {
-        line.place = "A run of the sweep";
-        lines.push_back(std::move(line));
-      }
-    result.read("", lines);
-    return result;
-  }
-
-
-
   void
   SimulationParameters::read(const std::string                &file,
                              const std::vector<ParameterLine> &given_lines)

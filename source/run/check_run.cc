@@ -7,12 +7,12 @@
 #include <greville/base/errors.h>
 #include <greville/base/memory.h>
 #include <greville/base/parameters.h>
+#include <greville/run/begin_run.h>
 #include <greville/run/check_materials.h>
 #include <greville/run/run.h>
 #include <greville/run/run_header.h>
 #include <greville/run/simulation_run.h>
 #include <greville/run/state_output.h>
-#include <greville/run/sweep.h>
 
 #include <algorithm>
 #include <chrono>
@@ -453,38 +453,17 @@ namespace greville
 
     template <int dim>
     void
-    check_all(const SimulationParameters &parameters,
+    check_run(const SimulationParameters &parameters,
               const std::string          &directory,
               std::ostream               &out,
               const MPI_Comm              comm,
               const RunOptions           &options,
               const std::string          &drawing)
     {
-      if (parameters.sweep.is_empty())
-        {
-          Trial<dim> trial(parameters, directory, out, comm, options);
-          if (!drawing.empty())
-            trial.draw(drawing);
-          trial.report();
-          return;
-        }
-      const auto rows  = make_sweep_rows(parameters);
-      double     total = 0.;
-      for (std::size_t k = 0; k < rows.size(); ++k)
-        {
-          const std::string name = rows[k].folder(parameters.sweep);
-          out << "Run " << k + 1 << " of " << rows.size()
-              << " of the sweep: " << name << "\n\n";
-          RunOptions own_options = options;
-          own_options.resumes =
-            options.resumes && has_checkpoints(directory + "/" + name, comm);
-          Trial<dim> trial(
-            rows[k].parameters, directory + "/" + name, out, comm, own_options);
-          if (!drawing.empty())
-            trial.draw(drawing + "/" + name);
-          total += trial.report();
-        }
-      out << "  estimated time of the sweep: " << duration(total) << '\n';
+      Trial<dim> trial(parameters, directory, out, comm, options);
+      if (!drawing.empty())
+        trial.draw(drawing);
+      trial.report();
     }
   } // namespace
 
@@ -497,6 +476,7 @@ namespace greville
                     const std::string &drawing)
   {
     const SimulationParameters parameters(file, options.settings);
+    refuse_sweep(parameters, file);
     const bool        is_first = Utilities::MPI::this_mpi_process(comm) == 0;
     std::ostream      nowhere(nullptr);
     std::ostream     &out       = is_first ? std::cout : nowhere;
@@ -507,9 +487,9 @@ namespace greville
     for (const std::string &note : repeated_parameters(file))
       out << "  Note: " << note << '\n';
     if (parameters.general.dimension == 2)
-      check_all<2>(parameters, directory, out, comm, options, drawing);
+      check_run<2>(parameters, directory, out, comm, options, drawing);
     else
-      check_all<3>(parameters, directory, out, comm, options, drawing);
+      check_run<3>(parameters, directory, out, comm, options, drawing);
     out << "  results of a run: " << directory << std::endl;
   }
 } // namespace greville

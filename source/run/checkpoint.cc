@@ -163,14 +163,6 @@ namespace greville
 
 
 
-  bool
-  has_checkpoints(const std::string &folder, const MPI_Comm comm)
-  {
-    return Utilities::MPI::broadcast(comm, !checkpoints_in(folder).empty());
-  }
-
-
-
   void
   check_folder_of_checkpoints(const std::string &folder, const MPI_Comm comm)
   {

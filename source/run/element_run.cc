@@ -5,8 +5,8 @@
 #include <greville/base/parameters.h>
 #include <greville/base/run_folder.h>
 #include <greville/materials/element_test.h>
+#include <greville/run/begin_run.h>
 #include <greville/run/element_run.h>
-#include <greville/run/sweep.h>
 
 #include <boost/algorithm/string/join.hpp>
 #include <cmath>

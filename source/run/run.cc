@@ -344,10 +344,7 @@ namespace greville
                                   common().time,
                                   common().velocity_time,
                                   comm);
-    summary.ramp          = ramp_result;
-    const auto names      = columns_of(parameters);
-    for (unsigned int k = 0; k < last_row.size(); ++k)
-      summary.last_row.emplace_back(names[k], last_row[k]);
+    summary.ramp     = ramp_result;
     summary.front    = largest_front;
     summary.front_99 = largest_front_99;
     if (measured.has_surface())

@@ -7,7 +7,7 @@
 #include <greville/base/signals.h>
 #include <greville/base/step_errors.h>
 #include <greville/points/point_fields.h>
-#include <greville/run/sweep.h>
+#include <greville/run/begin_run.h>
 
 #include <cmath>
 #include <csignal>
@@ -454,7 +454,6 @@ namespace greville
   SimulationRun<dim>::look_for_checkpoint(const bool is_last)
   {
     const CheckpointParameters &when = parameters.checkpoints;
-    // At the end it is for the next run of a sweep.
     const int signal = is_last ? 0 : SignalCatcher::take(comm);
     bool      is_due = signal != 0;
     if (when.every_steps > 0 && common().n_steps % when.every_steps == 0)

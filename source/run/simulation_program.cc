@@ -76,7 +76,13 @@ namespace greville
       AssertThrow(is_test || given.count("material") == 0,
                   dealii::ExcMessage("--material is for --element-test TEST: "
                                      "give both."));
-      if (is_test)
+      if (given.count("runs") > 0)
+        prepare_sweep(file,
+                      value("runs"),
+                      MPI_COMM_WORLD,
+                      options,
+                      given.count("check") == 0);
+      else if (is_test)
         run_element_test_of_file(file,
                                  value("element-test"),
                                  value("material"),
@@ -116,8 +122,8 @@ namespace greville
     Program program;
     program.name = "greville";
     program.purpose =
-      "the material point method on B-splines: runs the simulation, or the "
-      "sweep of simulations, of a parameter file";
+      "the material point method on B-splines: runs the simulation of a "
+      "parameter file";
     program.options = {
       {"check",
        "",
@@ -135,6 +141,10 @@ namespace greville
        "go on from the last checkpoint of its folder; FILE.prm may be this "
        "folder"},
       {"from", "FOLDER", "begin with the last checkpoint of another run"},
+      {"runs",
+       "FOLDER",
+       "for scripts/sweep: accept the files of its runs in this folder, and "
+       "make room for results"},
       {"element-test",
        "TEST",
        "run no simulation, but a laboratory test of a material"},

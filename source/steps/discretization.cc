@@ -128,12 +128,7 @@ namespace greville
     double n_cells = 1.;
     for (const unsigned int n : parameters.grid.cells)
       n_cells *= n;
-    check_memory_of_cells(n_cells,
-                          dim,
-                          parameters.sweep.cells.empty()
-                            ? "The parameter 'Grid/Cells'"
-                            : "The parameter 'Sweep/Cells'",
-                          comm);
+    check_memory_of_cells(n_cells, dim, "The parameter 'Grid/Cells'", comm);
     create_box_mesh<dim>(mesh,
                          to_point<dim>(parameters.grid.lower),
                          to_point<dim>(parameters.grid.upper),

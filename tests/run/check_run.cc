@@ -140,11 +140,6 @@ test_main()
        "trial step(s) from t = 0.5 s",
        "number of steps: about 500 to t = 1 s",
        "estimated time of all stages: "});
-  has("a sweep",
-      check_of(good.with("Sweep", {"Cells = 4, 8"})),
-      {"Run 1 of 2 of the sweep: lumped_p2_4",
-       "Run 2 of 2 of the sweep: lumped_p2_8",
-       "estimated time of the sweep: "});
   has("bodies with grids of their own",
       check_of(good.with("Grid", {"Per body = true"})
                  .with("Scheme", {"Formulation = total Lagrangian"})),

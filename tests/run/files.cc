@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// What a run and a sweep leave.
+// What a run leaves.
 #include <greville/run/run.h>
 
 #include "simulation.h"
@@ -253,22 +253,6 @@ test_main()
   run(text.with("Output", {"Grid fields = false"}), "no_grid");
   check("no grid fields", !std::filesystem::exists("no_grid/grid.pvd"));
   check("each step", lines_of("no_grid/statistics.csv").size() == 22);
-
-  // Sweep
-  run(text
-        .with("Sweep",
-              {"Cells = 4, 8", "Orders = 1, 2", "Masses = lumped, fmpm-2"})
-        .with("Exact solution", {"Displacement = 0; -0.4 * t^2"}),
-      "sweep");
-  const auto convergence = lines_of("sweep/convergence.csv");
-  print() << convergence[0] << std::endl;
-  check("rows of the sweep", convergence.size() == 9);
-  check("first row",
-        convergence[1].rfind("updated Lagrangian,lumped,1,4,", 0) == 0);
-  check("last row",
-        convergence[8].rfind("updated Lagrangian,fmpm-2,2,8,", 0) == 0);
-  check("statistics of each",
-        std::filesystem::exists("sweep/fmpm-2_p2_8/statistics.csv"));
 
   // A measured series and surface: free fall against itself and shifted.
   if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)

@@ -201,7 +201,9 @@ def check_report(run, has_points):
 def report_of(folder, case, settings, options=("--no-points",)):
     """The runs of the report of a run of the case with other parameters."""
     sets = [word for setting in settings for word in ("--set", setting)]
-    result = subprocess.run([PROGRAM, case, *sets, "--set", f"Output/Directory={folder}"], capture_output=True, text=True)
+    program = [PROJECT / "scripts/sweep"] if any(setting.startswith("Sweep/") for setting in settings) else [PROGRAM]
+    result = subprocess.run([*program, case, *sets, "--set", f"Output/Directory={folder}"], capture_output=True, text=True,
+                            env={**os.environ, "GREVILLE": str(PROGRAM)})
     check(f"the run: {result.stderr}", result.returncode == 0)
     result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "report", *options, folder], capture_output=True, text=True)
     check(f"report: {result.stderr}", result.returncode == 0)

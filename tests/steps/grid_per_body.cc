@@ -508,15 +508,6 @@ namespace
                                    "summary.json"})
       check(file, std::filesystem::exists("own_grids/" + file));
     check("no other grid", !std::filesystem::exists("own_grids/grid.pvd"));
-
-    MPI_Barrier(MPI_COMM_WORLD);
-
-    // Grids of bodies keep their ratio to that outside.
-    run_quietly(text.with("Sweep", {"Cells = 8, 16", "Orders = 1"}));
-    for (const std::string cells : {"8", "16"})
-      check("sweep: " + cells,
-            std::filesystem::exists("own_grids/consistent_p1_" + cells +
-                                    "/grid_ball.pvd"));
   }
 
 

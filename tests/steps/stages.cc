@@ -324,12 +324,6 @@ namespace
     run_quietly(Text(used.str()), "stages_again");
     const auto same = first_and_last("stages_again/statistics.csv");
     check("the parameters that were used run again", same == rows);
-
-    run_quietly(text.with("Sweep", {"Cells = 9, 18"}), "stages_sweep");
-    const auto coarse =
-      first_and_last("stages_sweep/consistent_p2_9/statistics.csv");
-    check("a sweep runs through the stages",
-          !coarse.empty() && coarse.back().second == 2.);
   }
 
 

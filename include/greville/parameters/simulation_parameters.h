@@ -163,13 +163,6 @@ namespace greville
       return used_text;
     }
 
-    /**
-     * Return the parameters with some lines replaced by @p changes, the text of
-     * a parameter file. Throws as the constructor.
-     */
-    SimulationParameters
-    with(const std::string &changes) const;
-
   private:
     /// Read the values of @p lines, which come from @p file.
     void

@@ -56,14 +56,6 @@ namespace greville
   check_folder_of_checkpoints(const std::string &folder, const MPI_Comm comm);
 
   /**
-   * Collective. Whether there are files of checkpoints in @p folder.
-   */
-  bool
-  has_checkpoints(const std::string &folder, const MPI_Comm comm);
-
-
-
-  /**
    * A checkpoint that has been read.
    */
   struct Checkpoint

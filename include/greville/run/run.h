@@ -12,11 +12,10 @@
 namespace greville
 {
   /**
-   * Collective. Run what a parameter file describes: one simulation, or a sweep
-   * over meshes, orders and masses, which ends with a table and
-   * convergence.csv. Results of an earlier run in its folder become what
-   * 'Output/Earlier results' says. Throws dealii::ExcMessage where file or run
-   * go wrong.
+   * Collective. Run the simulation that a parameter file describes. Results of
+   * an earlier run in its folder become what 'Output/Earlier results' says.
+   * Throws dealii::ExcMessage if file or run go wrong, or the file has a
+   * 'Sweep'.
    */
   void
   run_simulations(const std::string &file,
@@ -35,6 +34,20 @@ namespace greville
                     const MPI_Comm     comm,
                     const RunOptions  &options = RunOptions(),
                     const std::string &drawing = "");
+
+  /**
+   * Read the parameter files of the runs of a sweep, which are in the folder @p
+   * runs, and write formulation and mass of each to std::cout. Then, if @p
+   * makes_room is true, treat earlier results in the folder of the sweep @p
+   * file as run_simulations() does, and write parameters.prm there. Throws
+   * dealii::ExcMessage with the number of a run that is not accepted.
+   */
+  void
+  prepare_sweep(const std::string &file,
+                const std::string &runs,
+                const MPI_Comm     comm,
+                const RunOptions  &options,
+                const bool         makes_room);
 } // namespace greville
 
 #endif

@@ -48,8 +48,6 @@ namespace greville
     std::optional<Distance>   surface, series;
     std::optional<double>     failure_line; // mean distance, m
     std::optional<RampResult> ramp;
-    /// The last row of statistics.csv, by columns.
-    std::vector<std::pair<std::string, double>> last_row;
   };
 
 

@@ -1,44 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_sweep_h
-#define greville_run_sweep_h
+#ifndef greville_run_begin_run_h
+#define greville_run_begin_run_h
 
 #include <greville/base/run_folder.h>
 #include <greville/run/simulation_run.h>
 
-#include <limits>
-
 namespace greville
 {
   /**
-   * A run of a sweep and what it found.
+   * Throw dealii::ExcMessage if a file asks for several runs.
    */
-  struct SweepRow
-  {
-    /**
-     * The name of its folder in that of the sweep.
-     */
-    std::string
-    folder(const SweepParameters &sweep) const;
-
-    SimulationParameters parameters;
-    unsigned int         cells = 0;
-    /// Of 'Sweep/Parameter', and what its folder is called.
-    std::string value, name_of_value;
-    Errors      errors;
-    /// What the table of the sweep has of it, by columns.
-    std::vector<std::pair<std::string, double>> results;
-    /// Empty, or why the run did not come to its end.
-    std::string failure;
-    /// Of the L2 error, against the row before of the same kind.
-    double order = std::numeric_limits<double>::quiet_NaN();
-  };
-
-  /**
-   * All runs of the section 'Sweep', in the order in which they run.
-   */
-  std::vector<SweepRow>
-  make_sweep_rows(const SimulationParameters &parameters);
+  void
+  refuse_sweep(const SimulationParameters &parameters, const std::string &file);
 
   /**
    * Where the results of a parameter file go.

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
+#include <greville/base/signals.h>
+#include <greville/run/begin_run.h>
+#include <greville/run/check_materials.h>
+#include <greville/run/run.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  std::string
+  folder_of_run(const SimulationParameters &parameters,
+                const std::string          &file,
+                const RunOptions           &options)
+  {
+    // What a run has left in its folder names another one if that has moved.
+    const std::filesystem::path path(file);
+    const std::string           given = parameters.output.directory.empty()
+                                          ? "output/" + parameters.general.name
+                                          : parameters.output.directory;
+    if (!options.resumes || path.filename() != "parameters.prm")
+      return given;
+    const auto own = std::filesystem::absolute(path).parent_path();
+    for (const std::string &setting : options.settings)
+      {
+        std::error_code error;
+        AssertThrow(setting.rfind("Output/Directory", 0) != 0 ||
+                      std::filesystem::equivalent(given, own, error),
+                    ExcMessage("The option --set <" + setting +
+                               ">: a run goes on in its folder, <" +
+                               own.string() +
+                               ">. Move that, and go on from there."));
+      }
+    return own.string();
+  }
+
+
+
+  EarlierResults
+  what_of_earlier(const SimulationParameters &parameters,
+                  const RunOptions           &options)
+  {
+    const std::string &word = parameters.output.earlier_results;
+    return options.resumes        ? EarlierResults::keep
+           : word == "move aside" ? EarlierResults::move_aside
+           : word == "refuse"     ? EarlierResults::refuse
+                                  : EarlierResults::remove;
+  }
+
+
+
+  void
+  check_other_folder(const RunOptions  &options,
+                     const std::string &folder,
+                     const MPI_Comm     comm)
+  {
+    if (options.from.empty())
+      return;
+    run_on_first(
+      [&]() {
+        std::error_code error;
+        AssertThrow(!std::filesystem::equivalent(options.from, folder, error),
+                    ExcMessage("--from names the folder <" + options.from +
+                               "> of this run itself: give the new run "
+                               "another 'Output/Directory'."));
+      },
+      comm);
+  }
+
+
+
+  namespace
+  {
+    /**
+     * What the run in a folder goes on with, and what others read of it.
+     */
+    void
+    write_parameters(const SimulationParameters &parameters,
+                     const std::string          &folder,
+                     const MPI_Comm              comm)
+    {
+      run_on_first(
+        [&]() {
+          write_atomically(folder + "/parameters.prm", parameters.used());
+        },
+        comm);
+    }
+  } // namespace
+
+
+
+  void
+  refuse_sweep(const SimulationParameters &parameters, const std::string &file)
+  {
+    AssertThrow(parameters.sweep.is_empty(),
+                ExcMessage("<" + file +
+                           "> has a 'Sweep', and this program makes one run: "
+                           "scripts/run or scripts/sweep (greville-sweep of an "
+                           "installation) makes all runs."));
+  }
+
+
+
+  void
+  run_simulations(const std::string &file,
+                  const MPI_Comm     comm,
+                  const RunOptions  &options)
+  {
+    const SimulationParameters parameters(file, options.settings);
+    const bool    is_first = Utilities::MPI::this_mpi_process(comm) == 0;
+    std::ostream  nowhere(nullptr);
+    std::ostream &out = is_first ? std::cout : nowhere;
+
+    refuse_sweep(parameters, file);
+    const std::string directory = folder_of_run(parameters, file, options);
+    check_other_folder(options, directory, comm);
+    if (options.resumes)
+      check_folder_of_checkpoints(directory, comm);
+    const SignalCatcher signals;
+    RunFolder           folder(directory,
+                     parameters.output.directory.empty() ? "Simulation/Name"
+                                                                   : "Output/Directory",
+                     what_of_earlier(parameters, options),
+                     comm);
+    RunOptions          options_of_run = options;
+    options_of_run.prepare_folder      = [&]() {
+      folder.make_room();
+      write_parameters(parameters, directory, comm);
+    };
+    for (const std::string &note : repeated_parameters(file))
+      out << "Note: " << note << std::endl;
+    if (parameters.general.dimension == 2)
+      SimulationRun<2>(parameters, directory, out, comm, options_of_run).run();
+    else
+      SimulationRun<3>(parameters, directory, out, comm, options_of_run).run();
+  }
+
+
+
+  void
+  prepare_sweep(const std::string &file,
+                const std::string &runs,
+                const MPI_Comm     comm,
+                const RunOptions  &options,
+                const bool         makes_room)
+  {
+    const SimulationParameters         parameters(file, options.settings);
+    std::vector<std::filesystem::path> files;
+    for (const auto &entry : std::filesystem::directory_iterator(runs))
+      files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    for (const auto &path : files)
+      try
+        {
+          const SimulationParameters own(path.string());
+          std::cout << "Run " << path.stem().string() << ": "
+                    << own.scheme.formulation << ", " << own.scheme.mass
+                    << '\n';
+        }
+      catch (const std::exception &error)
+        {
+          AssertThrow(false,
+                      ExcMessage("Run " + path.stem().string() + ": " +
+                                 message_of(error)));
+        }
+    if (!makes_room)
+      return;
+    const std::string directory = folder_of_run(parameters, file, options);
+    check_other_folder(options, directory, comm);
+    RunFolder folder(directory,
+                     parameters.output.directory.empty() ? "Simulation/Name"
+                                                         : "Output/Directory",
+                     what_of_earlier(parameters, options),
+                     comm);
+    folder.make_room();
+    write_parameters(parameters, directory, comm);
+    for (const std::string &note : repeated_parameters(file))
+      std::cout << "Note: " << note << std::endl;
+  }
+} // namespace greville
