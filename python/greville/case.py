@@ -13,6 +13,7 @@ import tempfile
 from numbers import Integral
 from pathlib import Path
 
+from . import measured
 from .results import Error, Run, how_to_install, path_of, read_parameter_text, read_table, read_text
 
 PACKAGE = Path(__file__).resolve().parent
@@ -341,7 +342,7 @@ class Case:
         folder = self.results
         output = self._call(*(["--resume"] if resume else []), processes=processes, progress=progress or Progress())
         run = Run(folder)
-        run.output = output
+        run.output = output + measured.add_to_summary(run)
         return run
 
     def element_test(self, test, material=None):

@@ -19,6 +19,7 @@ import sys
 import zlib
 from pathlib import Path
 
+from . import measured
 from .case import project_file
 from .command import parser_of, run_command
 from .display import array_of, check_field, main_field, parts_in_range, range_of_colours, up_axis
@@ -108,21 +109,19 @@ def comparison_data(run):
     series = run.reference("Series file")
     if series:
         quantity = run.parameters.get("Reference/Series quantity", "")
-        time, value = (float(run.parameters.get(f"Reference/{name} unit") or 1) for name in ("Time", "Value"))
         rows = chosen_rows(run.statistics.n_rows)
-
-        def label(text, unit, symbol):
-            return f"{text}, {symbol}" if unit == 1 else f"{text} / {unit:.4g} {symbol}"
         result["series"] = {
             "measured": [numbers(series[0]), numbers(series[1])], "whose": series[2],
-            "own": [numbers(run.statistics["time"][rows] / time), numbers(run.statistics[quantity][rows] / value)],
-            "labels": [label("time", time, "s"), label(label_of(quantity), value, pretty(run.unit("statistics.csv", quantity)))]}
+            "own": [numbers(run.statistics["time"][rows]), numbers(run.statistics[quantity][rows])],
+            "labels": ["time, s", f"{label_of(quantity)}, {pretty(run.unit('statistics.csv', quantity))}"]}
     surface = run.reference("Surface file")
     if surface:
         result["surface"] = {"x": numbers(surface[0]), "y": numbers(surface[1]), "whose": surface[2]}
     line = run.reference("Failure line file")
     if line:
         result["failure_line"] = {"x": numbers(line[0]), "y": numbers(line[1]), "whose": line[2]}
+    if "reference" not in summary:
+        measured.add_to_summary(run)
     result["distances"] = summary.get("reference", {})
     result["errors"] = summary.get("errors", {})
     return result if series or surface or line or result["errors"] else None

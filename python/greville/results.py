@@ -607,7 +607,9 @@ class Run:
         if path is None:
             return None
         table = read_table(path)
-        x, y = list(table.values())[:2]
+        if len(table) != 2 or any(word_in(values) for values in table.values()):
+            raise ResultsError(f"{path} of the parameter 'Reference/{name}' has not two columns of numbers.")
+        x, y = table.values()
         author = re.search(r"^#\s*(.{1,60}?\(\d{4}\))", read_text(path), re.MULTILINE)
         return x, y, author.group(1) if author else path.stem.replace("_", " ")
 

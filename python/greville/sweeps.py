@@ -22,6 +22,7 @@ from pathlib import Path
 from threading import current_thread, main_thread
 from types import SimpleNamespace
 
+from . import measured
 from .case import Case, Progress, RunFailed, as_prm, as_text, call, check_number, folder_of, interrupt, message_of, start, values_of
 from .results import Error, Run, names_in, path_of, read_table
 
@@ -260,7 +261,7 @@ class Runs:
             ramp = summary["ramp"]
             row.results.update(failure_factor=ramp["factor"], failure_from=ramp["from"], failure_to=ramp.get("to", math.inf))
         row.results.update((name, values[-1]) for name, values in run.statistics.items())
-        return ""
+        return measured.add_to_summary(run)
 
     def write_results(self):
         """sweep.csv: what each run is, and the last row of its statistics."""

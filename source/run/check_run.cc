@@ -89,7 +89,7 @@ namespace greville
         const double end = parameters.end_of_run();
         ExactSolution<dim>(parameters.exact)
           .errors(simulations.bodies(), end, end, comm);
-        const MeasuredData<dim> measured(parameters.reference);
+        check_reference<dim>(parameters.reference);
         if (options.resumes)
           {
             const Checkpoint checkpoint = read_checkpoint(directory, comm);

@@ -149,7 +149,6 @@ namespace greville
     , is_first(Utilities::MPI::this_mpi_process(comm) == 0)
     , simulations(parameters, comm)
     , exact(parameters.exact)
-    , measured(parameters.reference)
     , fields(directory, parameters.output)
     , probes(parameters.output.probes,
              parameters.output.fields,
@@ -164,6 +163,7 @@ namespace greville
     // A formula that fails is better found now than at the end.
     const double end = parameters.end_of_run();
     exact.errors(simulations.bodies(), end, end, comm);
+    check_reference<dim>(parameters.reference);
     begin_run(options);
   }
 
@@ -347,22 +347,6 @@ namespace greville
     summary.ramp     = ramp_result;
     summary.front    = largest_front;
     summary.front_99 = largest_front_99;
-    if (measured.has_surface())
-      summary.surface =
-        measured.surface_distance(simulations.bodies(),
-                                  (parameters.grid.upper[0] -
-                                   parameters.grid.lower[0]) /
-                                    parameters.grid.cells[0],
-                                  parameters.grid.lower[1],
-                                  front_quantile(simulations.bodies(),
-                                                 comm,
-                                                 parameters.output.front_above),
-                                  comm);
-    if (measured.has_failure_line())
-      summary.failure_line =
-        measured.failure_line_distance(simulations.bodies(), comm);
-    if (measured.has_series())
-      summary.series = measured.series_distance();
     return summary;
   }
 
@@ -614,7 +598,6 @@ namespace greville
                            "material law gives such a value."));
     largest_front.add(statistics.front);
     largest_front_99.add(statistics.front_99);
-    measured.add(statistics);
     const double last_time = last_row.empty() ? row.time : last_row[0];
     last_row               = values_of(row, statistics);
     statistics_file.write(last_row);

@@ -254,24 +254,6 @@ namespace greville
     print_errors(out, "displacement", summary.errors.displacement);
     print_errors(out, "velocity", summary.errors.velocity);
     print_errors(out, "stress", summary.errors.stress);
-    if (summary.surface)
-      out << std::setprecision(3) << "  distance to the measured surface: mean "
-          << 1e3 * summary.surface->mean << " mm, largest "
-          << 1e3 * summary.surface->largest
-          << " mm\n  run-out: " << summary.front_99
-          << " m (99.5 % of the mass), "
-          << 1e3 * std::abs(summary.surface->front) << " mm "
-          << (summary.surface->front < 0. ? "behind" : "beyond")
-          << " the measured front; outermost point " << summary.front << " m\n";
-    if (summary.failure_line)
-      out << std::setprecision(3)
-          << "  distance to the measured failure line: mean "
-          << 1e3 * *summary.failure_line << " mm\n";
-    if (summary.series)
-      out << std::setprecision(3) << "  distance to the measured "
-          << parameters.reference.series_quantity << ": mean "
-          << 100. * summary.series->relative << " %, " << summary.series->n
-          << " values\n";
     out << "  results: " << directory << std::endl;
   }
 
@@ -361,26 +343,6 @@ namespace greville
     errors("displacement", summary.errors.displacement);
     errors("velocity", summary.errors.velocity);
     errors("stress", summary.errors.stress);
-    json.end().begin("reference");
-    const auto distance = [&](const std::string &name, const Distance &value) {
-      json.begin(name)
-        .add("mean", value.mean)
-        .add("largest", value.largest)
-        .add("relative", value.relative)
-        .add("values", value.n);
-    };
-    if (summary.surface)
-      {
-        distance("surface", *summary.surface);
-        json.add("front", summary.surface->front).end();
-      }
-    if (summary.failure_line)
-      json.begin("failure_line").add("mean", *summary.failure_line).end();
-    if (summary.series)
-      {
-        distance("series", *summary.series);
-        json.end();
-      }
     json.end();
     run_on_first(
       [&]() { write_atomically(directory + "/summary.json", json.text()); },

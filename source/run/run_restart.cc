@@ -19,8 +19,8 @@ namespace greville
 
   namespace
   {
-    // Names of what a run adds to its simulations.
-    constexpr const char *run_name = "run", *series_name = "series of the run",
+    // Names of what a run adds to the state of its simulations.
+    constexpr const char *run_name       = "run",
                          *intervals_name = "contacts of the run";
 
     const std::vector<std::string> run_columns = {"bytes_of_statistics",
@@ -253,16 +253,8 @@ namespace greville
         const auto numbers = content.table(run_name).gather(comm);
         AssertThrow(numbers.size() == run_columns.size(),
                     ExcMessage("its table of the run is another one"));
-        largest_front     = numbers[2];
-        largest_front_99  = numbers[3];
-        const auto series = content.table(series_name).gather(comm);
-        std::pair<std::vector<double>, std::vector<double>> added;
-        for (unsigned int k = 0; k + 1 < series.size(); k += 2)
-          {
-            added.first.push_back(series[k]);
-            added.second.push_back(series[k + 1]);
-          }
-        measured.set_added(added);
+        largest_front    = numbers[2];
+        largest_front_99 = numbers[3];
         if (!parameters.contacts.empty())
           simulations.set_contact_intervals(
             intervals_of<dim>(content.table(intervals_name).gather(comm)));
@@ -331,7 +323,6 @@ namespace greville
             late_row.has_value(),
             !late_fields.empty(),
             fields.record(),
-            measured.added(),
             late_row ? late_row->intervals : simulations.contact_intervals()};
   }
 
@@ -346,27 +337,20 @@ namespace greville
     content.tables = simulations.tables();
 
     DistributedTable run{run_name, run_columns, {}};
-    DistributedTable series{series_name, {"time", "value"}, {}};
     statistics_file.sync();
     probes.sync();
     if (is_first)
-      {
-        run.values = {double(at.bytes_of_statistics),
-                      double(at.bytes_of_probes),
-                      at.front.value,
-                      at.front_99.value,
-                      double(at.row_is_due + 2 * at.fields_are_due),
-                      double(ends),
-                      double(ramp_result.has_value()),
-                      ramp_result.value_or(RampResult()).from,
-                      ramp_result.value_or(RampResult()).to,
-                      ramp.failed_at};
-        for (unsigned int k = 0; k < at.series.first.size(); ++k)
-          series.values.insert(series.values.end(),
-                               {at.series.first[k], at.series.second[k]});
-      }
+      run.values = {double(at.bytes_of_statistics),
+                    double(at.bytes_of_probes),
+                    at.front.value,
+                    at.front_99.value,
+                    double(at.row_is_due + 2 * at.fields_are_due),
+                    double(ends),
+                    double(ramp_result.has_value()),
+                    ramp_result.value_or(RampResult()).from,
+                    ramp_result.value_or(RampResult()).to,
+                    ramp.failed_at};
     content.tables.push_back(run);
-    content.tables.push_back(series);
     if (!parameters.contacts.empty())
       content.tables.push_back(table_of(at.intervals, is_first));
     checkpoint_file =
@@ -454,8 +438,8 @@ namespace greville
   SimulationRun<dim>::look_for_checkpoint(const bool is_last)
   {
     const CheckpointParameters &when = parameters.checkpoints;
-    const int signal = is_last ? 0 : SignalCatcher::take(comm);
-    bool      is_due = signal != 0;
+    const int signal                 = is_last ? 0 : SignalCatcher::take(comm);
+    bool      is_due                 = signal != 0;
     if (when.every_steps > 0 && common().n_steps % when.every_steps == 0)
       is_due = true;
     if (when.every_minutes > 0.)

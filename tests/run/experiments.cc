@@ -2,9 +2,8 @@
 // All: 1
 // Debug: no
 
-// Coarse runs of the experiments: the granular collapse of Bui et al. and the
-// dam break of Martin and Moyce, against the measured data; the flow in a
-// channel, against the exact one; grid crossing.
+// The flow in a channel against the exact one, water at rest, and grid
+// crossing.
 #include <greville/run/simulation_run.h>
 
 #include "simulation.h"
@@ -33,24 +32,6 @@ run(const std::string &name, const std::vector<unsigned int> &cells)
 void
 test_main()
 {
-  const RunSummary collapse = run<2>("granular_collapse", {120, 24});
-  check("collapse: mean distance to the surface, mm",
-        1e3 * collapse.surface->mean,
-        2.);
-  // The cells are twice those of the shipped file, which comes to 0.447 m.
-  check("collapse: run-out", std::abs(collapse.surface->front / 0.442), 0.05);
-  check("collapse: outermost point",
-        std::abs(collapse.front / 0.442 - 1.),
-        0.05);
-  check("collapse: mean distance to the failure line, mm",
-        1e3 * *collapse.failure_line,
-        5.);
-  check("collapse: all data", collapse.surface->n == 12);
-
-  const RunSummary dam = run<2>("dam_break", {100, 50});
-  check("dam break: mean distance of the front", dam.series->relative, 0.08);
-  check("dam break: all data", dam.series->n == 15);
-
   const RunSummary channel = run<2>("channel_flow", {16, 16});
   check("channel: velocity", channel.errors.velocity->l2, 0.001);
   check("channel: largest error", channel.errors.velocity->max, 0.001);

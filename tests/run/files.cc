@@ -253,32 +253,4 @@ test_main()
   run(text.with("Output", {"Grid fields = false"}), "no_grid");
   check("no grid fields", !std::filesystem::exists("no_grid/grid.pvd"));
   check("each step", lines_of("no_grid/statistics.csv").size() == 22);
-
-  // A measured series and surface: free fall against itself and shifted.
-  if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-    {
-      std::ofstream series("series.csv");
-      series << "# free fall\nt,height\n";
-      for (unsigned int k = 1; k < 10; ++k)
-        series << 0.01 * k << "," << 0.76 - 0.5 * std::pow(0.01 * k, 2) << '\n';
-      std::ofstream("surface.csv") << "x,y\n0.3,0.755\n0.6,0.755\n0.9,0\n";
-    }
-  MPI_Barrier(MPI_COMM_WORLD);
-  run(text.with("Reference",
-                {"Series file = series.csv",
-                 "Series quantity = height",
-                 "Surface file = surface.csv"}),
-      "reference");
-  {
-    boost::property_tree::ptree json;
-    boost::property_tree::read_json("reference/summary.json", json);
-    check("distance to the series",
-          std::abs(json.get<double>("reference.series.mean") - 0.01),
-          1e-4);
-    check("values of the series",
-          json.get<int>("reference.series.values") == 9);
-    check("distance to the surface",
-          std::abs(json.get<double>("reference.surface.largest") - 0.01),
-          1e-6);
-  }
 }

@@ -100,7 +100,7 @@ namespace
   void
   read_data(const SimulationParameters &parameters)
   {
-    const MeasuredData<dim>  measured(parameters.reference);
+    check_reference<dim>(parameters.reference);
     const ExactSolution<dim> exact(parameters.exact);
   }
 } // namespace

@@ -26,7 +26,7 @@ def run(file, folder):
 def wrong_with(file, folder):
     done = run(file, folder)
     wrong = [f"exit status {done.returncode}"] * (done.returncode != 0)
-    wrong += [line for line in done.stdout.splitlines() if line.startswith("== note")]
+    wrong += [line for line in done.stdout.splitlines() if line.startswith(("== note", "  no distance"))]
     wrong += [done.stderr.strip()] * ("scripts/" in done.stderr or "Traceback" in done.stderr)
     return wrong + [f"no {name}" for name in LEFT if not (folder / name).is_file()]
 

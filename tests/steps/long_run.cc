@@ -38,48 +38,6 @@ test(const std::string &name, const Text &text, const unsigned int n_steps)
 
 
 
-// A series of measured values keeps what it needs, however often it is added
-// to.
-void
-test_series()
-{
-  const MPI_Comm comm = MPI_COMM_WORLD;
-  if (Utilities::MPI::this_mpi_process(comm) == 0)
-    std::ofstream("series.csv") << "time,value\n0.1,0\n0.35,0\n0.3501,0\n2,0\n";
-  MPI_Barrier(comm);
-  ReferenceParameters parameters;
-  parameters.series_file     = "series.csv";
-  parameters.series_quantity = "front";
-  MeasuredData<2> measured(parameters);
-  MPI_Barrier(comm);
-  const double       dt    = 0.0007;
-  const unsigned int n     = 2000;
-  const auto         value = [](const double t) { return 1. + t * t; };
-  double             mean = 0., largest = 0.;
-  for (const double t : {0.1, 0.35, 0.3501})
-    {
-      const double k = std::ceil(t / dt), a = (k - 1.) * dt, b = k * dt;
-      const double expected =
-        value(a) + (t - a) / (b - a) * (value(b) - value(a));
-      mean += expected / 3.;
-      largest = std::max(largest, expected);
-    }
-  for (unsigned int k = 0; k <= n; ++k)
-    {
-      Statistics<2> row;
-      row.time  = k * dt;
-      row.front = value(row.time);
-      measured.add(row);
-    }
-  const Distance distance = measured.series_distance();
-  check_range("series, compared", distance.n, 3, 3);
-  check("series, mean", std::abs(distance.mean - mean), 1e-13);
-  check("series, largest", std::abs(distance.largest - largest), 1e-13);
-  check_range("series, kept", measured.added().first.size(), 4, 12);
-}
-
-
-
 void
 test_main()
 {
@@ -112,5 +70,4 @@ test_main()
          .with("Scheme", {"Stress update = MUSL", "FLIP share = 0.975"})
          .with("Time", {"End = 100"}),
        600);
-  test_series();
 }

@@ -8,7 +8,6 @@
 #include <greville/steps/statistics.h>
 
 #include <optional>
-#include <tuple>
 
 namespace greville
 {
@@ -67,121 +66,13 @@ namespace greville
 
 
   /**
-   * Mean and largest distance to measured data, in the unit of the data.
-   */
-  struct Distance
-  {
-    double mean    = 0.;
-    double largest = 0.;
-    /// Number of data that could be compared.
-    unsigned int n = 0;
-    /// Surface: mean over the mean of the data; series: mean of the relative
-    /// distances.
-    double relative = 0.;
-    /// Surface: front_99 of the run less the largest x of the data, m.
-    double front = 0.;
-  };
-
-
-
-  /**
-   * A CSV file with a header and columns of numbers; lines with # are
-   * comments. Throws dealii::ExcMessage with file and line where it is wrong.
-   */
-  std::vector<std::vector<double>>
-  read_columns(const std::string &file,
-               const std::string &parameter,
-               const unsigned int n_columns);
-
-
-
-  /**
-   * Measured data, read when made, so that a missing file stops a run before it
-   * begins.
+   * Throw dealii::ExcMessage if a file of measured data is missing, or the
+   * quantity of a series is no column of the statistics. greville.measured in
+   * Python compares them with the results.
    */
   template <int dim>
-  class MeasuredData
-  {
-  public:
-    MeasuredData(const ReferenceParameters &parameters);
-
-    /**
-     * Add a value of the quantity of the series.
-     */
-    void
-    add(const Statistics<dim> &statistics);
-
-    /**
-     * What has been added and is needed: times, and values of the quantity.
-     * Of those between two neighbouring measured times there are the first and
-     * the last at most.
-     */
-    std::pair<std::vector<double>, std::vector<double>>
-    added() const
-    {
-      return {times, values};
-    }
-
-    void
-    set_added(const std::pair<std::vector<double>, std::vector<double>> &added)
-    {
-      std::tie(times, values) = added;
-    }
-
-    bool
-    has_series() const
-    {
-      return !series.empty();
-    }
-
-    bool
-    has_surface() const
-    {
-      return !surface.empty();
-    }
-
-    bool
-    has_failure_line() const
-    {
-      return !failure_line.empty();
-    }
-
-    /**
-     * |value - measured| at the measured times that the run has reached, in the
-     * unit of the values.
-     */
-    Distance
-    series_distance() const;
-
-    /**
-     * Collective. Vertical distance (m) between the measured surface and the
-     * uppermost point (with half of its size) within half a cell @p h of its x.
-     * Where the body has ended, its surface is at the bottom @p floor: the
-     * distance to the measured front of @p front_99 says how far that is off.
-     */
-    Distance
-    surface_distance(const BodyList<dim> &bodies,
-                     const double         h,
-                     const double         floor,
-                     const double         front_99,
-                     const MPI_Comm       comm) const;
-
-    /**
-     * Collective. Mean distance (m) in 2D between the measured failure line and
-     * that of the run: the area between them over the length of the measured
-     * one. The area is that of the points which were above the line and have
-     * not failed, or below and have, where the line has an x.
-     */
-    double
-    failure_line_distance(const BodyList<dim> &bodies,
-                          const MPI_Comm       comm) const;
-
-  private:
-    const ReferenceParameters        parameters;
-    std::vector<std::vector<double>> surface, failure_line, series;
-    unsigned int                     quantity = 0;
-    std::vector<double>              times, values;
-  };
+  void
+  check_reference(const ReferenceParameters &parameters);
 } // namespace greville
 
 #endif

@@ -45,8 +45,6 @@ namespace greville
     std::vector<std::pair<std::string, double>> contact_gains;
 
     ExactErrors               errors;
-    std::optional<Distance>   surface, series;
-    std::optional<double>     failure_line; // mean distance, m
     std::optional<RampResult> ramp;
   };
 

@@ -120,8 +120,7 @@ namespace greville
       Largest       front, front_99;
       bool          row_is_due = false, fields_are_due = false;
       std::string   fields;
-      std::pair<std::vector<double>, std::vector<double>> series;
-      std::vector<ContactInterval<dim>>                   intervals;
+      std::vector<ContactInterval<dim>> intervals;
     };
 
     Mark
@@ -296,7 +295,6 @@ namespace greville
     bool                       is_first;
     CoupledSimulations<dim>    simulations;
     ExactSolution<dim>         exact;
-    MeasuredData<dim>          measured;
     FieldOutput<dim>           fields;
     Probes<dim>                probes;
     RunNotes                   notes;
