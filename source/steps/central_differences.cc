@@ -498,13 +498,7 @@ namespace greville
   void
   CentralDifferences<dim>::advance(State<dim> &state, const double dt)
   {
-    if (may_reject())
-      {
-        std::swap(state.field.acceleration, field.acceleration);
-        step_size.remember(state.field.history, field.acceleration, dt);
-      }
-    else
-      find_acceleration(state);
+    take_acceleration(state, dt);
     begin_row(state);
     find_new_velocity(state);
     if (water)
@@ -512,15 +506,38 @@ namespace greville
     take_points(state);
     add_work_of_point_loads(state, true);
     end_row(state);
+    transport(state);
+    tell_guard();
+    count_step(state, dt);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::take_acceleration(State<dim> &state, const double dt)
+  {
+    if (!may_reject())
+      {
+        find_acceleration(state);
+        return;
+      }
+    std::swap(state.field.acceleration, field.acceleration);
+    step_size.remember(state.field.history, field.acceleration, dt);
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::transport(State<dim> &state)
+  {
     const std::string problem =
       discretization.transport_points(state,
                                       trial.motion.left_cells,
                                       trial.motion.left_surface_cells);
     fail_on_all(trial.motion.problem.empty() ? problem : trial.motion.problem,
                 discretization.communicator());
-    tell_guard();
-
-    count_step(state, dt);
   }
 
 

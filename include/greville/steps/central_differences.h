@@ -198,6 +198,14 @@ namespace greville
     void
     tell_guard();
 
+    /// Take the acceleration of the trial, or find it.
+    void
+    take_acceleration(State<dim> &state, const double dt);
+
+    /// Collective. Move points to their new cells and processes.
+    void
+    transport(State<dim> &state);
+
     /// Set the fields, times and counters of the state.
     void
     count_step(State<dim> &state, const double dt);
