@@ -11,6 +11,7 @@
 #include <greville/parameters/section_parameters.h>
 #include <greville/parameters/stage_parameters.h>
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -167,6 +168,20 @@ namespace greville
     /// Read the values of @p lines, which come from @p file.
     void
     read(const std::string &file, const std::vector<ParameterLine> &lines);
+
+    /// Make the members of the sections that @p lines name.
+    void
+    make_sections(const std::vector<ParameterLine> &lines);
+
+    /// Make names of files absolute in @p prm, and relative to the current
+    /// folder in the members.
+    void
+    locate_files(const std::filesystem::path &folder,
+                 dealii::ParameterHandler    &prm);
+
+    /// Find masses and materials of stages, and enter the first stage.
+    void
+    complete_stages();
 
     /// Declare all parameters except those of materials.
     void

@@ -1,0 +1,594 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/base/named_formulas.h>
+#include <greville/base/parameters.h>
+#include <greville/base/shared_library.h>
+#include <greville/geometry/shape.h>
+#include <greville/materials/state_names.h>
+#include <greville/materials/umat.h>
+#include <greville/parameters/simulation_parameters.h>
+
+#include <algorithm>
+#include <boost/algorithm/string/join.hpp>
+#include <filesystem>
+#include <functional>
+#include <sstream>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// Return the value of the last line with this parameter.
+    std::string
+    value_of(const std::vector<ParameterLine> &lines,
+             const std::string                &section,
+             const std::string                &name)
+    {
+      std::string result;
+      for (const ParameterLine &line : lines)
+        if (line.section == section && line.name == name)
+          result = line.value;
+      return result;
+    }
+
+
+
+    /// Return the names of an entry of the section "Simulation".
+    std::vector<std::string>
+    names_of(const std::vector<ParameterLine> &lines, const std::string &entry)
+    {
+      const auto result =
+        Utilities::split_string_list(value_of(lines, "Simulation", entry), ',');
+      check_different(result, "Simulation/" + entry, "name");
+      return result;
+    }
+
+
+
+    /// Check that each name has a section and each section a name.
+    void
+    check_sections(const std::vector<ParameterLine> &lines,
+                   const std::string                &kind,
+                   const std::string                &entry,
+                   const std::vector<std::string>   &names)
+    {
+      std::vector<std::string> sections;
+      for (const ParameterLine &line : lines)
+        if (line.section.compare(0, kind.size() + 1, kind + " ") == 0)
+          {
+            sections.push_back(line.section.substr(kind.size() + 1));
+            // Stages contain sections, and bodies a grid.
+            if (kind == "Stage" || kind == "Body")
+              sections.back() =
+                sections.back().substr(0, sections.back().find('/'));
+            AssertThrow(
+              std::count(names.begin(), names.end(), sections.back()) == 1,
+              ExcMessage(line.place + ": there is a section '" + line.section +
+                         "', but the parameter 'Simulation/" + entry +
+                         "' does not name <" + sections.back() + ">." +
+                         did_you_mean(sections.back(), names)));
+          }
+      for (const std::string &name : names)
+        AssertThrow(std::count(sections.begin(), sections.end(), name) > 0,
+                    ExcMessage("The parameter 'Simulation/" + entry +
+                               "' has the name <" + name +
+                               ">, but there is no section '" + kind + " " +
+                               name + "'." + did_you_mean(name, sections)));
+    }
+
+
+
+    void
+    declare_model(ParameterHandler  &prm,
+                  const std::string &section,
+                  const std::string &model)
+    {
+      prm.enter_subsection(section);
+      prm.declare_entry("Model",
+                        model,
+                        Patterns::Selection(material_names() +
+                                            (model.empty() ? "|" : "")),
+                        "Constitutive law; required. Its parameters are set in "
+                        "the same section.");
+      prm.leave_subsection();
+    }
+
+
+
+    /**
+     * The kind of the surface load of a @p section. Throws if the section has a
+     * parameter of other kinds only.
+     */
+    std::shared_ptr<SurfaceLoadKind>
+    kind_of_load(const std::vector<ParameterLine> &lines,
+                 const std::string                &section)
+    {
+      std::string name = value_of(lines, section, "Kind");
+      if (name.empty())
+        name = SurfaceLoadParameters().kind_name;
+      std::shared_ptr<SurfaceLoadKind> result =
+        make_surface_load_kind(name, section + "/Kind");
+      std::map<std::string, std::vector<std::string>> kinds_with;
+      for (const std::string &kind :
+           Utilities::split_string_list(surface_load_kinds(), '|'))
+        {
+          ParameterHandler prm;
+          const auto other = make_surface_load_kind(kind, section + "/Kind");
+          declare_section(prm, section, *other);
+          for (const std::string &parameter : names_in_section(prm, section))
+            kinds_with[parameter].push_back(kind);
+        }
+      for (const ParameterLine &line : lines)
+        if (line.section == section && kinds_with.count(line.name) > 0)
+          {
+            const auto &kinds = kinds_with[line.name];
+            AssertThrow(std::count(kinds.begin(), kinds.end(), name) > 0,
+                        ExcMessage(line.place + ": the parameter '" + section +
+                                   "/" + line.name + "' belongs to 'Kind' = " +
+                                   boost::algorithm::join(kinds, " and ") +
+                                   ", not " + name + "."));
+          }
+      return result;
+    }
+
+
+
+    /**
+     * Declare the names of the section 'Formulas'.
+     */
+    void
+    declare_formulas(ParameterHandler                   &prm,
+                     std::map<std::string, std::string> &formulas)
+    {
+      if (formulas.empty())
+        return;
+      prm.enter_subsection("Formulas");
+      for (auto &[name, formula] : formulas)
+        add_formula(prm, name, formula)(
+          "Definition of a name for all formulas of the file: a formula of x, "
+          "y, z, X, Y, Z, t and other names of this section, in any order. A "
+          "formula can use the name if it has these variables. If a formula "
+          "has a variable of the same name, such as h in 'Time/Step', the name "
+          "means this variable.");
+      prm.leave_subsection();
+    }
+
+
+
+    /**
+     * Load the libraries of plugins and user-defined laws, whose names become
+     * absolute. Throws with the line if this fails.
+     */
+    std::vector<ParameterLine>
+    with_libraries(std::vector<ParameterLine>   lines,
+                   const std::filesystem::path &folder)
+    {
+      const auto absolute = [&](const std::string &name) {
+        return std::filesystem::absolute(folder / name).string();
+      };
+      const std::vector<ParameterLine> given = lines;
+      for (ParameterLine &line : lines)
+        try
+          {
+            // Only the last line with this parameter counts.
+            if (line.value != value_of(given, line.section, line.name))
+              continue;
+            const std::string parameter = line.section + "/" + line.name;
+            if (parameter == "Simulation/Additional shared libraries")
+              {
+                std::vector<std::string> files;
+                for (const std::string &name :
+                     Utilities::split_string_list(line.value, ','))
+                  {
+                    files.push_back(absolute(name));
+                    load_plugin(files.back(), parameter);
+                  }
+                line.value = boost::algorithm::join(files, ", ");
+              }
+            else if (line.name == "Library" && !line.value.empty() &&
+                     value_of(given, line.section, "Model") == Umat::name)
+              {
+                line.value = absolute(line.value);
+                Umat::find_function(line.value, parameter);
+              }
+          }
+        catch (const std::exception &error)
+          {
+            AssertThrow(false,
+                        ExcMessage(line.place + ": " + message_of(error)));
+          }
+      return lines;
+    }
+
+
+
+    /**
+     * Call a function of a law, and add the section to its exceptions if they
+     * do not name it.
+     */
+    void
+    let_law_act(const std::string &section, const std::function<void()> &action)
+    {
+      const std::string begin = "'" + section + "': ";
+      try
+        {
+          action();
+        }
+      catch (const std::exception &error)
+        {
+          const std::string message = message_of(error);
+          const bool        has_name =
+            message.find("'" + section) != std::string::npos;
+          AssertThrow(false, ExcMessage((has_name ? "" : begin) + message));
+        }
+      catch (...)
+        {
+          AssertThrow(false,
+                      ExcMessage(begin + "its law throws an exception."));
+        }
+    }
+
+
+
+    /// Throw if a file selects the solver by parameters that do not name it.
+    void
+    check_method(const std::vector<ParameterLine> &lines)
+    {
+      const std::string method = value_of(lines, "Solver", "Method");
+      for (const ParameterLine &line : lines)
+        AssertThrow(line.section != "p-multigrid" || !method.empty(),
+                    ExcMessage(
+                      line.place +
+                      ": the section p-multigrid is for 'Solver/Method' = "
+                      "cg-p-multigrid, which has to be set beside it."));
+    }
+
+
+
+    void
+    check_friction(const WallParameters             &walls,
+                   const std::vector<ParameterLine> &lines,
+                   const std::string                &stage)
+    {
+      for (unsigned int w = 0; w < 6; ++w)
+        {
+          const std::string name = WallParameters::names[w] + " friction";
+          AssertThrow(walls.type[w] != "friction" ||
+                        !value_of(lines, "Walls", name).empty() ||
+                        (!stage.empty() &&
+                         !value_of(lines, stage + "/Walls", name).empty()),
+                      ExcMessage(
+                        "The wall '" + WallParameters::names[w] +
+                        "' is friction and needs a coefficient: the parameter "
+                        "'" +
+                        (stage.empty() ? "" : stage + "/") + "Walls/" + name +
+                        "'."));
+        }
+    }
+
+
+
+    /**
+     * Return the text of a parameter file without parameters of the whole run
+     * that are repeated in stages: a resumed run changes such a value once.
+     */
+    std::string
+    without_common_times(const std::string &text)
+    {
+      std::istringstream       in(text);
+      std::string              result;
+      std::vector<std::string> sections;
+      for (std::string line; std::getline(in, line);)
+        {
+          const std::string words = Utilities::trim(line);
+          if (words.compare(0, 11, "subsection ") == 0)
+            sections.push_back(words.substr(11));
+          else if (words == "end" && !sections.empty())
+            sections.pop_back();
+          const bool is_common =
+            sections.size() == 2 && sections[0].compare(0, 6, "Stage ") == 0 &&
+            sections[1] == "Time" &&
+            (words.compare(0, 9, "set Start") == 0 ||
+             words.compare(0, 17, "set Maximum steps") == 0);
+          if (!is_common)
+            result += line + '\n';
+        }
+      return result;
+    }
+
+
+
+    /// Return the lines of sections that begin with a name, which is cut off.
+    std::vector<ParameterLine>
+    lines_of_stage(const std::vector<ParameterLine> &lines,
+                   const std::string                &begin)
+    {
+      std::vector<ParameterLine> result;
+      for (const ParameterLine &line : lines)
+        for (const std::string section :
+             {"Time", "Scheme", "Walls", "Loads", "Implicit", "Newton"})
+          if (line.section == begin + section && !line.name.empty())
+            {
+              result.push_back(line);
+              result.back().section = section;
+            }
+      return result;
+    }
+
+
+
+    using Laws = std::map<std::string, std::shared_ptr<Material>>;
+
+    /**
+     * Make the materials, and declare their parameters.
+     */
+    Laws
+    make_laws(const std::vector<ParameterLine> &lines, ParameterHandler &prm)
+    {
+      Laws laws;
+      for (const std::string &name : names_of(lines, "Materials"))
+        {
+          const std::string section = "Material " + name;
+          const std::string model   = value_of(lines, section, "Model");
+          laws[name]                = make_material(model, section + "/Model");
+          let_law_act(section,
+                      [&]() { declare_section(prm, section, *laws[name]); });
+          declare_model(prm, section, model);
+        }
+      return laws;
+    }
+  } // namespace
+
+
+
+  void
+  SimulationParameters::read(const std::string                &file,
+                             const std::vector<ParameterLine> &given_lines)
+  {
+    const std::filesystem::path folder =
+      std::filesystem::path(file).parent_path();
+    const auto lines = with_libraries(given_lines, folder);
+    make_sections(lines);
+    make_stages(lines);
+
+    ParameterHandler prm;
+    declare(prm);
+    std::map<std::string, std::string> formulas;
+    for (const ParameterLine &line : lines)
+      if (line.section == "Formulas" && !line.name.empty())
+        formulas[line.name];
+    declare_formulas(prm, formulas);
+    const Laws laws = make_laws(lines, prm);
+    materials.insert(laws.begin(), laws.end());
+    check_method(lines);
+    parse_parameter_lines(prm, lines);
+    if (general.name.empty())
+      general.name = std::filesystem::path(file).stem().string();
+    locate_files(folder, prm);
+    std::ostringstream text;
+    prm.print_parameters(text, ParameterHandler::PRM);
+    used_text = without_common_times(text.str());
+    NamedFormulas(formulas, Utilities::split_string_list(shape_names(), '|'))
+      .attach_to(prm);
+
+    complete_stages();
+    make_axis();
+    check();
+    if (stages.empty())
+      check_friction(walls, lines, "");
+    for (const StageParameters &stage : stages)
+      check_friction(stage.walls, lines, "Stage " + stage.name);
+    for (const auto &[name, law] : laws)
+      let_law_act("Material " + name, [&, &law = law, &name = name]() {
+        law->reinit("Material " + name);
+        check_state_names(law->state_names(), "Material " + name);
+      });
+  }
+
+
+
+  void
+  SimulationParameters::make_sections(const std::vector<ParameterLine> &lines)
+  {
+    const auto body_names    = names_of(lines, "Bodies"),
+               law_names     = names_of(lines, "Materials"),
+               load_names    = names_of(lines, "Surface loads"),
+               rigid_names   = names_of(lines, "Rigid bodies"),
+               contact_names = names_of(lines, "Contacts");
+    if (body_names.empty())
+      for (const ParameterLine &line : lines)
+        {
+          const std::string hint = did_you_mean(line.section, {"Simulation"});
+          AssertThrow(hint.empty() || line.section == "Simulation",
+                      ExcMessage(line.place + ": there is no section '" +
+                                 line.section + "'." + hint));
+        }
+    AssertThrow(!body_names.empty(),
+                ExcMessage("The parameter 'Simulation/Bodies' is empty: a "
+                           "simulation needs a body."));
+    check_sections(lines, "Body", "Bodies", body_names);
+    check_sections(lines, "Material", "Materials", law_names);
+    check_sections(lines, "Surface load", "Surface loads", load_names);
+    check_sections(lines, "Rigid body", "Rigid bodies", rigid_names);
+    check_sections(lines, "Contact", "Contacts", contact_names);
+    check_sections(lines, "Stage", "Stages", names_of(lines, "Stages"));
+    for (const std::string &name : body_names)
+      {
+        bodies[name];
+        body_grids[name];
+      }
+    for (const std::string &name : load_names)
+      surface_loads[name].kind = kind_of_load(lines, "Surface load " + name);
+    for (const std::string &name : rigid_names)
+      rigid_bodies[name];
+    for (const std::string &name : contact_names)
+      contacts[name];
+  }
+
+
+
+  void
+  SimulationParameters::locate_files(const std::filesystem::path &folder,
+                                     ParameterHandler            &prm)
+  {
+    const auto set = [&](const std::string &section,
+                         const std::string &entry,
+                         const std::string &value) {
+      prm.enter_subsection(section);
+      prm.set(entry, value);
+      prm.leave_subsection();
+    };
+    const auto locate = [&](const std::string &section,
+                            const std::string &entry,
+                            std::string       &name) {
+      if (name.empty())
+        return;
+      const auto path = folder / name;
+      set(section, entry, std::filesystem::absolute(path).string());
+      name = path.string();
+    };
+    set("Simulation", "Name", general.name);
+    locate("Reference", "Surface file", reference.surface_file);
+    locate("Reference", "Failure line file", reference.failure_line_file);
+    locate("Reference", "Series file", reference.series_file);
+    for (auto &body : bodies)
+      {
+        locate("Body " + body.first, "Points file", body.second.points_file);
+        locate("Body " + body.first, "Shape file", body.second.shape_file);
+      }
+    for (auto &[name, body] : rigid_bodies)
+      locate("Rigid body " + name, "Shape file", body.shape_file);
+  }
+
+
+
+  void
+  SimulationParameters::complete_stages()
+  {
+    for (StageParameters &stage : stages)
+      {
+        const auto check_common =
+          [&](const bool is_same, const std::string &name, const double value) {
+            AssertThrow(is_same,
+                        ExcMessage("The parameter 'Stage " + stage.name +
+                                   "/Time/" + name + "' is <" + text_of(value) +
+                                   ">. It belongs to the whole run, and to the "
+                                   "section 'Time' outside of stages: a stage "
+                                   "begins where the one before ends."));
+          };
+        check_common(stage.time.start == time.start, "Start", stage.time.start);
+        check_common(stage.time.max_steps == time.max_steps,
+                     "Maximum steps",
+                     stage.time.max_steps);
+        if (stage.scheme.mass == "auto")
+          stage.scheme.mass = default_mass(stage.scheme, stage.walls);
+      }
+    find_materials();
+    if (!stages.empty())
+      enter_stage(0);
+    if (scheme.mass == "auto")
+      scheme.mass = default_mass(scheme, walls);
+    for (std::string &mass : sweep.masses)
+      if (mass == "auto")
+        mass = default_mass(scheme, walls);
+  }
+
+
+
+  void
+  SimulationParameters::make_stages(const std::vector<ParameterLine> &lines)
+  {
+    const auto names = names_of(lines, "Stages");
+    if (names.empty())
+      return;
+    // All stages begin with the sections outside.
+    StageParameters  common;
+    ParameterHandler prm;
+    common.declare_sections(prm);
+    const auto outside = lines_of_stage(lines, "");
+    check_parameter_lines(prm, outside);
+    for (const ParameterLine &line : outside)
+      {
+        prm.enter_subsection(line.section);
+        prm.set(line.name, line.value);
+        prm.leave_subsection();
+      }
+    for (const std::string &name : names)
+      {
+        stages.push_back(common);
+        stages.back().name    = name;
+        WallParameters &walls = stages.back().walls;
+        // Parameters of a wall that has another type are not inherited.
+        for (const ParameterLine &line :
+             lines_of_stage(lines, "Stage " + name + "/"))
+          for (unsigned int w = 0; w < 6; ++w)
+            if (line.section == "Walls")
+              {
+                const std::string &wall = WallParameters::names[w];
+                if (line.name == wall && line.value != walls.type[w])
+                  {
+                    walls.velocity[w] = walls.displacement[w] = "";
+                    walls.region[w]                           = "";
+                    walls.friction[w]                         = 0.;
+                  }
+                else if (line.name == wall + " velocity")
+                  walls.displacement[w] = "";
+                else if (line.name == wall + " displacement")
+                  walls.velocity[w] = "";
+              }
+      }
+  }
+
+
+
+  void
+  SimulationParameters::make_axis()
+  {
+    if (!grid.has_axis())
+      return;
+    for (StageParameters &stage : stages)
+      if (stage.walls.type[0] == "free")
+        stage.walls.type[0] = "sliding";
+    if (walls.type[0] == "free")
+      walls.type[0] = "sliding";
+  }
+
+
+
+  void
+  SimulationParameters::use_reference(const UseParameters &use)
+  {
+    SimulationParameters parameters;
+    parameters.bodies["NAME"];
+    parameters.surface_loads["NAME"];
+    parameters.rigid_bodies["NAME"];
+    parameters.contacts["NAME"];
+    ParameterHandler prm;
+    parameters.declare(prm);
+    StageParameters stage;
+    declare_section(prm, "Stage NAME", stage);
+    std::map<std::string, std::string> formulas = {{"NAME", ""}};
+    declare_formulas(prm, formulas);
+    declare_model(prm, "Material NAME", "");
+    std::vector<std::unique_ptr<Material>> laws;
+    for (const std::string &model :
+         Utilities::split_string_list(material_names(), '|'))
+      {
+        laws.push_back(make_material(model, "Model"));
+        declare_section(prm, "Material NAME of model " + model, *laws.back());
+      }
+    std::vector<std::unique_ptr<SurfaceLoadKind>> kinds;
+    for (const std::string &kind :
+         Utilities::split_string_list(surface_load_kinds(), '|'))
+      {
+        kinds.push_back(make_surface_load_kind(kind, "Kind"));
+        declare_section(prm,
+                        "Surface load NAME of kind " + kind,
+                        *kinds.back());
+      }
+    use(prm);
+  }
+} // namespace greville
