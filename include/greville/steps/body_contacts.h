@@ -36,32 +36,30 @@ namespace greville
   {
   public:
     /**
-     * Collective. The @p parts are kept. Throws dealii::ExcMessage where
-     * parameters are wrong.
+     * Collective. The @p parts are kept by reference. Throws dealii::ExcMessage
+     * for invalid parameters.
      */
     BodyContacts(const SimulationParameters           &parameters,
                  const std::vector<Simulation<dim> *> &parts,
                  const MPI_Comm                        comm);
 
     /**
-     * Collective. Give loads to the surfaces of the parts as they are. Nothing
-     * changes where that has been done; between two implicit steps, points keep
-     * the loads that they have. Throws StepFailed where a surface is lost, or
-     * bodies overlap initially.
+     * Collective. Set the loads on the surfaces of the parts in their current
+     * state. Does nothing if this has been done already; between two implicit
+     * steps, points keep their loads. Throws StepFailed if a surface is lost,
+     * or bodies overlap initially.
      */
     void
     act();
 
     /**
-     * The parts take an explicit step of length @p dt (s) with these loads:
-     * keep results and slip, and move rigid bodies to its end.
+     * Begin an explicit step of the parts of length @p dt (s) with these loads:
+     * store results and slip, and move rigid bodies to its end.
      */
     void
     begin_step(const double dt);
 
-    /**
-     * The parts have taken an implicit step, and results belong to its end.
-     */
+    /// End an implicit step of the parts; results then belong to its end.
     void
     end_step();
 
@@ -75,8 +73,8 @@ namespace greville
     bounded_step(const double longest) const;
 
     /**
-     * Add what contacts and rigid bodies did to a row of statistics: at the
-     * state as it is, to which act() belongs, or at the start of the last step.
+     * Add contact and rigid body results to a row of statistics: for the
+     * current state, to which act() belongs, or for the start of the last step.
      */
     void
     add_to(Statistics<dim> &row, const bool at_start_of_step) const;
@@ -90,31 +88,29 @@ namespace greville
       return of_interval;
     }
 
-    /**
-     * Go on from earlier intervals(); from none, begin them anew.
-     */
+    /// Continue from earlier intervals(), or restart them if empty.
     void
     set_intervals(const std::vector<ContactInterval<dim>> &intervals);
 
     /**
-     * Collective. Return, by contacts, what their surfaces have given to the
-     * bodies beyond what they have taken, as a fraction of the largest energy
-     * or work of one source so far: it has come from nothing. Contacts with
-     * rigid bodies that have moved are left out, which do work.
+     * Collective. Return, for each contact, the energy that its surfaces have
+     * given to the bodies in excess of what they have taken, as a fraction of
+     * the largest energy or work of one source so far: this energy is spurious.
+     * Contacts with rigid bodies that have moved, which do work, are omitted.
      */
     std::vector<std::pair<std::string, double>>
     gains() const;
 
     /**
-     * Collective. Warn, or throw StepFailed, where gains() of explicit steps
-     * are more than a tenth.
+     * Collective. Warn, or throw StepFailed, if gains() of explicit steps
+     * exceed a tenth.
      */
     void
     check_gains();
 
     /**
-     * Return what may not be meant as it stands: rigid bodies that are away
-     * from the grid.
+     * Return notes on probable mistakes: rigid bodies that are away from the
+     * grid.
      */
     const std::vector<std::string> &
     notes() const
@@ -131,9 +127,11 @@ namespace greville
   private:
     friend class TrialContacts<dim>;
 
-    /// How far the centers of cells are from a rigid body in a position, by
-    /// numbers of cells: the largest number, or in the body its negative, where
-    /// that is more than the reach, m.
+    /**
+     * The distances of cell centers from a rigid body in a position, by number
+     * of cell: the largest number, or its negative inside the body, if the
+     * distance exceeds the reach, m.
+     */
     struct CellDistances
     {
       RigidPosition<dim>                        position;
@@ -156,28 +154,28 @@ namespace greville
       std::string                       name;
       std::array<std::vector<Place>, 2> sides;
       int                               rigid = -1; // number of the rigid body
-      // What the law consists of: of both sides the modulus E', Pa, and the
-      // impedance of the softer one, Pa s / m; and cells of the coarser grid.
+      // The constants of the law: for both sides the modulus E', Pa, the
+      // impedance of the softer side, Pa s / m, and cells of the coarser grid.
       ContactParameters      given;
       double                 modulus = 0., impedance = 0., cell_size = 0.;
       dealii::Point<dim>     corner;
       dealii::Tensor<1, dim> cell_sizes;
       std::unique_ptr<AveragedContact<dim>> average;
-      // How fast both sides have moved in the last step, added up, m / s; what
-      // they have moved in that, and from the last check for overlaps until
-      // then, m; whether there has been one, and the Overlap::excess then.
+      // The motion of both sides: the sum of their speeds in the last step, m /
+      // s; their displacement in it, and from the last check for overlaps until
+      // then, m; whether there has been a check, and its Overlap::excess.
       double speed = 0., last_way = 0., way = 0.;
       bool   is_checked   = false;
       double first_excess = 0.;
-      // See check_gains(): what has been warned of; what the pressure at the
-      // start has stored, and what was given before the run was resumed, J; and
-      // whether the latter has been counted.
+      // Data of check_gains(): the gain of the last warning, the energy stored
+      // by the pressure at the start, the energy given before the run was
+      // resumed, J, and whether the latter has been counted.
       double warned_gain   = 0.;
       double stored_energy = -1.;
       bool   is_judged     = false;
     };
 
-    /// Results of all contacts, and the rigid bodies then.
+    /// Results of all contacts, and the rigid bodies at that time.
     struct Results
     {
       std::vector<ContactResult<dim>> contacts;
@@ -188,7 +186,7 @@ namespace greville
     make_contact(const SimulationParameters &parameters,
                  const std::string          &name);
 
-    /// Let results that acted for a time @p dt, s, count for intervals().
+    /// Add results that acted for a time @p dt, s, to intervals().
     void
     add_to_intervals(const std::vector<ContactResult<dim>> &results,
                      const double                           dt);
@@ -200,38 +198,43 @@ namespace greville
     bool
     steps_are_implicit() const;
 
-    /// The law of a contact in steps of this kind.
+    /// Set the law of a contact for this kind of steps.
     void
     set_law(Contact &contact) const;
 
-    /// All laws, where the kind of steps has changed.
+    /// Set all laws if the kind of steps has changed.
     void
     set_laws();
 
-    /// What follows the last results: the slip, the places and the radii of
-    /// points at the start of a step.
+    /**
+     * Store what follows from the last results: the slip, the positions and the
+     * radii of points at the start of a step.
+     */
     void
     commit();
 
-    /// What acts on a rigid body: forces of the last results, and gravity at
-    /// the time @p t, s.
+    /**
+     * Return the actions on a rigid body: forces of the last results, and
+     * gravity at the time @p t, s.
+     */
     RigidStep<dim>
     rigid_step(const unsigned int body, const double t) const;
 
-    /// Where rigid bodies will be after a time @p dt, s.
+    /// Return the rigid bodies after a time @p dt, s.
     std::vector<RigidBodyState<dim>>
     moved_bodies(const double dt) const;
 
-    /// The points of both sides as they are.
+    /// Return the points of both sides in their current state.
     std::vector<ContactPoint<dim>>
     collect(const Contact &contact) const;
 
-    /// Let the surfaces of the first side consist of those material points that
-    /// are the outermost layer now, with what they know of their contact:
-    /// within one spacing of the other side, in implicit steps also those that
-    /// may get there in a step. Those that are inside of the other side get
-    /// back onto its surface: pressures, which are averages, let single ones
-    /// pass.
+    /**
+     * Replace the surfaces of the first side by the material points that now
+     * form the outermost layer, with their contact data: points within one
+     * spacing of the other side, and, in implicit steps, points that may get
+     * there in a step. Points inside the other side are moved back to its
+     * surface, since single points can penetrate despite the averaged pressure.
+     */
     void
     renew_contactors(Contact &contact);
 
@@ -251,7 +254,7 @@ namespace greville
     /// of the larger cell size.
     static constexpr double longest_trial_motion = 0.5;
 
-    /// How far a point, or a rigid body, may move in an explicit step.
+    /// The largest motion of a point or a rigid body in an explicit step.
     static constexpr double longest_motion = 0.25;
 
     /// A cell in which points may be near the second side.
@@ -262,9 +265,11 @@ namespace greville
       double             distance; // at least, of the center; 0: not known
     };
 
-    /// Those with points of a body that may be closer than @p reach, m.
-    /// Distances from rigid bodies are found again where they have moved by a
-    /// quarter of a cell.
+    /**
+     * Return the cells with points of a body that may be closer than @p reach,
+     * m. Distances from rigid bodies are updated after motions of a quarter of
+     * a cell.
+     */
     std::vector<NearCell>
     near_cells(const Contact &contact, Place &place, const double reach);
 
@@ -275,59 +280,73 @@ namespace greville
       return state.bodies[state.surfaces[place.surface].body];
     }
 
-    /// Set what is known of a point without the other side. The @p radius is
-    /// null where it is not a material point.
+    /**
+     * Set the data of a point that do not depend on the other side. @p radius
+     * is null unless it is a material point.
+     */
     static void
     set_place(ContactPoint<dim>       &point,
               const ConstPointRef<dim> p,
               const SurfaceState<dim> &at,
               const PointField        *radius);
 
-    /// Set the gaps of points, and what belongs to them.
+    /// Set the gaps of points and related data.
     void
     find_gaps(const Contact                  &contact,
               std::vector<ContactPoint<dim>> &points,
               const double                    reach);
 
-    /// Throw where bodies that have been added overlap, by their shapes; and
-    /// where points of a body are inside of the other side by more than half of
-    /// a cell, which is looked for whenever both have moved by a quarter.
+    /**
+     * Throw if added bodies overlap, by their shapes, or if points of a body
+     * are inside the other side by more than half a cell. The latter is checked
+     * whenever both have moved by a quarter of a cell.
+     */
     void
     check_overlaps(Contact &contact);
 
-    /// The sides and places of bodies that are there for the first time, but
-    /// not because of a restart.
+    /**
+     * Return the sides and places of bodies that are present for the first
+     * time, except after a restart.
+     */
     std::vector<std::pair<unsigned int, Place *>>
     added_places(Contact &contact) const;
 
     void
     check_added(Contact &contact, const unsigned int side, Place &place) const;
 
-    /// Collective. Return which point is too far inside, empty if none.
+    /**
+     * Collective. Return the point that is too far inside, empty if there is
+     * none.
+     */
     std::string
     find_inside_of_rigid(Contact &contact);
 
     std::string
     find_inside_of_body(Contact &contact) const;
 
-    /// Collective. Return what each contact has given to the bodies, J, and
-    /// the @p largest energy or work of one source so far. Contacts with rigid
-    /// bodies that have moved, which do work, have no value.
+    /**
+     * Collective. Return the energy that each contact has given to the bodies,
+     * J, and the @p largest energy or work of one source so far. Contacts with
+     * rigid bodies that have moved, which do work, have no value.
+     */
     std::vector<std::optional<double>>
     given_energies(double &largest) const;
 
-    /// Collective. Find what both sides have moved in the last step.
+    /// Collective. Compute the motion of both sides in the last step.
     void
     find_way(Contact                              &contact,
              const std::vector<ContactPoint<dim>> &points) const;
 
-    /// The longest way of the rigid body of a contact between two positions, m.
+    /**
+     * Return the largest displacement of a contact's rigid body between two
+     * positions, m.
+     */
     double
     rigid_way(const Contact            &contact,
               const RigidPosition<dim> &before,
               const RigidPosition<dim> &now) const;
 
-    /// Throw where points have moved too far in a step, or overlap initially.
+    /// Throw if points have moved too far in a step, or overlap initially.
     void
     check(const Contact                        &contact,
           const std::vector<ContactPoint<dim>> &points) const;
@@ -338,7 +357,7 @@ namespace greville
     check_sides(const Contact                        &contact,
                 const std::vector<ContactPoint<dim>> &points) const;
 
-    /// Give forces and slip to the surfaces.
+    /// Store forces and slip in the surfaces.
     void
     give(const Contact &contact, const std::vector<ContactPoint<dim>> &points);
 

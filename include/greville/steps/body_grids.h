@@ -12,13 +12,13 @@ namespace greville
    * each body where bodies have grids of their own, and otherwise the one that
    * is given.
    *
-   * A body gets the part around it of the grid that is meant for it: the cells
-   * that hold points and p more on each side. All functions that reach the body
-   * are those of the whole grid then. Walls act on the sides of the part that
-   * are sides of the grid; all others are free, and so are those that contacts
-   * name, behind which the grid goes on.
+   * A body gets the part of its grid around it: the cells with points and p
+   * more on each side, so that all functions that reach the body are the
+   * functions of the whole grid. Walls act on the sides of the part that are
+   * sides of the grid; all other sides are free, as well as contact walls,
+   * beyond which the grid continues.
    *
-   * Throws dealii::ExcMessage where a body is wrong.
+   * Throws dealii::ExcMessage if a body is invalid.
    */
   template <int dim>
   std::vector<SimulationParameters>

@@ -26,22 +26,21 @@ namespace greville
    *   points are kicked by a (FLIP) or take v' (PIC, APIC), and are moved by v'
    *   F, J, stress from the gradient of w                     (grid to points)
    *
-   * with the velocity w of the scheme. Coefficients at walls, and what contacts
-   * constrain, are held in all of these. What v leaves out of the points'
-   * momentum there, since it is held, is taken from the points with the kick,
-   * see GridMass::held_residual(): else they would keep it for ever.
+   * with the velocity w of the scheme. Coefficients at walls and in contacts
+   * are constrained in all of these. The part of the points' momentum that the
+   * constrained v does not represent is removed from the points by the kick,
+   * see GridMass::held_residual(); otherwise, they would keep it forever.
    *
-   * With velocities at half steps, dt' is the mean of dt and the step before
-   * it, in the first step dt / 2: central differences, of second order, where
-   * v belongs to t_(n-1/2), v' to t_(n+1/2). With full steps dt' = dt:
-   * symplectic Euler, of first order.
+   * With velocities at half steps, dt' is the mean of dt and the previous step,
+   * in the first step dt / 2: central differences, of second order, where v
+   * belongs to t_(n-1/2), v' to t_(n+1/2). With full steps dt' = dt: symplectic
+   * Euler, of first order.
    *
    * Automatic steps with consistent mass are rejected where they show a mode
    * that they are too long for: the critical step can fall from one step to the
    * next, where points have left a hole.
    *
-   * The references are
-   * @ref Sulsky1994 "Sulsky, Chen and Schreyer, 1994", and
+   * The references are @ref Sulsky1994 "Sulsky, Chen and Schreyer, 1994", and
    * @ref Bardenhagen2002 "Bardenhagen, 2002".
    */
   template <int dim>
@@ -54,8 +53,8 @@ namespace greville
     propose_step(State<dim> &state) override;
 
     /**
-     * Finds the acceleration. Automatic steps with consistent mass are rejected
-     * where it shows that they are too long.
+     * Compute the acceleration. Automatic steps with consistent mass are
+     * rejected if it shows that they are too long.
      */
     void
     try_step(State<dim> &state, const double dt) override;
@@ -103,7 +102,7 @@ namespace greville
     /// A member of GridField.
     using Member = VectorField<dim> GridField<dim>::*;
 
-    /// One pass over the points. Null leaves out a part.
+    /// Do one pass over the points. Null arguments omit a part.
     void
     update(State<dim>  &state,
            const Member kick,
@@ -111,8 +110,10 @@ namespace greville
            const Member deformation,
            const bool   move);
 
-    /// When walls have their velocity at the end of the step, or at the time
-    /// of the state where nothing moves.
+    /**
+     * Return the time of the velocity of walls: the end of the step, or the
+     * time of the state if nothing moves.
+     */
     WallTime
     wall_time(const State<dim> &state) const;
 
@@ -139,12 +140,14 @@ namespace greville
     Trial trial;
 
   private:
-    /// Whether steps look at accelerations before they are taken: not given
-    /// ones.
+    /**
+     * Return whether steps check accelerations before they are taken, which is
+     * not the case for given steps.
+     */
     bool
     may_reject() const;
 
-    /// Contacts and loads at the start of the step.
+    /// Apply contacts and loads at the start of the step.
     void
     begin_step(State<dim> &state);
 
@@ -189,12 +192,14 @@ namespace greville
     void
     add_pressure(const State<dim> &state);
 
-    /// The velocity that the acceleration leads to, with contact, and the work
-    /// in the step.
+    /**
+     * Compute the velocity that follows from the acceleration, with contact,
+     * and the work in the step.
+     */
     void
     find_new_velocity(State<dim> &state);
 
-    /// Tell the guard what came of the points.
+    /// Pass the results of the points to the guard.
     void
     tell_guard();
 
@@ -214,54 +219,65 @@ namespace greville
     void
     filter_velocity();
 
-    /// Contacts change the new velocity and the acceleration.
+    /// Let contacts change the new velocity and the acceleration.
     void
     add_contact(State<dim> &state);
 
-    /// Points shall not keep what the held velocity leaves out of theirs: add
-    /// it, with the opposite sign, to the acceleration that kicks them.
+    /**
+     * Remove the part of the points' velocity that the constrained grid
+     * velocity does not represent: add it, with the opposite sign, to the
+     * acceleration that kicks them.
+     */
     void
     take_held_residual(const State<dim> &state);
 
-    /// Work that loads and walls do in this step; of loads on points half of
-    /// it, with their velocities before the kick.
+    /**
+     * Add the work of loads and walls in this step; for loads on points half of
+     * it, with their velocities before the kick.
+     */
     void
     add_work(State<dim> &state);
 
-    /// Half of the work of loads on points, with the velocities that they have
-    /// before the kick or after it.
+    /**
+     * Add half of the work of loads on points, with their velocities before or
+     * after the kick.
+     */
     void
     add_work_of_point_loads(State<dim> &state, const bool is_kicked);
 
-    /// Work of Cundall's damping in this step.
+    /// Add the work of Cundall's damping in this step.
     void
     add_work_of_damping(State<dim> &state);
 
-    /// Update the points of surfaces, whose velocity is that at the
-    /// end of the step, to which grid velocities at half steps are
-    /// extrapolated: dashpots need it.
+    /**
+     * Update the points of surfaces. Their velocity belongs to the end of the
+     * step, to which grid velocities at half steps are extrapolated, as
+     * dashpots require.
+     */
     void
     update_surfaces(State<dim>             &state,
                     const PointUpdate<dim> &update,
                     PointMotion            &motion);
 
-    /// See StepGuard::set_swing().
+    /// Return the energy for StepGuard::set_swing().
     double
     swing(const State<dim> &state) const;
 
-    /// Begin the late row, if it is wanted, with the state before the step; and
-    /// after all of it has been summed up.
+    /**
+     * Begin the late row, if requested, with the state before the step; end it
+     * after all sums.
+     */
     void
     begin_row(const State<dim> &state);
 
     void
     end_row(const State<dim> &state);
 
-    /// Those of the new state, of all processes.
+    /// Return the signals of the new state, over all processes.
     Signals
     signals() const;
 
-    /// The fraction of the velocity that FLIP keeps in a step.
+    /// Return the fraction of the velocity that FLIP keeps in a step.
     double
     flip_share(const State<dim> &state, const double velocity_step) const;
 
@@ -272,8 +288,7 @@ namespace greville
     StepSize<dim>       step_size;
     bool                have_constraints = false; // by contacts
     VectorField<dim>    work_field, surface_velocity;
-    // Velocities and accelerations for surfaces if
-    // GridMass::extends_surfaces().
+    // Velocities and accelerations of surfaces if GridMass::extends_surfaces().
     std::array<VectorField<dim>, 3> seen_by_surfaces;
     LateRow<dim>                   *row = nullptr; // that the step sums up
   };

@@ -8,17 +8,17 @@
 namespace greville
 {
   /**
-   * One step of several simulations of the same times and stages, as long as
-   * the shortest that one of them proposes. Where one rejects it, all try a
-   * shorter one; where one fails, all go back.
+   * A common step of several simulations with the same times and stages, as
+   * long as the shortest step proposed by one of them. If one rejects it, all
+   * try a shorter one; if one fails, all are restored.
    */
   template <int dim>
   class CommonStep
   {
   public:
     /**
-     * The contacts act at the start of the step, or in implicit steps while it
-     * is tried: they and the simulations are kept by reference.
+     * Contacts act at the start of the step, or in implicit steps during
+     * trials. They and the simulations are kept by reference.
      */
     explicit CommonStep(const std::vector<Simulation<dim> *> &simulations,
                         BodyContacts<dim> *contacts = nullptr);
@@ -32,11 +32,11 @@ namespace greville
     take();
 
   private:
-    /// Load balance, and copies to go back to.
+    /// Balance the load, and copy the states for restoring them.
     void
     remember();
 
-    /// Contacts act, and a stage may begin.
+    /// Let contacts act, and begin a stage if due.
     void
     begin();
 
@@ -44,22 +44,27 @@ namespace greville
     void
     try_steps();
 
-    /// All parts at once, which contacts couple.
+    /// Try an implicit step of all parts together, coupled by contacts.
     void
     try_implicit();
 
-    /// The length that the simulation at hand asks for; after a step of it has
-    /// been rejected, once more.
+    /**
+     * Find the step length that the current simulation proposes, again after a
+     * rejected step.
+     */
     void
     propose();
     void
     propose_again(const StepRejected &rejection);
 
-    /// All but the one that has @p failed, which may be null.
+    /**
+     * Restore all simulations except the one that has @p failed, which may be
+     * null.
+     */
     void
     restore_others(const Simulation<dim> *failed);
 
-    /// One after another is at hand.
+    /// Call an action for each simulation as the current one.
     template <typename Action>
     void
     for_each(const Action &action);
@@ -68,7 +73,7 @@ namespace greville
     BodyContacts<dim> *const             contacts;
     std::unique_ptr<TrialContacts<dim>>  trial;
 
-    unsigned int        at_hand = 0; // whose turn it is
+    unsigned int        at_hand = 0; // number of the current simulation
     std::vector<double> proposed;    // s
     double              dt = 0.;     // of the step that is being tried, s
   };

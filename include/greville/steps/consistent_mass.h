@@ -12,9 +12,9 @@ namespace greville
   /**
    * The consistent mass matrix M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the points
    * on extended B-splines, see Extension and ExtendedMass. All components of
-   * the fields are solved together by an ExtendedMassSolver. Cells that points
-   * of surfaces enter before those of their bodies are beyond the body:
-   * functions are extended to them, so that no part of a load is lost.
+   * the fields are solved together by an ExtendedMassSolver. Cells that contain
+   * points of surfaces, but not yet of their bodies, are marked as beyond the
+   * body: functions are extended to them, so that no part of a load is lost.
    */
   template <int dim>
   class ConsistentMass : public GridMass<dim>
@@ -72,8 +72,8 @@ namespace greville
     }
 
     /**
-     * Domains and surfaces see extended functions, too, that no point of a body
-     * sees.
+     * Domains and surfaces also use extended functions without points of a body
+     * in their support.
      */
     bool
     is_seen(const unsigned int function) const override
@@ -128,9 +128,7 @@ namespace greville
     }
 
   private:
-    /**
-     * The preconditioner of Solver/Method, empty for "cg-ic0".
-     */
+    /// Make the preconditioner of Solver/Method; empty for "cg-ic0".
     ColumnPreconditioner
     make_preconditioner();
 
@@ -150,8 +148,8 @@ namespace greville
     }
 
     /**
-     * Collective. The matrix of the points of the last update(), and what its
-     * solver needs.
+     * Collective. Assemble the matrix of the points of the last update(), and
+     * update its solver.
      */
     void
     assemble();

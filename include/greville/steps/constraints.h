@@ -38,9 +38,9 @@ namespace greville
 
 
   /**
-   * What is constrained of a velocity besides what walls constrain: of each
-   * owned function components, as bits, and vectors of any length along which
-   * the velocity is given while it is free across them.
+   * Constraints of a velocity in addition to walls: for each owned function,
+   * components as bits, and vectors of any length along which the velocity is
+   * given while it is free in other directions.
    */
   template <int dim>
   struct Constraints
@@ -48,9 +48,7 @@ namespace greville
     std::vector<unsigned char>                                   components;
     std::vector<std::pair<unsigned int, dealii::Tensor<1, dim>>> directions;
 
-    /**
-     * None at any of @p n owned functions.
-     */
+    /// Remove the constraints of all @p n owned functions.
     void
     clear(const unsigned int n)
     {
@@ -59,9 +57,9 @@ namespace greville
     }
 
     /**
-     * Add to the components the directions that are axes. Returns what is left
-     * of the others in the space of components that are free, by function:
-     * neither in components nor in those that are @p held already.
+     * Move directions along axes to the components. Returns the remaining
+     * directions by function, orthonormalized in the space of components that
+     * are neither constrained here nor in @p held.
      */
     std::vector<ConstrainedDirections<dim>>
     reduce(const std::vector<unsigned char> &held);
@@ -69,9 +67,7 @@ namespace greville
 
 
 
-  /**
-   * The coefficients of a field at an owned function.
-   */
+  /// Return the coefficients of a field at an owned function.
   template <int dim>
   dealii::Tensor<1, dim>
   values_at(const VectorField<dim> &field, const unsigned int function)

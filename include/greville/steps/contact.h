@@ -8,8 +8,8 @@
 namespace greville
 {
   /**
-   * An explicit step as contacts see it: the state with its bodies, and the
-   * velocity field of the grid.
+   * The data of an explicit step for contacts: the state with its bodies, and
+   * the velocity field of the grid.
    */
   template <int dim>
   struct ContactStep
@@ -24,8 +24,8 @@ namespace greville
     LateRow<dim> *row = nullptr;
 
     /**
-     * Count the work of a contact's impulse I: @p before is I v, and @p after
-     * is I v', the share of this process, J (2D: J / m).
+     * Add the work of a contact's impulse I: @p before is I v, and @p after is
+     * I v', the share of this process, J (2D: J / m).
      */
     void
     add_work(const double before, const double after)
@@ -39,14 +39,15 @@ namespace greville
 
 
   /**
-   * Forces on the velocity field of the grid in explicit steps. A step calls
-   * - constrain(), with the sums over the points, before solves: what is
-   *   constrained then keeps its value in them;
-   * - apply(), with the new velocity that the forces lead to.
+   * Base class of contact forces on the velocity field of the grid in explicit
+   * steps. A step calls
+   * - constrain(), with the sums over the points, before solves, which
+   *   then keep the values of constrained coefficients;
+   * - apply(), with the new velocity that results from the forces.
    *
    * A new contact is a class that derives from this one, and one line in the
    * list of source/steps/contact.cc; or a call of add_contact() in a program.
-   * Implicit steps refuse to be made where make_contacts() gives any.
+   * Implicit steps are rejected if make_contacts() returns any.
    */
   template <int dim>
   class Contact
@@ -64,9 +65,9 @@ namespace greville
 
     /**
      * Collective. Change GridField::new_velocity, and GridField::acceleration
-     * by that change over the step, which may be of no length. What walls give
-     * is added to GridField::momentum_of_walls; ContactStep::add_work() counts
-     * the work.
+     * accordingly over the step, whose length may be zero. The momentum of
+     * walls is added to GridField::momentum_of_walls; ContactStep::add_work()
+     * counts the work.
      */
     virtual void
     apply(ContactStep<dim> &)
@@ -81,8 +82,8 @@ namespace greville
     {}
 
     /**
-     * Whether constrain() may constrain something. What that gives to the
-     * momentum is not added up, and its work is part of that of walls.
+     * Return whether constrain() may constrain anything. Its momentum is not
+     * added up, and its work is counted as work of walls.
      */
     virtual bool
     constrains() const
@@ -101,21 +102,21 @@ namespace greville
 
 
   /**
-   * Makes a contact, or null where the parameters have none of its kind.
+   * A function that makes a contact, or returns null if the parameters define
+   * none of its kind.
    */
   template <int dim>
   using MakeContact = std::function<std::unique_ptr<Contact<dim>>(
     const IntegratorParts<dim> &parts)>;
 
-  /**
-   * Add one to the list, before simulations are made.
-   */
+  /// Add a kind of contact to the list, before simulations are made.
   template <int dim>
   void
   add_contact(const MakeContact<dim> &make);
 
   /**
-   * All contacts that the parameters have, in the order in which they act.
+   * Return all contacts that the parameters define, in the order in which they
+   * act.
    */
   template <int dim>
   std::vector<std::unique_ptr<Contact<dim>>>

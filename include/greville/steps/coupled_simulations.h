@@ -41,7 +41,8 @@ namespace greville
     is_finished() const;
 
     /**
-     * See Simulation::exceeds_displacement(): of one part, which ends the run.
+     * See Simulation::exceeds_displacement(): true if it is true of one part,
+     * which ends the run.
      */
     bool
     exceeds_displacement() const;
@@ -52,9 +53,7 @@ namespace greville
       return parts.size();
     }
 
-    /**
-     * Those of bodies are in the order of the bodies.
-     */
+    /// Return a part. Parts of single bodies have the order of the bodies.
     Simulation<dim> &
     part(const unsigned int k)
     {
@@ -68,7 +67,8 @@ namespace greville
     }
 
     /**
-     * The first part, whose times, numbers of steps and stage are those of all.
+     * Return the first part, whose times, numbers of steps and stage are common
+     * to all parts.
      */
     const Simulation<dim> &
     first() const
@@ -76,9 +76,7 @@ namespace greville
       return *parts.front();
     }
 
-    /**
-     * The states of all parts: a value to go back to.
-     */
+    /// Return the states of all parts, a value to restore later.
     std::vector<State<dim>>
     state() const;
 
@@ -143,15 +141,13 @@ namespace greville
     void
     begin_with(const TablesFile &content);
 
-    /**
-     * All bodies. The list holds until the next step.
-     */
+    /// Return all bodies. The list is valid until the next step.
     BodyList<dim>
     bodies() const;
 
     /**
-     * The bodies of all stages: those of later ones as if they came now, and
-     * bodies without points of the materials that stages give.
+     * The bodies of all stages: bodies of later stages as if they were added
+     * now, and bodies without points for the materials that stages assign.
      */
     struct AllBodies
     {
@@ -166,28 +162,22 @@ namespace greville
     AllBodies
     bodies_of_all_stages();
 
-    /**
-     * Collective. Contact as the states are: loads of surfaces.
-     */
+    /// Collective. Compute contact in the current states: loads of surfaces.
     void
     find_contact();
 
-    /**
-     * Those of State::rigid_bodies.
-     */
+    /// Return the rigid bodies of State::rigid_bodies.
     const std::vector<RigidBody<dim>> &
     rigid_bodies() const;
 
     /**
-     * Collective. Sums and extremes over all parts. Contacts are those of
+     * Collective. Return sums and extremes over all parts, with the contacts of
      * find_contact().
      */
     Statistics<dim>
     statistics();
 
-    /**
-     * Whether rows lag, see Simulation.
-     */
+    /// Return whether rows lag, see Simulation.
     bool
     rows_lag() const
     {
@@ -209,36 +199,26 @@ namespace greville
                                          const double       weight,
                                          const bool is_kicked)> &watch = {});
 
-    /**
-     * Collective. The row that the last step has summed up.
-     */
+    /// Collective. Return the row that the last step has summed up.
     Statistics<dim>
     late_statistics() const;
 
-    /**
-     * Warnings since the last call; of several parts with the body.
-     */
+    /// Return warnings since the last call; for several parts, with the body.
     std::vector<std::string>
     take_warnings();
 
-    /**
-     * What Newton's method has done in the last step, once.
-     */
+    /// Return the records of Newton's method in the last step, once.
     std::vector<NewtonRecord>
     take_newton();
 
-    /**
-     * Sums over the parts, see Simulation.
-     */
+    /// Return sums over the parts, see Simulation.
     std::map<std::string, double>
     part_times() const;
 
     std::size_t
     points_memory() const;
 
-    /**
-     * The sum over the parts of what @p value(part) gives.
-     */
+    /// Return the sum of @p value(part) over the parts.
     template <typename Value>
     auto
     sum(const Value &value) const
@@ -250,24 +230,21 @@ namespace greville
     }
 
   private:
-    /**
-     * What the names of tables of a part begin with.
-     */
+    /// Return the prefix of the names of a part's tables.
     std::string
     prefix(const unsigned int part) const;
 
     std::vector<Simulation<dim> *>
     pointers() const;
 
-    /**
-     * Put the loads of parts into the order of the columns of files.
-     */
+    /// Sort the loads of parts in the order of the columns of files.
     void
     sort_loads(Statistics<dim> &row) const;
 
     const MPI_Comm comm;
     const double   front_above;
-    // They stay where they are, as what they consist of refers to them.
+    // The parts, which must not move in memory, since their members refer to
+    // them.
     std::vector<std::unique_ptr<Simulation<dim>>> parts;
     std::unique_ptr<BodyContacts<dim>>            contacts;
     std::vector<std::string>                      load_names;

@@ -14,18 +14,18 @@ namespace greville
   class TrialContacts;
 
   /**
-   * The equations of a common implicit step of one or several parts, for the
-   * unknowns of all of them one after another. Contacts couple them; without
-   * these, each part is a list of one and has its own iterations.
+   * The equations of a common implicit step of one or several parts, with the
+   * unknowns of all parts one after another. Contacts couple the parts; without
+   * contacts, each part is solved separately, as a list of one.
    *
-   * Linear systems of several parts are solved by conjugate gradients where all
-   * tangents are symmetric, and by FGMRES else, with the p-multigrid of each
+   * Linear systems of several parts are solved by conjugate gradients if all
+   * tangents are symmetric, otherwise by FGMRES, with the p-multigrid of each
    * part as its block of the preconditioner (see TangentSystem).
    *
-   * Behind the displacements of all parts are the pressures of the pore water
-   * of all parts (see PoreWater), where a body has any; those of parts without
-   * it are empty. Contacts act on the total stress, their friction is that of
-   * the effective one, and nothing flows through them.
+   * The displacements of all parts are followed by the pore pressures of all
+   * parts (see PoreWater) if there are any; the pressures of parts without pore
+   * water are empty. Contacts act on the total stress, their friction depends
+   * on the effective stress, and they are impervious.
    */
   template <int dim>
   class CoupledSteps : public NewtonProblem
@@ -45,23 +45,21 @@ namespace greville
                  const double             dt);
 
     /**
-     * Collective. Newton's method from the guess that the velocity goes on.
-     * Throws StepRejected where it does not converge.
+     * Collective. Run Newton's method from a guess with constant velocity.
+     * Throws StepRejected if it does not converge.
      */
     void
     try_step();
 
     /**
-     * The guess is linearized at once, and so is what follows up to the
-     * iterations of the last step: it gets residual and stiffness with one
-     * pass over points.
+     * The guess and, up to the number of iterations of the last step, the
+     * subsequent iterates are linearized at once: residual and stiffness are
+     * then computed in one pass over the points.
      */
     std::string
     residual(VectorType &r, const VectorType &x) override;
 
-    /**
-     * The tolerance of a residual is not below round-off.
-     */
+    /// The tolerance of a residual is not smaller than round-off.
     double
     scale() override;
 
@@ -78,9 +76,7 @@ namespace greville
     void
     write(VectorType &x, const std::vector<VectorType> &blocks) const;
 
-    /**
-     * Collective. The residual, and the stiffness, too.
-     */
+    /// Collective. Compute the residual, and the stiffness if requested.
     std::string
     evaluate(VectorType &r, const VectorType &x, const bool with_stiffness);
 
@@ -88,33 +84,34 @@ namespace greville
     solve_all(VectorType &x, const VectorType &b, const double tolerance);
 
     /**
-     * Collective. What the pore water of part k adds to the product with the
-     * blocks; and its part of the preconditioner, before that of the
-     * displacement.
+     * Collective. Add the contribution of the pore water of part k to the
+     * product with the blocks; and apply its part of the preconditioner, before
+     * that of the displacement.
      */
     void
     add_water(const unsigned int k);
     void
     precondition_water(const unsigned int k);
 
-    /// The block of the pressure of part k.
+    /// Return the block of the pressure of part k.
     VectorType &
     pressure(std::vector<VectorType> &of_parts, const unsigned int k) const
     {
       return of_parts[parts.size() + k];
     }
 
-    /// Whether the last block is that of free rigid bodies.
+    /// Return whether the last block belongs to free rigid bodies.
     bool
     has_rigid_block() const;
 
-    /// Whether any part has pore water.
+    /// Return whether any part has pore water.
     bool
     has_water() const;
 
     /**
-     * Collective. Tell the parts why Newton's method has failed at @p x, and
-     * which contacts are @p changing, see TrialContacts::describe_changes().
+     * Collective. Report to the parts why Newton's method has failed at @p x,
+     * and which contacts are @p changing, see
+     * TrialContacts::describe_changes().
      */
     [[noreturn]] void
     reject(const VectorType  &x,
@@ -126,8 +123,8 @@ namespace greville
     const double              dt;
     unsigned int              n_residuals = 0;
     VectorType                layout;
-    VectorType                linearized; // where the stiffness is known
-    std::vector<VectorType>   blocks, products;
+    VectorType              linearized; // where the stiffness has been computed
+    std::vector<VectorType> blocks, products;
   };
 } // namespace greville
 

@@ -8,9 +8,7 @@
 
 namespace greville
 {
-  /**
-   * What a step does with velocities, as far as its stability depends on it.
-   */
+  /// The properties of a time step on which its stability depends.
   struct StepScheme
   {
     /// Whether the velocity whose gradient deforms the points comes from
@@ -26,30 +24,31 @@ namespace greville
 
 
   /**
-   * The largest step dt that is stable: the one at which the largest eigenvalue
-   * of
+   * An estimate of the critical step, the step dt for which the largest
+   * eigenvalue of
    * @f[ B \left(\frac{\Delta t^2}{4} K + \frac{\Delta t}{2} C\right) @f]
    * is one. K is the stiffness matrix of the bodies, with the moduli of their
-   * materials scaled by the wave moduli of the points, and C that of their
-   * largest viscosities, which do not follow the state of a point: a torn fluid
-   * has no pressure, but its viscosity. Without viscosity dt is 2 / omega with
-   * the largest eigenvalue omega^2 of B K, without stiffness 2 / gamma with
-   * that of B C. K and C enter together, so a stiff body beside a viscous one
-   * does not make a step that is too short for both.
+   * materials scaled by the wave moduli of the points, and C is the matrix of
+   * their largest viscosities, which do not depend on the state of a point: a
+   * torn fluid has no pressure, but its viscosity. Without viscosity, dt is 2 /
+   * omega with the largest eigenvalue omega^2 of B K; without stiffness, 2 /
+   * gamma with the largest eigenvalue gamma of B C. Since K and C enter
+   * together, a stiff body beside a viscous one does not give a step that is
+   * too short for both.
    *
-   * With the exact mass, B = M^-1. Otherwise velocities that live on the points
-   * and come to the grid by an approximate inverse A of M (lumped, FMPM) lose
-   * what A M takes from them. For a mode with the eigenvalues k of dt^2 A K and
-   * s <= 1 of A M, and with the FLIP share f, sigma = f + (1 - f) s, a step has
-   * the characteristic polynomial
+   * With the exact mass, B = M^-1. Otherwise, velocities of points that are
+   * mapped to the grid by an approximate inverse A of M (lumped, FMPM) are
+   * reduced by A M. For a mode with the eigenvalues k of dt^2 A K and s <= 1 of
+   * A M, and with the FLIP share f, sigma = f + (1 - f) s, a step has the
+   * characteristic polynomial
    * @f{align*}{
    *   & z^2 - (1 + \sigma - k) z + \sigma - k (\sigma - s) && \text{(USL)},
    *   \\
    *   & z^2 - (1 + \sigma - k s) z + \sigma && \text{(MUSL)},
    * @f}
    * which is stable for k (1 + sigma - s) <= 2 (1 + sigma) and k s <= 2 (1 +
-   * sigma). B is a polynomial in s, times A, that is not below the 4 / k of
-   * these, and equal to it for f = 1 and at s = 0 and 1:
+   * sigma). B is a polynomial in s, times A, that is an upper bound of 4 / k
+   * from these conditions, and equal to it for f = 1 and at s = 0 and 1:
    * @f[
    *   (2 - s) A \quad \text{(USL)}, \qquad
    *   \frac{2 s - (1 - f) s^2}{1 + f} A \quad \text{(MUSL)}.
@@ -63,25 +62,25 @@ namespace greville
    * damping changes its signs from step to step, and with the root of that
    * factor a block that slid on its base gained strain energy again and again.
    *
-   * The eigenvalue is that of largest_eigenvalue(), until it changes by less
-   * than 1 % per step. It comes from below, so a safety factor belongs to the
-   * result. An estimate begins with the eigenvector of the last one and some
-   * noise. A linear B-spline at the rim of a body has a mass that vanishes with
-   * the distance of the outermost point, but not so its stiffness; for p = 1
-   * functions with less than 1 % of the largest mass are left out.
+   * The eigenvalue is computed by largest_eigenvalue(), until it changes by
+   * less than 1 % per step. It converges from below, so the result needs a
+   * safety factor. An estimate begins with the last eigenvector plus some
+   * noise. The mass of a linear B-spline at the rim of a body vanishes with the
+   * distance of the outermost point, but its stiffness does not; for p = 1,
+   * functions with less than 1 % of the largest mass are therefore left out.
    *
    * (T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua
-   * and structures, section 6.2, has the step of a damped mode.)
+   * and structures, section 6.2, derive the critical step of a damped mode.)
    */
   template <int dim>
   class CriticalStep
   {
   public:
     /**
-     * Collective. Infinite where nothing is stiff or viscous. @p mass is that
-     * of the current positions of @p bodies, and of @p mass_points. Springs
-     * and dashpots of the loads on @p surfaces count as well. Begins with the
-     * last @p mode, and overwrites it.
+     * Collective. Return the critical step, infinite if nothing is stiff or
+     * viscous. @p mass belongs to the current positions of @p bodies, and to @p
+     * mass_points. Springs and dashpots of the loads on @p surfaces are
+     * included. The iteration begins with the last @p mode and overwrites it.
      */
     double
     estimate(GridMass<dim>                                  &mass,
@@ -93,9 +92,7 @@ namespace greville
              HighestMode<dim>                               &mode);
 
   private:
-    /**
-     * The functions that take part, and the force to begin with.
-     */
+    /// Choose the functions that take part, and the initial force.
     void
     choose_unknowns(const GridMass<dim> &mass, const HighestMode<dim> &mode);
 
@@ -107,9 +104,7 @@ namespace greville
     write_field(VectorField<dim>          &field,
                 const std::vector<double> &values) const;
 
-    /**
-     * x = B b.
-     */
+    /// Compute x = B b.
     void
     multiply_by_B(std::vector<double>                            &x,
                   const std::vector<double>                      &b,
@@ -118,7 +113,7 @@ namespace greville
                   const std::vector<const MaterialPoints<dim> *> &mass_points,
                   const StepScheme                               &scheme);
 
-    // By component: owned functions that are unknowns. Fields and arrays of
+    // The unknowns: owned functions by component; and fields and arrays of
     // their values, component by component.
     std::array<std::vector<unsigned int>, dim> unknowns;
     VectorField<dim>    source, target, product, extended;

@@ -12,10 +12,11 @@ namespace greville
    *
    *   a_i -= alpha |f_i| / m_i sign(P_i)
    *
-   * with the lumped mass m_i: it takes alpha sum |f_i| |P_i| / m_i out of the
-   * kinetic energy of the points per time, with any mass. To damp the force
-   * before the solve is the same for a lumped mass; an inverse that is not
-   * diagonal amplifies changes of sign from one function to the next.
+   * with the lumped mass m_i: it reduces the kinetic energy of the points by
+   * alpha sum |f_i| |P_i| / m_i per time, with any mass. Damping the force
+   * before the solve would be equivalent for a lumped mass only; an inverse
+   * that is not diagonal amplifies changes of sign between neighboring
+   * functions.
    */
   template <int dim>
   class Damping
@@ -26,34 +27,30 @@ namespace greville
      */
     explicit Damping(const LoadParameters &parameters);
 
-    /**
-     * The factor alpha.
-     */
+    /// Return the factor alpha.
     double
     factor() const
     {
       return parameters.cundall;
     }
 
-    /**
-     * Damp the acceleration of a field that its force has led to.
-     */
+    /// Damp the acceleration of a field that results from its force.
     void
     damp(GridField<dim> &field) const;
 
     /**
-     * The power of that on this process, W (2D: W / m), where points have the
-     * momentum P before and P' after the kick, and @p momenta is P + P': a kick
-     * dt' a adds dt' a . (P + P') / 2 to their kinetic energy, and damping has
-     * its part of a in that.
+     * Return the power of damping on this process, W (2D: W / m), if points
+     * have the momentum P before and P' after the kick, and @p momenta is P +
+     * P': a kick dt' a adds dt' a . (P + P') / 2 to their kinetic energy, of
+     * which the damping's part of a is counted.
      */
     double
     power(const GridField<dim> &field, const VectorField<dim> &momenta) const;
 
   private:
     /**
-     * What damping with the factor @p alpha takes from the acceleration of
-     * function @p i of this process.
+     * Return the reduction of the acceleration of function @p i of this process
+     * by damping with the factor @p alpha.
      */
     dealii::Tensor<1, dim>
     taken(const GridField<dim> &field,

@@ -15,9 +15,9 @@
 namespace greville
 {
   /**
-   * The grid: mesh, spaces of B-splines, walls and velocity fields with their
-   * masses, and what goes between the grid and the points of a state. Sums over
-   * points are made once for each State::points_stamp.
+   * The grid: mesh, spline spaces, walls and velocity fields with their masses,
+   * and the transfer between the grid and the points of a state. Sums over
+   * points are computed once for each State::points_stamp.
    */
   template <int dim>
   class Discretization
@@ -25,8 +25,8 @@ namespace greville
   public:
     /**
      * Collective. Processes get the same share of points and cells. Parameters
-     * and log are kept by reference. Throws dealii::ExcMessage where parameters
-     * are wrong.
+     * and log are kept by reference. Throws dealii::ExcMessage for invalid
+     * parameters.
      */
     Discretization(const SimulationParameters &parameters,
                    const Loads<dim>           &loads,
@@ -34,17 +34,15 @@ namespace greville
                    const MPI_Comm              comm);
 
     /**
-     * Collective. Share the cells among the processes as @p partition wants it.
-     * Returns whether the mesh has changed, not where cells are shared so,
-     * where it has no rows and on one process: then all has to be made anew by
-     * reinit().
+     * Collective. Distribute the cells among the processes by @p partition.
+     * Returns whether the mesh has changed, after which everything must be made
+     * anew by reinit(). It does not change if cells already have this
+     * distribution, if the partition has no rows, and on one process.
      */
     bool
     repartition(const std::shared_ptr<const Partition> &partition);
 
-    /**
-     * How the cells are shared.
-     */
+    /// Return the distribution of the cells.
     const std::shared_ptr<const Partition> &
     partition() const
     {
@@ -52,9 +50,9 @@ namespace greville
     }
 
     /**
-     * Collective. Make walls and mass anew from the parameters,
-     * which may have become those of another stage. Fields that have been
-     * initialized before, and the space of points, are those of the old space.
+     * Collective. Make walls and mass anew from the parameters, which may
+     * belong to another stage now. Fields that have been initialized before,
+     * and the space of points, still refer to the old space.
      */
     void
     reinit();
@@ -77,18 +75,14 @@ namespace greville
       return orders.finest();
     }
 
-    /**
-     * The orders that solvers make use of, down from space().
-     */
+    /// Return the orders that solvers use, from the order of space() down.
     const OrderHierarchy<dim> &
     hierarchy() const
     {
       return orders;
     }
 
-    /**
-     * The smallest edge of a cell, m.
-     */
+    /// Return the smallest edge of a cell, m.
     double
     cell_size() const
     {
@@ -125,18 +119,14 @@ namespace greville
       return point_transfer;
     }
 
-    /**
-     * The windows of cells, null where gradients are those at points.
-     */
+    /// Return the windows of cells, null if gradients are evaluated at points.
     CellWindows<dim> *
     cell_windows()
     {
       return windows.get();
     }
 
-    /**
-     * The projection of changes of volume, null where there is none.
-     */
+    /// Return the projection of changes of volume, null if there is none.
     VolumeProjection<dim> *
     volume_projection()
     {
@@ -149,37 +139,33 @@ namespace greville
       return point_transport;
     }
 
-    /**
-     * Make room for a field.
-     */
+    /// Allocate a field.
     void
     initialize(VectorField<dim> &field) const;
 
-    /**
-     * Give a state a FieldState of zeros.
-     */
+    /// Initialize a state's FieldState with zeros.
     void
     initialize_field(State<dim> &state) const;
 
     /**
-     * Collective. Sum up mass and momentum of the points, and assemble the
-     * mass, unless those of State::points_stamp are there; and
-     * @p with_force the force, with that of loads on surfaces.
+     * Collective. Sum up mass and momentum of the points and assemble the mass,
+     * unless this has been done for State::points_stamp; and sum up the force
+     * if @p with_force, including loads on surfaces.
      */
     void
     sum(const State<dim> &state, const bool with_force = false);
 
     /**
-     * Collective. The momentum of points that have been kicked where they are:
-     * the masses stay.
+     * Collective. Sum up the momentum after a kick that has not moved the
+     * points: the masses do not change.
      */
     void
     sum_momentum(const State<dim> &state);
 
     /**
-     * Collective. The force on the functions by stresses, by loads
-     * as the points have them, and by the acceleration @p gravity. It changes
-     * nothing of what sum() has found.
+     * Collective. Compute the force on the functions by stresses, by the
+     * current loads of points, and by the acceleration @p gravity. The results
+     * of sum() do not change.
      */
     void
     find_force(const State<dim>             &state,
@@ -187,16 +173,16 @@ namespace greville
                VectorField<dim>             &force);
 
     /**
-     * Collective. CellFilling::cell_class() of the owned cells, as extended
-     * B-splines have them.
+     * Collective. Return CellFilling::cell_class() of the owned cells for
+     * extended B-splines.
      */
     std::vector<unsigned char>
     cell_classes(const State<dim> &state, const bool is_implicit);
 
     /**
-     * Collective. Solve M x = sum for pairs of them, see GridMass::solve().
-     * Returns the most iterations of a component. Throws StepFailed where the
-     * solver does not converge.
+     * Collective. Solve M x = sum for pairs of fields, see GridMass::solve().
+     * Returns the largest number of iterations of a component. Throws
+     * StepFailed if the solver does not converge.
      */
     unsigned int
     solve(const std::vector<VectorField<dim> *>       &x,
@@ -204,9 +190,9 @@ namespace greville
           const std::vector<double>                   &shares = {});
 
     /**
-     * Collective. Bring points that have left the cells @p left_cells[body],
-     * or those of surfaces, to their new cells and processes, and count those
-     * of bodies. Returns what is wrong with them on this process.
+     * Collective. Move points that have left the cells @p left_cells[body], or
+     * cells of surfaces, to their new cells and processes, and count the points
+     * of bodies. Returns a message about invalid points on this process.
      */
     std::string
     transport_points(
@@ -218,9 +204,7 @@ namespace greville
     void
     make_field();
 
-    /**
-     * Add the loads on surfaces to the force, and remember each of them.
-     */
+    /// Add the loads on surfaces to the force, and store each of them.
     void
     add_surface_forces(const State<dim>              &state,
                        std::vector<VectorField<dim>> &of_surfaces,

@@ -12,7 +12,7 @@
 namespace greville
 {
   /**
-   * The energy of all processes at some time, and the work until then, see
+   * The energy of all processes at some time, and the work until this time, see
    * EnergyBalance. Unit: J (2D: J / m).
    */
   struct EnergyTotals
@@ -28,39 +28,37 @@ namespace greville
   /**
    * The balance of energy of the bodies,
    *   E(t) = kinetic + strain energy + dissipation <= E(0) + W(t) + D(t),
-   * with the work W of gravity, loads and walls that move, and the work D <= 0
-   * of Cundall's damping. What E has beyond that comes from nothing, and shows
+   * with the work W of gravity, loads and moving walls, and the work D <= 0 of
+   * Cundall's damping. Energy in excess of this bound is spurious and indicates
    * an instability.
    *
-   * Transfers between points and grid, the filter and friction at walls take
-   * energy, too. They are not part of W and D: E may be smaller. The work of
-   * friction walls is known nevertheless; what is then missing is the numerical
-   * loss().
+   * Transfers between points and grid, the filter and friction at walls also
+   * dissipate energy, which is not part of W and D, so E may be smaller. The
+   * work of friction walls is recorded; the remaining difference is the
+   * numerical loss().
    */
   class EnergyBalance
   {
   public:
-    /**
-     * What does work. Load k on surfaces is surfaces + k.
-     */
+    /// The sources of work. Load k on surfaces is surfaces + k.
     enum Source : unsigned int
     {
       gravity,
-      loads, // on points
-      walls, // and what contacts constrain
+      loads, // loads on points
+      walls, // walls and constraints of contacts
       surfaces
     };
 
     /**
      * @p start is E(0) of all processes. Energies below @p negligible are
-     * round-off. Unit of both: J (2D: J / m).
+     * round-off. Unit: J (2D: J / m).
      */
     void
     reinit(const double start, const double negligible);
 
     /**
-     * Energy of all processes that bodies bring or take, which come and go
-     * between two steps, J (2D: J / m).
+     * Add the energy of bodies that are added (or removed) between two steps,
+     * of all processes, J (2D: J / m).
      */
     void
     add_to_start(const double amount)
@@ -68,9 +66,7 @@ namespace greville
       start += amount;
     }
 
-    /**
-     * Work done on the bodies of this process, J (2D: J / m).
-     */
+    /// Add work done on the bodies of this process, J (2D: J / m).
     void
     add_work(const unsigned int source, const double amount)
     {
@@ -80,7 +76,8 @@ namespace greville
     }
 
     /**
-     * Likewise by friction walls.
+     * Add the work of friction walls on the bodies of this process, J (2D: J /
+     * m).
      */
     void
     add_friction(const double amount)
@@ -89,8 +86,8 @@ namespace greville
     }
 
     /**
-     * Work of damping on the bodies of this process, J (2D: J / m): negative
-     * where it takes energy.
+     * Add the work of damping on the bodies of this process, J (2D: J / m),
+     * which is negative if it dissipates energy.
      */
     void
     add_damping(const double amount)
@@ -98,9 +95,7 @@ namespace greville
       own_damping += amount;
     }
 
-    /**
-     * Collective. The work W of all processes.
-     */
+    /// Collective. Return the work W of all processes.
     double
     work(const MPI_Comm comm) const
     {
@@ -110,9 +105,7 @@ namespace greville
       return dealii::Utilities::MPI::sum(sum, comm);
     }
 
-    /**
-     * Collective. The part of a source.
-     */
+    /// Collective. Return the work of one source.
     double
     work(const unsigned int source, const MPI_Comm comm) const
     {
@@ -120,9 +113,7 @@ namespace greville
         source < own_work.size() ? own_work[source] : 0., comm);
     }
 
-    /**
-     * Collective. The work D of all processes.
-     */
+    /// Collective. Return the work D of all processes.
     double
     damping(const MPI_Comm comm) const
     {
@@ -130,23 +121,22 @@ namespace greville
     }
 
     /**
-     * Collective. The totals with @p energy, the present E of all processes.
+     * Collective. Return the totals with @p energy, the current E of all
+     * processes.
      */
     EnergyTotals
     totals(const double energy, const MPI_Comm comm) const;
 
     /**
-     * What the present energy has gained from nothing, as a fraction of the
-     * largest energy or work so far. Damping may only take: what D has risen
-     * since its lowest value counts as gained. What E is known to @p swing by
-     * for a while does not.
+     * Return the spurious gain of energy, as a fraction of the largest energy
+     * or work so far. Since damping may only dissipate, a rise of D since its
+     * lowest value counts as gain. Known temporary oscillations of E by @p
+     * swing do not count.
      */
     double
     gain(const EnergyTotals &now, const double swing = 0.);
 
-    /**
-     * Let gain() and largest_with() compare with what is @p now, too.
-     */
+    /// Include @p now in the comparisons of gain() and largest_with().
     void
     remember(const EnergyTotals &now)
     {
@@ -154,9 +144,9 @@ namespace greville
     }
 
     /**
-     * The energy that neither work, nor damping, nor friction walls account
-     * for: what transfers, filter and points that have left the grid have
-     * taken. Unit: J (2D: J / m).
+     * Return the energy that neither work, nor damping, nor friction walls
+     * account for: the dissipation by transfers, the filter and points that
+     * have left the grid. Unit: J (2D: J / m).
      */
     double
     loss(const EnergyTotals &now) const
@@ -165,16 +155,16 @@ namespace greville
     }
 
     /**
-     * The largest energy or work that gain() or remember() has seen, or is
-     * @p now. Unit: J (2D: J / m).
+     * Return the largest energy or work in @p now and in all calls of gain()
+     * and remember(). Unit: J (2D: J / m).
      */
     double
     largest_with(const EnergyTotals &now) const;
 
     /**
-     * Call @p all(name, number) for the numbers that all processes share, and
-     * @p sum(name, number) for those of which each has its part: the first
-     * @p n_sources sources of work among them.
+     * Call @p all(name, number) for the numbers that are equal on all
+     * processes, and @p sum(name, number) for the numbers of which each process
+     * has its part, including the first @p n_sources sources of work.
      */
     template <typename All, typename Sum>
     void

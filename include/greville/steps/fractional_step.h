@@ -9,47 +9,46 @@
 namespace greville
 {
   /**
-   * The pressure of pore water in explicit steps with lumped mass M: a
+   * The pressure of pore water in explicit steps with lumped mass M, by a
    * fractional step. With the acceleration a of effective stresses and loads,
-   * the pressure p at the end of the step is that for which
+   * the pressure p at the end of the step solves
    * @f{align*}{
    *   M a' &= M a - f(p), & v' &= v + dt' a', \\
    *   r(dt \, v', p) &= 0,
    * @f}
-   * with the force f and the balance of water r of WaterPoints: the volume that
-   * v' takes from the pores is compressed or flows away. All of the pressure is
-   * implicit, so that neither the stiffness of water nor its flow bounds the
-   * step, and no step is too short; waves of the soil alone have a critical
-   * one. Of first order in time, like
-   * @ref Zienkiewicz1980 "Zienkiewicz, Chang and Bettess, 1980".
+   * with the force f and the balance of water r of WaterPoints: the decrease of
+   * the pore volume by v' is balanced by compression of the water and outflow.
+   * The pressure is fully implicit, so that neither the stiffness of water nor
+   * its flow limits the step, and no step is too short; only waves of the soil
+   * have a critical step. The method is of first order in time, like @ref
+   * Zienkiewicz1980 "Zienkiewicz, Chang and Bettess, 1980".
    *
-   * Friction walls belong to it, as the water feels what they stop: after M a'
-   * = M a - f(p), each coefficient of v' at a wall that goes into it loses its
-   * normal part, and of that along the wall at most mu times the normal part
-   * that M a less the weight of as much water would have given. So friction is
-   * that of the effective stress where the gradient of the function has its
-   * weight, a third of a cell above the wall for degree 2, and of the weight
-   * below that, for water at rest; the density is the mean one of all bodies.
+   * Friction walls are included, since they affect the water: after M a' = M a
+   * - f(p), each coefficient of v' that moves into a wall loses its normal
+   * part, and of its tangential part at most mu times the normal part that
+   * would result from M a less the weight of the same volume of water. For
+   * water at rest, friction therefore corresponds to the effective stress at
+   * the centre of the function's gradient, a third of a cell above the wall for
+   * degree 2, plus the submerged weight below it, with the mean density of all
+   * bodies.
    *
    * Newton's method solves for p, with the Schur complement C + dt dt' B^T M^-1
-   * B, where B is the derivative of f and C that of r by p, by FGMRES with the
-   * cycle of PoreWater for soil that has nothing but inertia.
+   * B, where B is the derivative of f and C the derivative of r by p, by FGMRES
+   * with the cycle of PoreWater for soil with inertia only.
    */
   template <int dim>
   class FractionalStep
   {
   public:
-    /**
-     * Collective. All are kept by reference.
-     */
+    /// Collective. All arguments are kept by reference.
     FractionalStep(Discretization<dim>        &discretization,
                    const SimulationParameters &parameters);
 
     /**
-     * Collective. The acceleration and the momentum of walls of the field get
-     * what the pressure gives. @p step and @p velocity_step are dt and dt'.
-     * Returns the linear iterations. Throws StepFailed where Newton's method or
-     * a linear solver does not converge.
+     * Collective. Add the effect of the pressure to the acceleration and the
+     * momentum of walls of the field. @p step and @p velocity_step are dt and
+     * dt'. Returns the number of linear iterations. Throws StepFailed if
+     * Newton's method or a linear solver does not converge.
      */
     unsigned int
     add_pressure(const State<dim>             &state,
@@ -58,7 +57,10 @@ namespace greville
                  const double                  velocity_step,
                  GridField<dim>               &field);
 
-    /// f(p) of the last pressure, N (2D: N / m); along r its sum is not zero.
+    /**
+     * Return f(p) of the last pressure, N (2D: N / m); along r, its sum is not
+     * zero.
+     */
     const VectorField<dim> &
     forces() const
     {
@@ -66,40 +68,38 @@ namespace greville
     }
 
     /**
-     * Collective. Give the points the pressure, surfaces in contact that at
-     * their points, for the friction of the next step, and the state what has
-     * become of the water. Before they move.
+     * Collective. Store the pressure in the points, in contact surfaces for the
+     * friction of the next step, and the volumes of water in the state. To be
+     * called before points move.
      */
     void
     advance(State<dim> &state) const;
 
   private:
     /**
-     * Let friction walls make moved out of displacement, and a direction of
-     * the latter one of the former.
+     * Compute moved from displacement by the action of friction walls, and
+     * transform a direction of displacement into one of moved.
      */
     void
     slide(VectorField<dim> *direction = nullptr);
 
-    /**
-     * Give the field what friction walls did in the last slide().
-     */
+    /// Add the action of friction walls in the last slide() to the field.
     void
     take_impulses(const double    step,
                   const double    velocity_step,
                   GridField<dim> &field);
 
-    /// change = M^-1 force, with what is held zero.
+    /// Compute change = M^-1 force, with zeros at constrained coefficients.
     void
     accelerate(GridField<dim> &field, const VectorField<dim> &force);
 
     const Discretization<dim>  &discretization;
     const SimulationParameters &parameters;
     PoreWater<dim>              water;
-    std::uint64_t               stamp = 0; // of points that water knows
+    std::uint64_t               stamp = 0; // of the points in water
 
-    // The displacement before friction walls act, that without the pressure,
-    // and that after all.
+    // The displacement before friction walls act, the displacement without the
+    // pressure, and the final one.
     VectorField<dim> displacement, without_water, moved;
     VectorField<dim> force, sum_of_forces, change;
     VectorType       pressure, residual, correction;

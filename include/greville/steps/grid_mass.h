@@ -11,13 +11,14 @@
 namespace greville
 {
   /**
-   * The mass of the points on the grid, and its inverse: M x = b for vector
-   * fields, with coefficients at walls held. See LumpedMass and ConsistentMass.
-   * Coefficients without mass are *inactive*: their x is zero.
+   * Base class of the mass of the points on the grid and its inverse: M x = b
+   * for vector fields, with constrained coefficients at walls. See LumpedMass
+   * and ConsistentMass. Coefficients without mass are *inactive*: their x is
+   * zero.
    *
-   * A function may be constrained along a direction n that is not an axis where
-   * the mass is diagonal: then x . n keeps its value, and the part of x across
-   * n is that of b / m.
+   * If the mass is diagonal, a function may be constrained along a direction n
+   * that is not an axis: x . n then keeps its value, and x equals b / m in
+   * other directions.
    */
   template <int dim>
   class GridMass
@@ -31,39 +32,33 @@ namespace greville
       return orders.finest();
     }
 
-    /**
-     * The orders that the solver makes use of.
-     */
+    /// Return the orders that the solver uses.
     const OrderHierarchy<dim> &
     hierarchy() const
     {
       return orders;
     }
 
-    /**
-     * The name of the solver.
-     */
+    /// Return the name of the solver.
     virtual std::string
     solver() const = 0;
 
     /**
-     * Whether solve() has the inverse of the mass matrix of the points, and
-     * not of an approximation, which loses part of what it maps.
+     * Return whether solve() applies the exact inverse of the points' mass
+     * matrix, and not of an approximation, which loses part of what it maps.
      */
     virtual bool
     is_exact() const = 0;
 
-    /**
-     * Whether solve() divides by the lumped mass.
-     */
+    /// Return whether solve() divides by the lumped mass.
     virtual bool
     is_diagonal() const = 0;
 
     /**
-     * Collective. New masses: @p lumped as PointTransfer::points_to_grid()
-     * gives it, for these @p bodies, and points of their @p surfaces, which
-     * have no mass but bear loads. The list of bodies and the transfer are kept
-     * by reference.
+     * Collective. Set new masses: @p lumped from
+     * PointTransfer::points_to_grid() for these @p bodies, and points of their
+     * @p surfaces, which have no mass but bear loads. The list of bodies and
+     * the transfer are kept by reference.
      */
     virtual void
     update(const VectorType                               &lumped,
@@ -72,11 +67,11 @@ namespace greville
            const PointTransfer<dim>                       &transfer) = 0;
 
     /**
-     * Collective. Solve M x = b for pairs of fields. On entry the @p x have
-     * initial guesses and the values of held coefficients. Right-hand sides
-     * need not be solved for where they are below @p shares[k] times the first
-     * one (see ExtendedMassSolver::solve()). Throws dealii::ExcMessage where
-     * the solver does not converge.
+     * Collective. Solve M x = b for pairs of fields. On entry, @p x contains
+     * initial guesses and the values of constrained coefficients. Right-hand
+     * sides below @p shares[k] times the first one need not be solved for (see
+     * ExtendedMassSolver::solve()). Throws dealii::ExcMessage if the solver
+     * does not converge.
      */
     virtual void
     solve(const std::vector<VectorField<dim> *>       &x,
@@ -84,29 +79,26 @@ namespace greville
           const std::vector<double>                   &shares = {}) = 0;
 
     /**
-     * Collective. Hold more than walls do, until the next call. Throws
-     * dealii::ExcMessage for directions that are not axes where the mass is not
-     * diagonal.
+     * Collective. Add constraints to those of walls, until the next call.
+     * Throws dealii::ExcMessage for directions that are not axes unless the
+     * mass is diagonal.
      */
     void
     hold(const Constraints<dim> &more);
 
-    /**
-     * Collective. Hold what walls do.
-     */
+    /// Collective. Keep only the constraints of walls.
     void
     release();
 
     /**
-     * What is free of a vector at the owned function i: without components that
-     * are held, and without its part along constrained directions.
+     * Return the unconstrained part of a vector at the owned function i:
+     * without constrained components, and without its part along constrained
+     * directions.
      */
     dealii::Tensor<1, dim>
     free_part(const unsigned int i, dealii::Tensor<1, dim> vector) const;
 
-    /**
-     * Components (bits) that are held of a local function.
-     */
+    /// Return the constrained components (bits) of a local function.
     unsigned char
     held_components(const unsigned int function) const
     {
@@ -120,7 +112,8 @@ namespace greville
     }
 
     /**
-     * Whether points of bodies or surfaces see an owned function.
+     * Return whether there are points of bodies or surfaces in the support of
+     * an owned function.
      */
     virtual bool
     is_seen(const unsigned int function) const
@@ -129,10 +122,10 @@ namespace greville
     }
 
     /**
-     * Collective. The momentum @p b of points that a velocity @p x, the
-     * solution of M x = b, leaves out since it is held, as a velocity: (b - M
-     * x)_i / m_i where coefficients are held, its part along constrained
-     * directions, and zero elsewhere.
+     * Collective. Compute the momentum @p b of points that a velocity @p x, the
+     * solution of M x = b, does not represent because of its constraints, as a
+     * velocity: (b - M x)_i / m_i at constrained coefficients, its part along
+     * constrained directions, and zero elsewhere.
      */
     void
     held_residual(VectorField<dim>       &residual,
@@ -140,10 +133,10 @@ namespace greville
                   const VectorField<dim> &x) const;
 
     /**
-     * Collective. What held coefficients give to the momentum: at each of them
-     * the row of M x - b for the pair @p k of the last solve(), so that the sum
-     * of m_i x_i is that of b_i and of these rows, for all masses. Other
-     * entries may have any value.
+     * Collective. Compute the contribution of constrained coefficients to the
+     * momentum: at each of them the row of M x - b for the pair @p k of the
+     * last solve(). For all masses, the sum of m_i x_i is then the sum of b_i
+     * and of these rows. Other entries may have any value.
      */
     virtual void
     rows_of_held(VectorField<dim>       &rows,
@@ -161,7 +154,7 @@ namespace greville
 
     /**
      * Return whether the points determine an owned function: its coefficient
-     * does not depend on few points.
+     * does not depend on only a few points.
      */
     virtual bool
     is_stable(const unsigned int) const
@@ -180,8 +173,9 @@ namespace greville
     }
 
     /**
-     * Let windows of cells know which of them reach their neighbours by
-     * extended functions. They are kept by reference; null: none.
+     * Let the mass update, in windows of cells, which cells reach their
+     * neighbours by extended functions. They are kept by reference, null if
+     * there are none.
      */
     virtual void
     set_windows(CellWindows<dim> *)
@@ -197,7 +191,8 @@ namespace greville
     }
 
     /**
-     * Most iterations of a component in the last solve().
+     * Return the largest number of iterations of a component in the last
+     * solve().
      */
     unsigned int
     n_iterations() const
@@ -207,7 +202,7 @@ namespace greville
 
     /**
      * Return whether functions with hardly any mass are extended for surfaces
-     * in contact, although not for solve(). If so, loads of surfaces are to be
+     * in contact, although not for solve(). If so, loads of surfaces must be
      * condensed, b = E^T b, and they move with distributed velocities, v = E v.
      * E is the matrix of ExtendedUnknowns.
      */
@@ -234,9 +229,7 @@ namespace greville
     forget()
     {}
 
-    /**
-     * Factorizations so far.
-     */
+    /// Return the number of factorizations so far.
     virtual unsigned int
     n_factorizations() const
     {
@@ -244,7 +237,8 @@ namespace greville
     }
 
     /**
-     * Cells of fragments, which have lumped mass. Collective.
+     * Collective. Return the number of cells of fragments, which have lumped
+     * mass.
      */
     virtual std::uint64_t
     n_fragments() const
@@ -262,9 +256,7 @@ namespace greville
       return 0.;
     }
 
-    /**
-     * Active coefficients of all processes. Collective.
-     */
+    /// Collective. Return the number of active coefficients on all processes.
     std::uint64_t
     n_active() const;
 
@@ -281,15 +273,13 @@ namespace greville
      */
     GridMass(const OrderHierarchy<dim> &orders, const Walls<dim> &walls);
 
-    /**
-     * What is held has changed. Collective.
-     */
+    /// Collective. Update after a change of the constraints.
     virtual void
     change_held() = 0;
 
     /**
-     * Collective. The rows of M x at functions that are held, for the given
-     * components; others may have any value.
+     * Collective. Compute the rows of M x at constrained functions, for the
+     * given components; other entries may have any value.
      */
     virtual void
     multiply_at_held(VectorField<dim>            &rows,
@@ -297,7 +287,8 @@ namespace greville
                      const std::array<bool, dim> &components) const = 0;
 
     const OrderHierarchy<dim> &orders;
-    // Bits of components, by local function: all that are held, and by walls.
+    // Bits of components, by local function: all constraints, and constraints
+    // by walls.
     std::vector<unsigned char> held, wall_held;
     std::vector<ConstrainedDirections<dim>>
                  oblique; // in the order of functions
@@ -305,15 +296,14 @@ namespace greville
     unsigned int iterations = 0;
 
   private:
-    /**
-     * Collective. Hold these components, and the directions.
-     */
+    /// Collective. Set the constraints of components and directions.
     void
     set_held(std::vector<unsigned char>              &components,
              std::vector<ConstrainedDirections<dim>> &directions);
 
     /**
-     * Collective. The components in which functions with mass are held.
+     * Collective. Return the components in which functions with mass are
+     * constrained.
      */
     std::array<bool, dim>
     held_meet_mass() const;
@@ -322,8 +312,8 @@ namespace greville
 
 
   /**
-   * Collective. Make the mass of the name SchemeParameters::mass. Orders,
-   * parameters and walls are kept by reference.
+   * Collective. Make the mass named SchemeParameters::mass. Orders, parameters
+   * and walls are kept by reference.
    */
   template <int dim>
   std::unique_ptr<GridMass<dim>>

@@ -12,9 +12,9 @@
 namespace greville
 {
   /**
-   * A row of the table of implicit schemes. From the displacement u of the grid
+   * The coefficients of an implicit scheme. From the displacement u of the grid
    * in a step, and from its velocity v and acceleration a at the start, follow
-   * those at the end,
+   * the acceleration and velocity at the end,
    * @f{align*}{
    *   a' &= (\alpha_u u / dt - \alpha_v v) / dt - \alpha_a a, \\
    *   v' &= v + dt ((1 - \gamma) a + \gamma a'),
@@ -26,37 +26,37 @@ namespace greville
    * @f]
    * with the internal forces f and the loads F at the start and F' at the end.
    * The acceleration at the start satisfies M a = F - f, unless the scheme
-   * keeps the a' of the step before: where both alphas are not zero, that one
-   * belongs to the time (alpha_f - alpha_m) dt before the end of its step, and
-   * order 2 rests on it.
+   * keeps the a' of the previous step: if both alphas are not zero, a' belongs
+   * to the time (alpha_f - alpha_m) dt before the end of its step, on which
+   * second order depends.
    *
-   * Forces of contacts @f$f_c@f$ that come and go in a step would gain energy
-   * if a had them. Where a occurs, a and a' are those of the other forces, and
-   * contacts give impulses that belong to the end of the step
-   * (@ref Kane1999 "Kane et al., 1999"; @ref Chen2013 "Chen et al., 2013"): to
-   * v' they add @f$dt M^{-1} f_c@f$, and to u half of that times dt. In the
-   * equation for u this is @f$f_c@f$ times contact_weight(). Such steps keep a
-   * body at rest on another one, take energy from impacts, and are of order 1
-   * where the force of a contact changes.
+   * If a included contact forces @f$f_c@f$ that appear or vanish in a step,
+   * energy would grow. In schemes with a, a and a' therefore include the other
+   * forces only, and contacts act as impulses at the end of the step (@ref
+   * Kane1999 "Kane et al., 1999"; @ref Chen2013 "Chen et al., 2013"): to v'
+   * they add @f$dt M^{-1} f_c@f$, and to u half of that times dt. In the
+   * equation for u this is @f$f_c@f$ times contact_weight(). These steps keep a
+   * body at rest on another one, dissipate energy in impacts, and are of first
+   * order if contact forces change.
    */
   struct ImplicitScheme
   {
     double alpha_u = 0., alpha_v = 0., alpha_a = 0., gamma = 1.;
     double alpha_m = 0., alpha_f = 0.;
-    /// Whether a is the a' of the step before.
+    /// True if a is the a' of the previous step.
     bool keeps_acceleration = false;
-    /// No inertia: alpha_u = 0, and velocities stay zero.
+    /// True without inertia: alpha_u = 0, and velocities remain zero.
     bool       is_static = false;
     StepStress stress    = StepStress::end;
-    /// Loads are those at t + load_time dt.
+    /// Loads belong to the time t + load_time dt.
     double load_time = 1.;
-    /// What the velocity, which is held at walls, leaves out of the momentum of
-    /// the points stays there: to take it would take energy, too.
+    /**
+     * True if the part of the points' momentum that the constrained velocity
+     * does not represent is kept: removing it would dissipate energy, too.
+     */
     bool keeps_held_momentum = false;
 
-    /**
-     * Whether a occurs in the equations.
-     */
+    /// Return whether a occurs in the equations.
     bool
     needs_acceleration() const
     {
@@ -64,7 +64,8 @@ namespace greville
     }
 
     /**
-     * Of forces of contacts in the equation over 1 - alpha_f.
+     * Return the weight of contact forces in the equation, divided by 1 -
+     * alpha_f.
      */
     double
     contact_weight() const
@@ -76,7 +77,7 @@ namespace greville
   };
 
   /**
-   * The scheme of a name:
+   * Return the scheme of a name:
    * - "quasi-static": no inertia,
    * - "backward-euler": of first order, damps,
    * - "newmark": with beta and gamma; 1/4, 1/2 is the trapezoidal rule

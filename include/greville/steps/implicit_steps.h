@@ -22,30 +22,32 @@ namespace greville
 
   /**
    * Implicit steps in the updated Lagrangian form: the basis functions are
-   * those at the x_n of the points, and the unknowns the displacement u of the
-   * grid. With the velocity v of the grid, M v = P, and its acceleration a, M a
-   * = F - f, at x_n, u solves the equations of an ImplicitScheme by Newton's
-   * method. Loads F that depend on the position of points follow u. Then points
-   * take
+   * evaluated at the x_n of the points, and the unknowns are the displacement u
+   * of the grid. With the velocity v of the grid, M v = P, and its acceleration
+   * a, M a = F - f, at x_n, u solves the equations of an ImplicitScheme by
+   * Newton's method. Loads F that depend on the position of points follow u.
+   * Then points take
    * @f[
    *   x_p \leftarrow x_p + u(x_p), \qquad F_p \leftarrow (1 + \nabla u) F_p,
    *   \qquad v_p \leftarrow v_p + (v' - v)(x_p),
    * @f]
-   * or with PIC v_p = v'(x_p). A scheme that keeps its acceleration gives it to
-   * them, too, a_p = a'(x_p), and M a = sum_p m_p a_p N in the next step; total
-   * Lagrangian steps keep it on the grid. M is the consistent mass on extended
-   * B-splines or, with Scheme/Mass = lumped, its row sums before the extension.
+   * or with PIC v_p = v'(x_p). A scheme that keeps its acceleration also
+   * transfers it to the points, a_p = a'(x_p), and M a = sum_p m_p a_p N in the
+   * next step; total Lagrangian steps keep it on the grid. M is the consistent
+   * mass on extended B-splines or, with Scheme/Mass = lumped, its row sums
+   * before the extension.
    *
-   * A step that Newton's method does not solve is tried again with half of the
-   * length; after easy steps the length doubles up to the given one. Nothing is
-   * written to the state before Newton's method has converged.
+   * If Newton's method fails, the step is repeated with half the length; after
+   * easy steps, the length is doubled, up to the given one. The state does not
+   * change before Newton's method has converged.
    */
   template <int dim>
   class ImplicitSteps : public TimeIntegrator<dim>
   {
   public:
     /**
-     * Throws dealii::ExcMessage where parameters do not go with implicit steps.
+     * Throws dealii::ExcMessage for parameters that implicit steps do not
+     * support.
      */
     ImplicitSteps(const std::string &name, const IntegratorParts<dim> &parts);
 
@@ -53,8 +55,8 @@ namespace greville
     propose_step(State<dim> &state) override;
 
     /**
-     * Newton's method; a step is rejected where it does not converge. See
-     * CoupledSteps, which take the steps of parts that contacts couple, too.
+     * Run Newton's method; the step is rejected if it does not converge. See
+     * CoupledSteps, which also take the steps of parts coupled by contacts.
      */
     void
     try_step(State<dim> &state, const double dt) override;
@@ -275,11 +277,11 @@ namespace greville
     TangentSystem<dim>          system;
     bool                        is_symmetric = true;
 
-    // Null without pore water: its pressure, and the force of it.
+    // The pore pressure and its force, null without pore water.
     std::unique_ptr<PoreWater<dim>> water;
     VectorField<dim>                water_force;
 
-    // Of the state at hand.
+    // The bodies of the current state.
     std::vector<TrialBody<dim>>     bodies;
     std::vector<LoadedSurface<dim>> surfaces;
     SurfaceMotion<dim>              surface_motion;
@@ -290,12 +292,13 @@ namespace greville
     VectorField<dim> velocity, acceleration, displacement;
     VectorField<dim> held_momentum; // that walls give to the mapped velocity
     VectorField<dim> old_force, old_loads, new_loads, force, work;
-    // Of surfaces, and of bodies behind them where loads depend on the position
-    // of points: the velocity without what follows from the displacement, and
-    // loads. At the start, the bodies are not among them.
+    // For surfaces, and for bodies behind them if loads depend on the position
+    // of points: the part of the velocity that does not depend on the
+    // displacement, and loads. The loads at the start do not include the
+    // bodies.
     VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
-    // Where contacts are impulses: the force of TrialContacts with its weight,
-    // and loads and accelerations at the start, and then of the trial.
+    // If contacts act as impulses: the force of TrialContacts with its weight,
+    // and loads and accelerations at the start, and then in the trial.
     const VectorField<dim> *contact_force = nullptr;
     VectorField<dim>        contact_load, contact_acceleration;
     VectorType              last_residual;
@@ -305,8 +308,8 @@ namespace greville
     bool        forces_vanish    = false; // where Newton's method failed
     std::string rejection;
 
-    // Of the step that has been tried: iterations of Newton's method, the most
-    // of the solver in one of them, and all.
+    // Iterations of the last tried step: of Newton's method, the largest number
+    // of the linear solver in one of them, and the sum over all.
     unsigned int n_newton = 0, n_linear = 0, n_all_linear = 0;
   };
 } // namespace greville

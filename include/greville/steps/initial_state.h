@@ -8,9 +8,9 @@
 namespace greville
 {
   /**
-   * Collective. The partition that gives each process the same share of the
-   * points, which the parameters describe, and of the cells of @p mesh. Without
-   * rows on one process.
+   * Collective. Return the partition that gives each process the same share of
+   * the points, which the parameters describe, and of the cells of @p mesh. It
+   * has no rows on one process.
    */
   template <int dim>
   Partition
@@ -19,7 +19,7 @@ namespace greville
                     const Loads<dim>              &loads);
 
   /**
-   * Collective. The largest speeds, with waves as fast as those of bodies
+   * Collective. Return the largest speeds, with the wave speeds of bodies
    * without stress.
    */
   template <int dim>
@@ -28,10 +28,10 @@ namespace greville
                   const SplineSpace<dim>       &space);
 
   /**
-   * Collective. The bodies with their points, at rest on the grid. Throws
-   * dealii::ExcMessage where two bodies fill the same cells, by half a cell or
-   * more, and where an initial displacement moves points out of the grid.
-   * Points have the fields of all stages.
+   * Collective. Return the bodies with their points, at rest on the grid.
+   * Throws dealii::ExcMessage if two bodies fill the same cells, by half a cell
+   * or more, or if an initial displacement moves points out of the grid. Points
+   * have the fields of all stages.
    */
   template <int dim>
   State<dim>
@@ -40,9 +40,10 @@ namespace greville
                      Discretization<dim>        &discretization);
 
   /**
-   * Collective. Throws dealii::ExcMessage where incompressible water has no
-   * pressure: bodies without drained boundaries fill a grid whose walls all
-   * hold their normals. Elsewhere the total stress of a surface gives it.
+   * Collective. Throw dealii::ExcMessage if the pressure of incompressible
+   * water is undetermined: bodies without drained boundaries fill a grid whose
+   * walls all constrain their normals. Otherwise, the total stress at a surface
+   * determines it.
    */
   template <int dim>
   void

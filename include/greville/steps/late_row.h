@@ -14,23 +14,23 @@
 namespace greville
 {
   /**
-   * A row of statistics that belongs to the time t_n between two explicit
-   * steps, and is summed up in the second one. With velocities at half steps,
-   * points have v(n - 1/2) before it and v(n + 1/2) after it. At t_n they have
+   * A row of statistics for the time t_n between two explicit steps, which is
+   * summed up in the second step. With velocities at half steps, points have
+   * v(n - 1/2) before it and v(n + 1/2) after it. At t_n they have
    *   v_n = (1 - f) v(n - 1/2) + f v(n + 1/2),
-   * where f is the part of the way between the two times: 1/2 where steps are
-   * alike, 0 in the first step. Positions and stresses are those before the
-   * step. Work that is done with a displacement belongs to t_n as it is; of the
-   * kick that leads from one velocity to the other, the part f belongs to the
-   * time before t_n and does work on (v(n - 1/2) + v_n) / 2.
+   * where f is the fraction of the time between the two: 1/2 if steps are
+   * equal, 0 in the first step. Positions and stresses are taken before the
+   * step. Work by a displacement is complete at t_n; of the kick from one
+   * velocity to the other, the fraction f acts before t_n and does work on (v(n
+   * - 1/2) + v_n) / 2.
    */
   template <int dim>
   struct LateRow
   {
-    /// Whether the next step is to sum it up, and whether the last one did.
+    /// True if the next step must sum up the row, and if the last one did.
     bool is_wanted = false, is_known = false;
 
-    /// What is known at t_n; reactions are the share of this process.
+    /// The quantities known at t_n; reactions are the share of this process.
     Statistics<dim>        row;
     dealii::Tensor<1, dim> gravity;
 
@@ -39,7 +39,7 @@ namespace greville
     /// By body.
     std::vector<RowSums<dim>> sums;
     EnergyBalance             energy;
-    /// See StepGuard::set_swing().
+    /// The energy of StepGuard::set_swing().
     double swing = 0.;
 
     /// Called with points as they are before they are kicked, and after that
@@ -47,9 +47,9 @@ namespace greville
     std::function<void(const double weight, const bool is_kicked)> watch;
 
     /**
-     * The part of a kick's work that is done until t_n. With its impulse I,
-     * @p before is I v(n - 1/2), and @p after is I v(n + 1/2); unit: J (2D: J /
-     * m).
+     * Return the part of a kick's work that is done until t_n. With its impulse
+     * I, @p before is I v(n - 1/2), and @p after is I v(n + 1/2); unit: J (2D:
+     * J / m).
      */
     double
     part_of_work(const double before, const double after) const

@@ -8,8 +8,8 @@
 namespace greville
 {
   /**
-   * The work of this process in a step, in units of that of a point: its points
-   * of bodies and surfaces, and its cells.
+   * Return the work of this process in a step, in units of the work of a point:
+   * its points of bodies and surfaces, and its cells.
    */
   template <int dim>
   double
@@ -18,8 +18,8 @@ namespace greville
 
 
   /**
-   * Collective. The largest work of a process over the mean: the time of a step
-   * over that of perfectly shared work, as far as it is in proportion to
+   * Collective. Return the largest work of a process over the mean: the time of
+   * a step relative to perfectly balanced work, as far as it is proportional to
    * points and cells.
    */
   double
@@ -28,8 +28,8 @@ namespace greville
 
 
   /**
-   * Collective. The partition for owned cells of @p space with so many points
-   * each.
+   * Collective. Return the partition for owned cells of @p space with the given
+   * numbers of points.
    */
   template <int dim>
   Partition
@@ -37,8 +37,8 @@ namespace greville
                       const SplineSpace<dim>           &space);
 
   /**
-   * Collective. The partition that gives each process the same share of the
-   * work.
+   * Collective. Return the partition that gives each process the same share of
+   * the work.
    */
   template <int dim>
   Partition
@@ -46,9 +46,7 @@ namespace greville
 
 
 
-  /**
-   * Collective. Share the cells of @p mesh by @p partition.
-   */
+  /// Collective. Distribute the cells of @p mesh by @p partition.
   template <int dim>
   void
   repartition_mesh(DistributedTriangulation<dim> &mesh,
@@ -57,13 +55,12 @@ namespace greville
 
 
   /**
-   * Collective. Share the cells by @p partition, make the discretization anew
-   * on them, and bring all of @p state there. Points that stay on their process
-   * are copied; those that change it are all that is sent besides the fields of
-   * the grid.
+   * Collective. Distribute the cells by @p partition, make the discretization
+   * anew on them, and transfer @p state. Only points that change their process
+   * and the fields of the grid are sent; other points are copied.
    *
-   * Spaces and masses of the discretization are others after that, as after
-   * Discretization::reinit(): whoever refers to them is made anew.
+   * Spaces and masses of the discretization are replaced, as by
+   * Discretization::reinit(): objects that refer to them must be made anew.
    */
   template <int dim>
   void

@@ -13,12 +13,12 @@
 namespace greville
 {
   /**
-   * The row sums M_L of the mass matrix M of the points, or FMPM's series of
-   * K terms, see add_fmpm_terms(), on all functions that meet mass. The points
-   * of a surface in contact are ahead of those of its body: where they enter a
-   * cell first, functions have no mass or hardly any. Surfaces in contact see
-   * a constant extension of the nearest functions there, so that no part of a
-   * force is lost.
+   * The row sums M_L of the mass matrix M of the points, or FMPM's series of K
+   * terms, see add_fmpm_terms(), on all functions with mass in their support.
+   * The points of a surface in contact are ahead of the points of its body: if
+   * they enter a cell first, functions there have hardly any mass or none. For
+   * surfaces in contact, these functions are replaced by a constant extension
+   * of the nearest ones, so that no part of a force is lost.
    */
   template <int dim>
   class LumpedMass : public GridMass<dim>
@@ -52,9 +52,7 @@ namespace greville
            const std::vector<const MaterialPoints<dim> *> &surfaces,
            const PointTransfer<dim>                       &transfer) override;
 
-    /**
-     * What is held takes part in the series with its values.
-     */
+    /// Constrained coefficients take part in the series with their values.
     void
     solve(const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &b,
@@ -89,14 +87,16 @@ namespace greville
       ExtendedUnknowns<dim> unknowns;
     };
 
-    /// Collective. Make it where surfaces are in contact.
+    /// Collective. Make the extension if surfaces are in contact.
     void
     extend_to(const std::vector<const MaterialPoints<dim> *> &surfaces,
               const std::vector<const MaterialPoints<dim> *> &bodies,
               const PointTransfer<dim>                       &transfer);
 
-    /// Call action(i) for the owned functions that walls hold. These keep their
-    /// loads, and their velocities.
+    /**
+     * Call action(i) for the owned functions that walls constrain, which keep
+     * their loads and their velocities.
+     */
     template <typename Action>
     void
     for_each_held(const unsigned int component, Action action) const;
@@ -112,11 +112,11 @@ namespace greville
     const unsigned int                      n_terms;
     typename CellFilling<dim>::Walls        friction_walls;
     std::unique_ptr<Extended>               extended;
-    VectorField<dim>                        inverse; // of M_L, 0 where held
+    VectorField<dim>                        inverse; // of M_L, 0 if constrained
     std::vector<dealii::Tensor<1, dim>>     given;   // parts along directions
     std::optional<DensityWeights<dim>>      weights;
-    std::unique_ptr<CrossMassOperator<dim>> product; // M, where K > 1
-    std::vector<VectorField<dim>> products; // of the last solve(), where K > 1
+    std::unique_ptr<CrossMassOperator<dim>> product; // M, if K > 1
+    std::vector<VectorField<dim>> products; // of the last solve(), if K > 1
   };
 } // namespace greville
 

@@ -11,32 +11,28 @@
 
 namespace greville
 {
-  /**
-   * What came of points of all bodies on this process.
-   */
+  /// The results of an update of the points of all bodies on this process.
   struct PointMotion
   {
     /// Signals::fastest and Signals::wave, m / s.
     double fastest_signal = 0., fastest_wave = 0.;
-    /// Of all bodies.
+    /// Sums over all bodies.
     PointSums sums;
-    /// By body: cells that at least one point has left.
+    /// The cells that at least one point has left, by body.
     std::vector<std::vector<unsigned int>> left_cells;
-    /// Likewise by surface.
+    /// The same by surface.
     std::vector<std::vector<unsigned int>> left_surface_cells;
-    /// What is wrong with a point, empty if nothing is.
+    /// A message about an invalid point, empty if there is none.
     std::string problem;
 
-    /**
-     * Take over what came of the same points before.
-     */
+    /// Merge the results of an earlier pass over the same points.
     void
     merge(const PointMotion &before);
   };
 
   /**
-   * The share of FLIP in a step @p dt (s), see SchemeParameters: @p h is the
-   * smallest edge of a cell, @p signal the fastest initial speed (m / s).
+   * Return the share of FLIP in a step @p dt (s), see SchemeParameters: @p h is
+   * the smallest edge of a cell, @p signal the fastest initial speed (m / s).
    */
   double
   flip_share(const SchemeParameters &scheme,
@@ -52,10 +48,10 @@ namespace greville
   stop_points(State<dim> &state);
 
   /**
-   * Collective. One pass over the points of all bodies, without those that the
-   * @p update does not change. Its material is that of each body, with the
-   * strength that it has at the @p time (s) to which the points come. A kick
-   * sums up the @p row; null: none.
+   * Collective. Update the points of all bodies in one pass, except those that
+   * the @p update does not change. Its material is replaced by each body's,
+   * with the strength at the @p time (s) that the points reach. A kick sums up
+   * the @p row unless null.
    */
   template <int dim>
   PointMotion
@@ -66,9 +62,9 @@ namespace greville
                 LateRow<dim>           *row = nullptr);
 
   /**
-   * Collective. Likewise the points of surfaces, which have no inertia: where
-   * points are kicked, theirs take the velocity of the grid. The result is
-   * added to the @p motion.
+   * Collective. Update the points of surfaces, which have no inertia: in a
+   * kick, they take the velocity of the grid. The result is added to the @p
+   * motion.
    */
   template <int dim>
   void
@@ -78,8 +74,9 @@ namespace greville
                   PointMotion               &motion);
 
   /**
-   * Collective. Points of fluids share their changes of volume, every ten steps
-   * and slowly against waves that cross a cell of the size @p h.
+   * Collective. Average the volume changes of neighboring points of fluids,
+   * every ten steps and slowly in comparison with waves that cross a cell of
+   * the size @p h.
    */
   template <int dim>
   void

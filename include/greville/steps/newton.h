@@ -13,30 +13,23 @@
 namespace greville
 {
   /**
-   * Equations r(x) = 0 with forces r, N (2D: N / m), that Newton's method
-   * solves. All calls are collective.
+   * Base class of equations r(x) = 0 with forces r, N (2D: N / m), for Newton's
+   * method. All calls are collective.
    */
   class NewtonProblem
   {
   public:
     virtual ~NewtonProblem() = default;
 
-    /**
-     * The residual at x. Returns what is wrong there, empty if nothing is.
-     */
+    /// Compute the residual at x. Returns an error message, or an empty text.
     virtual std::string
     residual(VectorType &r, const VectorType &x) = 0;
 
-    /**
-     * The size of the forces that the last residual is the sum of, N.
-     */
+    /// Return the magnitude of the forces that add up to the last residual, N.
     virtual double
     scale() = 0;
 
-    /**
-     * Make the derivative at x. Returns what is wrong with it, empty if nothing
-     * is.
-     */
+    /// Compute the derivative at x. Returns an error message, or an empty text.
     virtual std::string
     linearize(const VectorType &x) = 0;
 
@@ -49,15 +42,15 @@ namespace greville
 
 
 
-  /**
-   * What an iteration did; the first row is that of the guess.
-   */
+  /// The record of an iteration; the first record belongs to the guess.
   struct NewtonIteration
   {
-    /// Euclidean norm of r, and this norm as a fraction of the scale.
+    /// The Euclidean norm of r, and this norm as a fraction of the scale.
     double residual = 0., relative = 0.;
-    /// The fraction of dx that was taken, 1 in most cases; 0: back to where the
-    /// residual was smallest.
+    /**
+     * The fraction of dx that was taken, mostly 1; 0 stands for a return to the
+     * smallest residual.
+     */
     double       step              = 0.;
     unsigned int linear_iterations = 0;
   };
@@ -66,7 +59,7 @@ namespace greville
   {
     bool                         converged = false;
     std::vector<NewtonIteration> iterations;
-    /// Empty, or why it did not converge.
+    /// The reason why it did not converge; empty if it did.
     std::string reason;
 
     unsigned int
@@ -79,18 +72,18 @@ namespace greville
 
 
   /**
-   * Collective. Newton's method with full steps, and with a line search where
-   * they fail: points break, or the residual does not become smaller than it
-   * was in a few steps. Then it goes back to where the residual was smallest,
-   * and cuts steps in halves as long as it grows. (Nonmonotone steps are those
-   * of the watchdog technique of
-   * @ref Chamberlain1982 "Chamberlain et al., 1982". Bodies that hardly change
-   * their volume need them: each step turns them, which changes their volume to
-   * second order.) Linear systems are solved to the relative tolerance 0.9
-   * (|r_k| / |r_(k-1)|)^2 (@ref Eisenstat1996 "Eisenstat and Walker, 1996",
-   * choice 2) between the parameters' bounds, so that convergence is quadratic.
-   * On entry @p x is the guess; where that fails and the residual of zero is
-   * much smaller, it begins again with zero.
+   * Collective. Run Newton's method with full steps, and with a line search if
+   * they fail, that is, if points break or the residual does not fall below an
+   * earlier one within a few steps. The line search returns to the smallest
+   * residual and bisects steps as long as the residual grows. (The nonmonotone
+   * steps follow the watchdog technique of @ref Chamberlain1982 "Chamberlain et
+   * al., 1982". Nearly incompressible bodies need them: each step rotates
+   * material, which changes its volume to second order.) Linear systems are
+   * solved to the relative tolerance 0.9 (|r_k| / |r_(k-1)|)^2 (@ref
+   * Eisenstat1996 "Eisenstat and Walker, 1996", choice 2) between the
+   * parameters' bounds, so that convergence is quadratic. On entry, @p x is the
+   * guess; if the method fails from there and the residual of zero is much
+   * smaller, it starts again from zero.
    */
   NewtonResult
   solve_newton(VectorType             &x,

@@ -21,14 +21,14 @@ namespace greville
   using Inside = std::function<bool(const dealii::Point<dim> &x)>;
 
   /**
-   * Half of a cell is the depth of an error: as a part of the cell size, and as
-   * an Overlap::excess beyond the initial one. Points that fill cells stick out
-   * of their shape by part of a spacing.
+   * The depth of an overlap that is an error, half a cell: as a fraction of the
+   * cell size, and as an Overlap::excess beyond the initial one. Points that
+   * fill cells extend beyond their shape by part of a spacing.
    */
   constexpr double half_of_cell = 0.5, half_of_cell_as_excess = 0.3;
 
   /**
-   * Collective. Find where two sides overlap most in cells of the size @p h
+   * Collective. Find the largest overlap of two sides in cells of the size @p h
    * (m), see largest_overlap().
    */
   template <int dim>
@@ -54,8 +54,8 @@ namespace greville
   overlap_text(const Sides<dim> &sides, const Overlap<dim> &overlap);
 
   /**
-   * Return whether the points at a @p distance (m) from @p x, along the axes
-   * and the diagonals, are all inside, and x itself.
+   * Return whether @p x and the points at a @p distance (m) from it, along the
+   * axes and the diagonals, are all inside.
    */
   template <int dim>
   bool
@@ -63,9 +63,7 @@ namespace greville
           const dealii::Point<dim> &x,
           const double              distance);
 
-  /**
-   * Return the same for axisymmetric bodies, which go on beyond the axis.
-   */
+  /// Return the same for axisymmetric bodies, which continue beyond the axis.
   template <int dim>
   Inside<dim>
   mirrored(const Inside<dim> &is_inside, const bool is_axisymmetric);

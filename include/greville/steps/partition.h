@@ -11,9 +11,10 @@
 namespace greville
 {
   /**
-   * How cells are shared among processes: weights of the cells with points,
-   * from which p4est finds the same partition again on the same number of
-   * processes. All other cells weigh as much as one without points.
+   * A distribution of cells among processes, given by weights of the cells with
+   * points, from which p4est computes the same partition again on the same
+   * number of processes. All other cells have the weight of a cell without
+   * points.
    */
   struct Partition
   {
@@ -25,7 +26,10 @@ namespace greville
     Partition(std::vector<double> rows, const MPI_Comm comm);
 
     const std::vector<double> rows;
-    /// Of all processes, and a checksum of all rows in any order.
+    /**
+     * The number of rows on all processes, and a checksum of all rows in any
+     * order.
+     */
     std::uint64_t n_rows = 0, checksum = 0;
 
     bool

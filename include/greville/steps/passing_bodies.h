@@ -12,26 +12,24 @@
 namespace greville
 {
   /**
-   * Pairs of bodies, and of a body and a rigid body, that pass through one
-   * another: they have no common grid, and no contact names the two. The first
-   * overlap of a pair by more than half of a cell is a warning.
+   * A check for pairs of bodies, or of a body and a rigid body, that pass
+   * through one another, since they have no common grid and no contact names
+   * both. The first overlap of a pair by more than half a cell gives a warning.
    */
   template <int dim>
   class PassingBodies
   {
   public:
-    /**
-     * The @p parts and the @p rigid_bodies are kept.
-     */
+    /// The @p parts and the @p rigid_bodies are kept by reference.
     PassingBodies(const SimulationParameters           &parameters,
                   const std::vector<Simulation<dim> *> &parts,
                   const std::vector<RigidBody<dim>>    &rigid_bodies,
                   const MPI_Comm                        comm);
 
     /**
-     * Collective. Add warnings to those of the first part. Overlaps are looked
-     * for at the start, in every tenth explicit step and in each implicit one,
-     * if both may have moved by a quarter of a cell since the last time.
+     * Collective. Add warnings to those of the first part. Overlaps are checked
+     * at the start, in every tenth explicit step and in each implicit one, if
+     * both bodies may have moved by a quarter of a cell since the last check.
      */
     void
     check();
@@ -42,12 +40,15 @@ namespace greville
       std::array<std::string, 2> names;
       int    rigid        = -1; // number of the second one if it is rigid
       bool   is_warned_of = false;
-      double time = 0., way = 0.; // s, of the last look; m, since the last test
+      double time         = 0.,
+             way          = 0.; // s, of the last check; m, since the last test
       RigidPosition<dim> last;
     };
 
-    /// Extent and speed of the bodies on all processes: the largest -x, x, and
-    /// the largest speed (m / s).
+    /**
+     * Extent and speed of a body over all processes: the largest -x, x, and the
+     * largest speed (m / s).
+     */
     struct Motion
     {
       const Body<dim>    *body = nullptr;
@@ -58,8 +59,10 @@ namespace greville
     std::vector<Motion>
     motions() const;
 
-    /// Collective. Return the first point that is deep in the other one, with
-    /// both names; empty if none is.
+    /**
+     * Collective. Return the first point that is deep in the other body, with
+     * both names; empty if there is none.
+     */
     std::string
     find_overlap(const Pair &pair, const Motion &first, const Motion *second);
 

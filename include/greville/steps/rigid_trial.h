@@ -9,17 +9,16 @@
 namespace greville
 {
   /**
-   * A free rigid body in an implicit step that is tried. Its unknowns q are the
+   * A free rigid body in a trial of an implicit step. Its unknowns q are the
    * displacement u of its reference point in the step, and the vector of its
    * rotation @f$\varphi@f$ in the step times its radius of gyration, so that
    * all of them are in m, and residuals in N (in 2D N / m). With the formulas
-   * of the scheme
-   * for accelerations a' and @f$\alpha'@f$ from these (ImplicitScheme), the
-   * equations are
+   * of the scheme for accelerations a' and @f$\alpha'@f$ from these
+   * (ImplicitScheme), the equations are
    * @f[ m a' = f + m g, \qquad J \alpha' + w \times J w = M, @f]
-   * with the inertia @f$J = R I R^T@f$ and the mean spin
-   * @f$w = \varphi / \Delta t@f$, and force f and moment M (about the reference
-   * point) of contacts at the time of ImplicitScheme::load_time, which have
+   * with the inertia @f$J = R I R^T@f$, the mean spin @f$w = \varphi / \Delta
+   * t@f$, and force f and moment M (about the reference point) of contacts at
+   * the time of ImplicitScheme::load_time, weighted by
    * ImplicitScheme::contact_weight().
    */
   template <int dim>
@@ -33,8 +32,8 @@ namespace greville
     using Matrix = dealii::Tensor<2, n_unknowns>;
 
     /**
-     * The @p body at the start of a step of length @p dt, s; @p gravity belongs
-     * to the time of loads, m / s^2.
+     * The @p body is given at the start of a step of length @p dt, s; @p
+     * gravity belongs to the time of loads, m / s^2.
      */
     RigidTrial(const RigidBody<dim>         &body,
                const RigidPosition<dim>     &start,
@@ -42,58 +41,62 @@ namespace greville
                const ImplicitScheme         &scheme,
                const double                  dt);
 
-    /// The unknowns if it goes on with its velocity.
+    /// Return the unknowns for motion with constant velocity.
     Vector
     guess() const;
 
-    /// Where it is after a share of the step, with the velocity at the end, to
-    /// which a @p load belongs if it is given.
+    /**
+     * Return its position after a share of the step, with the velocity at the
+     * end, which includes the effect of a @p load if given.
+     */
     RigidPosition<dim>
     position(const Vector &q,
              const double  share,
              const Vector *load = nullptr) const;
 
-    /// A force and a moment about the reference point, N and N m (2D: N / m
-    /// and N), as q sees them.
+    /**
+     * Return a force and a moment about the reference point, N and N m (2D: N /
+     * m and N), in terms of q.
+     */
     Vector
     load(const dealii::Tensor<1, dim> &force,
          const RotationVector<dim>    &moment) const;
 
-    /// That of a force at a @p distance from the reference point.
+    /// Return the load of a force at a @p distance from the reference point.
     Vector
     load_at(const dealii::Tensor<1, dim> &distance,
             const dealii::Tensor<1, dim> &force) const;
 
-    /// How far q moves a point there.
+    /// Return the displacement by q of a point at a @p distance.
     dealii::Tensor<1, dim>
     motion_at(const dealii::Tensor<1, dim> &distance, const Vector &q) const;
 
-    /// The residual with the load of the trial.
+    /// Return the residual with the load of the trial.
     Vector
     residual(const Vector &q, const Vector &load) const;
 
-    /// The derivative of the inertia by q.
+    /// Return the derivative of the inertia terms by q.
     Matrix
     stiffness() const;
 
-    /// The largest of the forces that the residual consists of.
+    /// Return the largest of the forces in the residual.
     double
     scale(const Vector &load) const;
 
   private:
-    /// The mass and the inertia of a position.
+    /// Return the mass and the inertia in a position.
     Matrix
     inertia(const RigidPosition<dim> &position) const;
 
-    /// The vector of rotation, or the spin.
+    /// Return the rotation vector, or the spin.
     RotationVector<dim>
     rotation_of(const Vector &q) const;
 
-    /// By a load, without that of the spin.
+    /// Return the acceleration by a load, without the gyroscopic term.
     Vector
     acceleration_by(const Vector &load) const;
 
-    /// a' and alpha'.
+    /// Return a' and alpha'.
     Vector
     acceleration(const Vector &q) const;
 

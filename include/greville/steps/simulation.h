@@ -31,63 +31,83 @@ namespace greville
   class Simulation
   {
   public:
-    /// Collective. Makes grid and points. Throws dealii::ExcMessage where
-    /// parameters are wrong.
+    /**
+     * Collective. Make grid and points. Throws dealii::ExcMessage for invalid
+     * parameters.
+     */
     Simulation(const SimulationParameters &parameters,
                const MPI_Comm              comm = MPI_COMM_WORLD);
 
-    /// Collective. Mass and velocity of the grid from the points as they are:
-    /// for output before the first step.
+    /**
+     * Collective. Compute mass and velocity of the grid from the current
+     * points, for output before the first step.
+     */
     void
     fill_grid();
 
-    /// Collective. One step; not beyond the end. Throws StepGivenUp with step,
-    /// time and point where a point is lost or breaks, or a StepGuard finds
-    /// something wrong; the state is then the last good one that was kept, to
-    /// single precision. For an exact one keep a copy of state(). Those of
-    /// several simulations are a CommonStep.
+    /**
+     * Collective. Take one step, not beyond the end. Throws StepGivenUp with
+     * step, time and point if a point is lost or breaks, or if a StepGuard
+     * finds an error; the state is then the last stored good one, to single
+     * precision. For an exact one, keep a copy of state(). Several simulations
+     * take a CommonStep.
+     */
     void
     step();
 
     bool
     is_finished() const;
 
-    /// Collective. Before the first step: see make_later_bodies().
+    /**
+     * Collective. Return later bodies, before the first step: see
+     * make_later_bodies().
+     */
     std::vector<Body<dim>>
     later_bodies();
 
-    /// Whether a point has moved by more than 'Time/Largest displacement'.
+    /**
+     * Return whether a point has moved by more than 'Time/Largest
+     * displacement'.
+     */
     bool
     exceeds_displacement() const;
 
-    /// Whether the stage has come to its end: the next step is the first of the
-    /// next stage, if there is one.
+    /**
+     * Return whether the stage has ended: the next step is the first of the
+     * next stage, if there is one.
+     */
     bool
     is_stage_finished() const
     {
       return is_end(current.time);
     }
 
-    /// Whether the next step begins with a copy of the state to go back to.
+    /**
+     * Return whether the next step begins with a copy of the state for
+     * restoring it.
+     */
     bool
     keeps_state() const;
 
-    /// The parameters with the sections of the stage.
+    /// Return the parameters with the sections of the stage.
     const SimulationParameters &
     stage_parameters() const
     {
       return parameters;
     }
 
-    /// A copy of it is a state to go back to.
+    /// Return the state, a copy of which can be restored later.
     const State<dim> &
     state() const
     {
       return current;
     }
 
-    /// Collective. Go on from a copy of state(). What follows depends on the
-    /// copy alone: it has the same bits each time, on as many processes.
+    /**
+     * Collective. Continue from a copy of state(). Subsequent results depend
+     * only on the copy: they are bitwise equal each time, on the same number of
+     * processes.
+     */
     void
     set_state(const State<dim> &state);
 
@@ -96,7 +116,7 @@ namespace greville
     void
     begin_with(const TablesFile &content);
 
-    /// The grid, and what goes between it and the points.
+    /// Return the grid, with the transfer between grid and points.
     Discretization<dim> &
     grid()
     {
@@ -109,12 +129,14 @@ namespace greville
       return discretization;
     }
 
-    /// Collective. One row of statistics.csv, of the state as it is.
+    /// Collective. Return a row of statistics.csv for the current state.
     Statistics<dim>
     statistics() const;
 
-    /// Whether velocities belong to a time before State::time, so that a row of
-    /// this time is to be summed up by the next step.
+    /**
+     * Return whether velocities belong to a time before State::time, so that
+     * the next step must sum up a row for this time.
+     */
     bool
     rows_lag() const
     {
@@ -142,19 +164,21 @@ namespace greville
       return asked;
     }
 
-    /// Collective. The row that the last step has summed up.
+    /// Collective. Return the row that the last step has summed up.
     Statistics<dim>
     late_statistics() const
     {
       return complete(asked);
     }
 
-    /// Collective. The force on the functions of a velocity field of the grid
-    /// by stresses, gravity and loads as they are, N (2D: N / m).
+    /**
+     * Collective. Return the force on the functions of a velocity field of the
+     * grid by stresses, gravity and loads in the current state, N (2D: N / m).
+     */
     VectorField<dim>
     grid_force();
 
-    /// Collective. The surfaces, with their loads as they are.
+    /// Collective. Return the surfaces with their current loads.
     const std::vector<Surface<dim>> &
     loaded_surfaces();
 
@@ -164,8 +188,11 @@ namespace greville
       return current.bodies;
     }
 
-    /// For programs that change points between steps: not their number and
-    /// mass. From now on, sums over the points are made anew in each step.
+    /**
+     * Return the bodies, for programs that change points between steps, except
+     * their number and mass. From then on, sums over the points are recomputed
+     * in each step.
+     */
     std::vector<Body<dim>> &
     bodies()
     {
@@ -180,8 +207,10 @@ namespace greville
       return discretization.space();
     }
 
-    /// The mass of the first velocity field: those of others are of the same
-    /// kind.
+    /**
+     * Return the mass of the first velocity field; all others are of the same
+     * kind.
+     */
     const GridMass<dim> &
     mass() const
     {
@@ -206,39 +235,41 @@ namespace greville
       return integrator->solver_levels();
     }
 
-    /// Words for messages and Newton's log, such as " of 'Body disk'".
+    /// Set a label for messages and Newton's log, such as " of 'Body disk'".
     void
     set_label(const std::string &of)
     {
       log.of = of;
     }
 
-    /// Warnings since the last call.
+    /// Return warnings since the last call.
     std::vector<std::string>
     take_warnings();
 
-    /// What Newton's method has done in the last step, once.
+    /// Return the records of Newton's method in the last step, once.
     std::vector<NewtonRecord>
     take_newton();
 
-    /// Seconds on this process that each task of a step has taken.
+    /// Return the seconds on this process for each task of a step.
     const std::map<std::string, double> &
     part_times() const
     {
       return log.seconds;
     }
 
-    /// The work of this process in a step, see work_of_process().
+    /// Return the work of this process in a step, see work_of_process().
     double
     work() const;
 
-    /// Collective. Share the cells among the processes so that each has the
-    /// same share of the work as it is now, between two steps. Spaces and
-    /// masses are new then; results change by tolerances of solvers.
+    /**
+     * Collective. Redistribute the cells between two steps, so that each
+     * process has the same share of the current work. Spaces and masses are
+     * made anew; results change within the tolerances of solvers.
+     */
     void
     share_cells();
 
-    /// Bytes of the points on this process and of the state to go back to.
+    /// Return the bytes of the points on this process and of the stored state.
     std::size_t
     points_memory() const;
 
@@ -248,36 +279,37 @@ namespace greville
     friend class CommonStep<dim>;
     friend class TrialContacts<dim>;
 
-    // Collective. A row before points are summed up, and with the sums.
+    // Collective. Return a row, to which the sums over points are added later.
     LateRow<dim>
     begin_row(const double outer_mass) const;
     Statistics<dim>
     complete(const LateRow<dim> &late) const;
 
-    // Make all that depends on the sections of a stage; go on from the state at
-    // the end of a stage with the next one; what the state has at its start.
+    // Make all members that depend on the sections of a stage; continue from
+    // the end of a stage with the next one; initialize the state at its start.
     void
     enter_stage(const unsigned int stage);
     void
     next_stage();
     void
     start_stage();
-    // Collective. Bodies and materials of the stage, in the place of those of
-    // the one before, whose bodies had this energy.
+    // Collective. Replace bodies and materials of the previous stage, whose
+    // bodies had this energy, by those of the current stage.
     void
     change_bodies_from(const std::vector<const Material *> &materials,
                        const double                         energy);
-    // share_cells() where it is due before this step; whether it is.
+    // Call share_cells() if it is due before this step. Returns whether it was.
     bool
     balance_load();
 
-    // What is due before a step: a copy to go back to, and the next stage.
+    // Do the tasks before a step: copy the state, and begin the next stage if
+    // due.
     void
     remember();
     void
     begin_step();
 
-    // Take the step that has been tried, and what is due after all have.
+    // Take the step that has been tried, and do the tasks after it.
     void
     take_step(const double dt);
     bool
@@ -289,8 +321,8 @@ namespace greville
     void
     end_step();
 
-    // Collective. Go back to the last good state, and to the sections of its
-    // stage; and throw, as StepGivenUp, the message of a step of this length.
+    // Collective. Restore the last good state and the sections of its stage,
+    // and throw StepGivenUp with the message for a step of this length.
     void
     restore();
     [[noreturn]] void
@@ -310,7 +342,7 @@ namespace greville
     std::unique_ptr<TimeIntegrator<dim>> integrator;
     bool                                 programs_have_points = false;
 
-    // The step at hand.
+    // The current step.
     bool         is_first_step_of_stage = false;
     unsigned int entered_stage          = 0; // that of the parameters
   };

@@ -8,26 +8,24 @@
 
 namespace greville
 {
-  /**
-   * A body without points: its name, parameters and material.
-   */
+  /// Return a body without points: its name, parameters and material.
   template <int dim>
   Body<dim>
   make_body(const std::string &name, const SimulationParameters &parameters);
 
   /**
-   * What points of a body have: the history of its material in the stage of
-   * the @p parameters, and the fields that schemes and loads of all stages
-   * need.
+   * Return the layout of a body's points: the history of its material in the
+   * stage of the @p parameters, and the fields that schemes and loads of all
+   * stages need.
    */
   template <int dim>
   PointLayout<dim>
   layout_of(const std::string &body, const SimulationParameters &parameters);
 
   /**
-   * Collective. Give a body its points, with its initial state at the start of
-   * the stage at hand: its K0 procedure counts the layers that are there then.
-   * Throws dealii::ExcMessage as make_points(), and where an initial
+   * Collective. Make the points of a body, with its initial state at the start
+   * of the current stage: its K0 procedure includes the layers that are present
+   * then. Throws dealii::ExcMessage as make_points(), and if an initial
    * displacement moves points out of the grid.
    */
   template <int dim>
@@ -39,8 +37,8 @@ namespace greville
              Discretization<dim>        &discretization);
 
   /**
-   * Collective. The surfaces of loads and contacts, without points where their
-   * body has none.
+   * Collective. Return the surfaces of loads and contacts, without points if
+   * their body has none.
    */
   template <int dim>
   std::vector<Surface<dim>>
@@ -49,9 +47,9 @@ namespace greville
                 Discretization<dim>          &discretization);
 
   /**
-   * Collective. The bodies that are not there in the first stage, as if they
-   * came now. Throws dealii::ExcMessage where one cannot, and where two of a
-   * stage are in the same place, those of the @p first stage among them.
+   * Collective. Return the bodies that are absent in the first stage, as if
+   * they were added now. Throws dealii::ExcMessage if this fails, and if two
+   * bodies of a stage overlap, including those of the @p first stage.
    */
   template <int dim>
   std::vector<Body<dim>>
@@ -60,17 +58,17 @@ namespace greville
                     Discretization<dim>          &discretization);
 
   /**
-   * Collective. At the start of the stage that @p parameters are those of: take
-   * away bodies with their surfaces, add others, and give bodies the material
-   * that they have in this stage, in the place of those of @p before.
+   * Collective. At the start of the stage of @p parameters, remove bodies with
+   * their surfaces, add others, and assign bodies their material in this stage
+   * in place of their material @p before.
    *
-   * A point keeps its stress, mass (times the ratio of the densities), place,
-   * velocity and id. Where the new material is of the same model and elastic
-   * constants, it keeps deformation and history, too. Otherwise its deformation
-   * gradient is the symmetric stretch that belongs to the stress, as
-   * Material::initialize() finds it; history is that of a new point, but for
-   * plastic strain and the like where the model is the same. Throws
-   * dealii::ExcMessage where a material cannot have the stress.
+   * A point keeps its stress, mass (times the ratio of the densities),
+   * position, velocity and id. If the new material has the same model and
+   * elastic constants, it keeps deformation and history, too. Otherwise, its
+   * deformation gradient is the symmetric stretch for the stress from
+   * Material::initialize(), and its history is that of a new point, except for
+   * plastic strain and the like if the model is the same. Throws
+   * dealii::ExcMessage if a material does not allow the stress.
    */
   template <int dim>
   void
@@ -81,7 +79,7 @@ namespace greville
                 Discretization<dim>                 &discretization);
 
   /**
-   * Collective. Throw where two bodies fill the same cells, by half a cell or
+   * Collective. Throw if two bodies fill the same cells, by half a cell or
    * more.
    */
   template <int dim>
@@ -89,7 +87,7 @@ namespace greville
   check_overlap(const BodyList<dim> &bodies, const SplineSpace<dim> &space);
 
   /**
-   * Collective. The same of bodies with shapes, however thin they are.
+   * Collective. Throw if two bodies with shapes overlap, however thin they are.
    */
   template <int dim>
   void

@@ -19,24 +19,22 @@
 
 namespace greville
 {
-  /**
-   * The fastest speeds on all processes, which steps depend on.
-   */
+  /// The largest speeds on all processes, on which the step length depends.
   struct Signals
   {
     /// The largest c + |v|, with the speed c of pressure waves, m / s.
     double fastest = 0.;
     /// The largest c, m / s.
     double wave = 0.;
-    /// Cells that a point crosses in a second.
+    /// The number of cells that a point crosses per second.
     double crossing_rate = 0.;
   };
 
 
 
   /**
-   * The mode of the highest frequency: where the next estimate of the critical
-   * step begins.
+   * The mode of the highest frequency, with which the next estimate of the
+   * critical step begins.
    */
   template <int dim>
   struct HighestMode
@@ -56,9 +54,12 @@ namespace greville
     /// The smallest of the last estimates, s.
     double              critical = 0.;
     std::vector<double> last;
-    /// The step before which the next one is due, and those in between.
+    /**
+     * The number of the step before which the next estimate is due, and the
+     * number of steps between estimates.
+     */
     unsigned int next = 0, n_between = 0;
-    /// Signals::wave at the last one.
+    /// Signals::wave at the last estimate.
     double wave = 0.;
     /// The first automatic step of the stage, s.
     double first_step = 0.;
@@ -81,7 +82,8 @@ namespace greville
 
 
   /**
-   * What steps hand on of a velocity field of the grid, see GridField.
+   * The data of a velocity field of the grid that a step passes to the next
+   * one, see GridField.
    */
   template <int dim>
   struct FieldState
@@ -95,9 +97,7 @@ namespace greville
 
 
 
-  /**
-   * Where a rigid body is, and where it was at the start of the last step.
-   */
+  /// The position of a rigid body, now and at the start of the last step.
   template <int dim>
   struct RigidBodyState
   {
@@ -106,43 +106,47 @@ namespace greville
 
 
 
-  /**
-   * All that a step changes besides the bodies.
-   */
+  /// The data that a step changes, besides the bodies.
   template <int dim>
   struct StateWithoutBodies
   {
-    /// t, and the time to which velocities belong, s.
+    /// The time t, and the time to which velocities belong, s.
     double time = 0., velocity_time = 0.;
-    /// Lengths of the last step: of t, and of the velocities, s.
+    /// The lengths of the last step for t and for the velocities, s.
     double step = 0., velocity_step = 0.;
 
     /// The stage, see SimulationParameters::stages.
     unsigned int stage = 0;
 
     unsigned int  n_steps   = 0;
-    std::uint64_t n_removed = 0; // points outside of the grid
-    std::uint64_t n_points  = 0; // those in the grid, of all processes
+    std::uint64_t n_removed = 0; // points removed outside the grid
+    std::uint64_t n_points  = 0; // points in the grid, of all processes
     std::uint64_t n_sent    = 0; // points that left this process
 
-    /// largest_displacement() of the points where 'Time/Largest displacement'
-    /// asks for it, and else 0, m.
+    /**
+     * The largest_displacement() of the points if 'Time/Largest displacement'
+     * requires it, otherwise 0, m.
+     */
     double displacement = 0.;
 
-    /// Mass that the points had at first, of those that have been removed
-    /// before the last step, and in it, kg (2D: kg / m).
+    /**
+     * The initial mass of the points, the mass removed before the last step,
+     * and the mass removed in it, kg (2D: kg / m).
+     */
     double mass = 0., removed_mass = 0., mass_removed_last = 0.;
 
-    /// Most iterations of a solve of the last step, and those of all solves.
+    /**
+     * The largest number of iterations of a solve in the last step, and the sum
+     * over all solves.
+     */
     unsigned int  n_iterations     = 0;
     std::uint64_t n_all_iterations = 0;
 
-    /// How often the step that is being tried has been rejected, and all steps
-    /// since the begin.
+    /// The number of rejections of the current step, and of all steps so far.
     unsigned int  n_rejections     = 0;
     std::uint64_t n_all_rejections = 0;
 
-    /// Implicit steps: the fraction of the given step that is tried.
+    /// For implicit steps: the fraction of the given step that is tried.
     double step_fraction = 1.;
 
     FieldState<dim> field;
@@ -156,21 +160,30 @@ namespace greville
     StepEstimates estimates;
     EnergyBalance energy;
 
-    /// Forces of walls on the bodies in the last step, the share of this
-    /// process, N (2D: N / m): the momentum that they gave in the step of the
-    /// velocities, over its length.
+    /**
+     * Forces of walls on the bodies in the last step, the share of this
+     * process, N (2D: N / m): the momentum transferred in the step of the
+     * velocities, over its length.
+     */
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
 
-    /// Pore water since the begin, the share of this process, m^3 (2D: m^2):
-    /// what has come to the pores, what has left through all boundaries, and
-    /// what through each wall, each surface, and the free surface.
+    /**
+     * Volumes of pore water since the begin, the share of this process, m^3
+     * (2D: m^2): the inflow to the pores, and the outflow through all
+     * boundaries and through each wall, each surface, and the free surface.
+     */
     std::vector<double> water;
-    /// The same of the last step, and its length; 0: it was of another stage.
+    /**
+     * The same for the last step, and its length; 0 if it belongs to another
+     * stage.
+     */
     std::vector<double> water_of_step;
     double              water_step = 0.;
 
-    /// How the cells are shared among processes, how often they were shared
-    /// anew, and the imbalance() that the last time has left.
+    /**
+     * The distribution of cells among processes, the number of redistributions,
+     * and the imbalance() after the last one.
+     */
     std::shared_ptr<const Partition> partition;
     unsigned int                     n_partitions = 0;
     double                           imbalance    = 1.;
@@ -182,11 +195,11 @@ namespace greville
 
 
   /**
-   * The state of a simulation between two steps: a value. A copy is a state to
-   * go back to (exactly, on the same processes), or to try a step with.
+   * The state of a simulation between two steps: a value. A copy can be
+   * restored (exactly, on the same processes) or be used to try a step.
    *
-   * What is not here is a function of the state (sums over the points), or
-   * changes results within the tolerance of solvers (factorizations).
+   * All other data are functions of the state (sums over the points), or change
+   * results within the tolerance of solvers (factorizations).
    */
   template <int dim>
   struct State : StateWithoutBodies<dim>
@@ -196,14 +209,12 @@ namespace greville
     std::vector<Surface<dim>> surfaces;
 
     /**
-     * Tells positions and velocities of points from all others: sums over the
-     * points belong to a stamp. Copies share it.
+     * A number that identifies positions and velocities of points: sums over
+     * the points belong to a stamp. Copies share it.
      */
     std::uint64_t points_stamp = 0;
 
-    /**
-     * To be called by who moves or kicks points.
-     */
+    /// Set a new stamp; to be called after points have been moved or kicked.
     void
     points_have_changed()
     {
@@ -215,8 +226,8 @@ namespace greville
 
 
   /**
-   * A copy of a state with the points as a PointsCopy has them: half of the
-   * memory, to single precision.
+   * A copy of a state with its points as PointsCopy: half of the memory, in
+   * single precision.
    */
   template <int dim>
   class Snapshot
@@ -261,9 +272,7 @@ namespace greville
       return rest.stage;
     }
 
-    /**
-     * Bytes of the points on this process.
-     */
+    /// Return the bytes of the points on this process.
     std::size_t
     memory_consumption() const
     {

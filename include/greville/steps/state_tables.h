@@ -27,18 +27,17 @@ namespace greville
 
 
   /**
-   * Collective. Overwrite @p state, one of the same bodies and surfaces on
-   * @p discretization, with what make_tables() made of another one, perhaps on
-   * other processes. Points of a cell keep their order, so that on the same
-   * number of processes the result has the same bits whoever has the rows.
-   * Throws dealii::ExcMessage where bodies, surfaces or the numbers of their
-   * points are others.
+   * Collective. Overwrite @p state, with the same bodies and surfaces on @p
+   * discretization, by the tables of make_tables(), possibly from another
+   * number of processes. Points of a cell keep their order, so on the same
+   * number of processes the result is bitwise equal regardless of which process
+   * has the rows. Throws dealii::ExcMessage if bodies, surfaces or the numbers
+   * of their points differ.
    *
-   * Cells are shared as they were there: the discretization is made anew where
-   * they are shared otherwise. A simulation takes that up in
-   * Simulation::set_state().
+   * The distribution of cells is restored: the discretization is made anew if
+   * it differs. A simulation accounts for this in Simulation::set_state().
    *
-   * With @p stages, points get the layout of the stage that was at hand.
+   * With @p stages, points get the layout of the stage in the tables.
    */
   template <int dim>
   void
@@ -51,12 +50,12 @@ namespace greville
 
 
   /**
-   * Collective. Give the bodies and surfaces of @p state, the initial one of
-   * another simulation, the points of those of the same name in @p content. The
-   * grid, and what else begins anew, may be another one. What loads and APIC
-   * keep at points is zero where the other simulation did not have it. Throws
-   * dealii::ExcMessage where a body or surface is not there, has another
-   * material, or does not lie in the grid.
+   * Collective. Replace the points of bodies and surfaces in @p state, the
+   * initial one of another simulation, by the points of the same names in @p
+   * content. The grid and all other initial data may differ. Data of loads and
+   * APIC at points are zero if the other simulation did not have them. Throws
+   * dealii::ExcMessage if a body or surface is missing, has another material,
+   * or is not inside the grid.
    */
   template <int dim>
   void
@@ -67,7 +66,8 @@ namespace greville
 
 
   /**
-   * Collective. The fields of the grid alone, as make_tables() has them.
+   * Collective. Return only the fields of the grid, in the format of
+   * make_tables().
    */
   template <int dim>
   std::vector<DistributedTable>
@@ -85,8 +85,8 @@ namespace greville
 
 
   /**
-   * Call @p action(point) for the points of a cell in the order in which
-   * MaterialPoints::insert() makes the same lists of them.
+   * Call @p action(point) for the points of a cell in an order for which
+   * MaterialPoints::insert() reproduces the lists.
    */
   template <int dim, typename Action>
   void

@@ -21,13 +21,13 @@ namespace greville
   struct Work
   {
     double gravity  = 0.;
-    double loads    = 0.; // on points
-    double walls    = 0.; // that move
-    double friction = 0.; // of friction walls
+    double loads    = 0.; // by loads on points
+    double walls    = 0.; // by moving walls
+    double friction = 0.; // by friction walls
     double damping  = 0.; // Cundall's and kinetic
-    /// In the order of Statistics::loads.
+    /// The work of each of Statistics::loads, in their order.
     std::vector<double> surfaces;
-    /// By name, on both sides.
+    /// The work of contacts by name, on both sides.
     std::map<std::string, double> contacts;
   };
 
@@ -60,45 +60,50 @@ namespace greville
     double                 step = 0.;
     double                 mass = 0.;
     dealii::Tensor<1, dim> momentum;
-    /// About the origin; with APIC including that of the affine matrices. In 2D
-    /// the first entry.
+    /**
+     * The angular momentum about the origin, with APIC including the affine
+     * matrices. In 2D, the first entry.
+     */
     dealii::Tensor<1, 3> angular_momentum;
-    /// With APIC including that of the affine matrices.
+    /// The kinetic energy, with APIC including the affine matrices.
     double                 kinetic       = 0.;
     double                 strain        = 0.;
     double                 dissipation   = 0.;
     double                 gravitational = 0.;
     dealii::Tensor<1, dim> center;
-    /// Largest x of a point above Output/Front above, and largest y, with half
-    /// of its size; what front_quantile() gives.
+    /**
+     * The largest x of a point above Output/Front above, the largest y, both
+     * with half of the point's size, and the result of front_quantile().
+     */
     Largest       front, height, front_99;
     unsigned int  iterations    = 0;
     double        largest_speed = 0.;
     std::uint64_t active        = 0;
-    /// Cells whose points see no well-filled cell (consistent mass).
+    /// The number of cells whose points have no host (consistent mass).
     std::uint64_t fragments = 0;
     std::uint64_t n_points  = 0;
-    /// Steps that have been done again with a shorter length, since the begin.
+    /// The number of steps repeated with a shorter length, since the begin.
     std::uint64_t redone = 0;
     Work          work;
-    /// Of walls in implicit steps. These are not among the columns().
+    /// Reactions of walls in implicit steps, which are not among the columns().
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
     /// Loads on surfaces with their forces, N (2D: N / m).
     std::vector<std::pair<std::string, dealii::Tensor<1, dim>>> loads;
     std::vector<std::pair<std::string, ContactResult<dim>>>     contacts;
     std::vector<std::pair<std::string, RigidPosition<dim>>>     rigid_bodies;
-    /// Among the columns() where there are several.
+    /**
+     * The statistics of bodies, which are among the columns() if there are
+     * several.
+     */
     std::vector<BodyStatistics<dim>> bodies;
 
-    /**
-     * The columns of statistics.csv with their names.
-     */
+    /// Return the columns of statistics.csv with their names.
     std::vector<std::pair<std::string, double>>
     columns() const;
 
     /**
-     * The names, with those of the @p loads on surfaces, of @p contacts, of @p
-     * rigid_bodies, and of the @p bodies.
+     * Return the names, including those for the @p loads on surfaces, @p
+     * contacts, @p rigid_bodies and @p bodies.
      */
     static std::vector<std::string>
     names(const std::vector<std::string> &loads        = {},
@@ -110,23 +115,20 @@ namespace greville
     values() const;
 
     /**
-     * Add those of other bodies, with their loads, at the same time. Of
-     * front_99, which does not follow from those of parts, the larger one is
-     * kept.
+     * Add the statistics of other bodies, with their loads, at the same time.
+     * front_99, which does not follow from the parts, becomes the larger value.
      */
     void
     add(const Statistics &other);
   };
 
-  /**
-   * The part of the mass that may lie beyond Statistics::front_99.
-   */
+  /// The fraction of the mass that may lie beyond Statistics::front_99.
   constexpr double beyond_front = 0.005;
 
   /**
-   * Collective. Add what @p sums over the points of @p bodies give to a row,
-   * which knows the rest. @p gravity is the acceleration of the potential
-   * energy.
+   * Collective. Add the @p sums over the points of @p bodies to a row, which
+   * contains all other quantities. @p gravity is the acceleration for the
+   * potential energy.
    */
   template <int dim>
   void
@@ -137,21 +139,19 @@ namespace greville
            const MPI_Comm                   comm);
 
   /**
-   * Collective. The smallest x beyond which there is no more than beyond_front
-   * of the mass of all points that count for fronts, where x of a point is its
-   * position with half of its size. Unlike the outermost point it does not
-   * follow single points. @p sums have outer_points() of at least this mass.
-   * Each process keeps its own points: histograms of masses, each within one
-   * bar of the one before, find the point.
+   * Collective. Return the smallest x beyond which lies at most the fraction
+   * beyond_front of the mass of all points that count for fronts, where x of a
+   * point is its position plus half of its size. Unlike the outermost point, it
+   * does not depend on single points. @p sums have outer_points() of at least
+   * this mass. Points are not sent: nested histograms of masses, each within
+   * one bar of the previous one, find the point.
    */
   template <int dim>
   Largest
   front_quantile(const std::vector<const RowSums<dim> *> &sums,
                  const MPI_Comm                           comm);
 
-  /**
-   * Collective. Of all points above @p front_above.
-   */
+  /// Collective. Return the same for all points above @p front_above.
   template <int dim>
   Largest
   front_quantile(
@@ -160,8 +160,8 @@ namespace greville
     const double         front_above = std::numeric_limits<double>::lowest());
 
   /**
-   * Collective. Kinetic and strain energy and dissipation of the bodies: what
-   * EnergyBalance watches.
+   * Collective. Return kinetic and strain energy plus dissipation of the
+   * bodies, which EnergyBalance checks.
    */
   template <int dim>
   double
@@ -170,7 +170,7 @@ namespace greville
                    const MPI_Comm                comm);
 
   /**
-   * Collective. The largest distance of a point of these bodies from its
+   * Collective. Return the largest distance of a point of these bodies from its
    * initial position, m.
    */
   template <int dim>

@@ -9,13 +9,13 @@
 namespace greville
 {
   /**
-   * The momentum of bodies, as a step changes it: the share of this process, N
-   * s (2D: N s / m).
+   * The momentum balance of bodies in a step: the share of this process, N s
+   * (2D: N s / m).
    */
   template <int dim>
   struct MomentumBalance
   {
-    /// What the points have to have after the step.
+    /// The expected momentum of the points after the step.
     dealii::Tensor<1, dim> expected;
 
     /**
@@ -25,7 +25,8 @@ namespace greville
     add(const VectorField<dim> &field, const double factor);
 
     /**
-     * Likewise of the @p field times the @p mass of its functions.
+     * Add @p factor times the sum of the @p field times the @p mass of its
+     * functions.
      */
     void
     add(const VectorType       &mass,
@@ -42,13 +43,12 @@ namespace greville
 
 
   /**
-   * Looks after each step whether it was sound, and throws StepFailed where it
-   * was not:
-   * - no point is lost, but for those that have left the grid;
-   * - the mass of the points is what it was;
+   * A check of each step, which throws StepFailed unless
+   * - no point is lost, except those that have left the grid;
+   * - the mass of the points is unchanged;
    * - mass and momentum are finite (stresses and J are looked at where the laws
    *   give them);
-   * - J is within the bounds of a volume that a body can have;
+   * - J is within plausible bounds;
    * - explicit steps: no point crosses more than a cell, no pressure wave more
    *   than three;
    * - the momentum of the points is what it was and what forces and walls have
@@ -56,7 +56,8 @@ namespace greville
    *   implicit ones, whose forces are those of Newton's method, what the grid
    *   gives to the points. It is not known with contacts that constrain and
    *   with Cundall's damping.
-   * The sums come from the passes over points and grid that a step has anyway.
+   * The sums are computed in the passes over points and grid of the step
+   * itself.
    *
    * Every hundred steps, and after the last one, it looks at the EnergyBalance
    * of the state, in explicit steps of that before this step, and warns or
@@ -66,35 +67,27 @@ namespace greville
   class StepGuard
   {
   public:
-    /**
-     * All are kept by reference.
-     */
+    /// All arguments are kept by reference.
     StepGuard(const SimulationParameters &parameters,
               const Discretization<dim>  &discretization,
               StepLog                    &log);
 
-    /**
-     * Collective. The initial energy and mass.
-     */
+    /// Collective. Store the initial energy and mass.
     void
     start(State<dim> &state) const;
 
-    /**
-     * Collective. The mass of points that come from elsewhere.
-     */
+    /// Collective. Store the mass of points that were read from elsewhere.
     void
     weigh(State<dim> &state) const;
 
     /**
-     * For integrators: what the points of this process have come to in the step
-     * at hand. check() forgets it.
+     * Pass the results of the points of this process in the current step, for
+     * integrators. check() resets them.
      */
     void
     set(const PointMotion &motion);
 
-    /**
-     * Likewise the balance of momentum.
-     */
+    /// Pass the balance of momentum, for integrators. check() resets it.
     void
     set(const MomentumBalance<dim> &balance);
 
@@ -111,15 +104,15 @@ namespace greville
     }
 
     /**
-     * Collective. Look at a state after a step of an integrator that is
-     * implicit or not. What it has not set is not looked at. Throws StepFailed.
+     * Collective. Check a state after a step of an integrator that is implicit
+     * or not. Data that it has not passed are not checked. Throws StepFailed.
      */
     void
     check(State<dim> &state, const bool is_implicit);
 
     /**
-     * Whether check_energy() is due after this number of steps: every hundred
-     * steps; and after the last one, where there have been some.
+     * Return whether check_energy() is due after this number of steps: every
+     * hundred steps, and after the last one if there have been some.
      */
     bool
     looks_at_energy(const unsigned int n_steps) const;
@@ -128,17 +121,17 @@ namespace greville
     looks_at_last_energy(const State<dim> &state) const;
 
     /**
-     * Collective. Look at the balance of energy, of which @p now is that of a
-     * finished state, without most of what it swings by: all of it would hide
-     * modes beyond their critical step, too. Warns, or throws StepFailed.
+     * Collective. Check the balance of energy; @p now belongs to a finished
+     * state. Most, but not all of its oscillation is subtracted, which would
+     * hide modes beyond their critical step, too. Warns, or throws StepFailed.
      */
     void
     check_energy(State<dim> &state, const EnergyTotals &now) const;
 
   private:
     /**
-     * The point of all processes for which @p measure(body, point) is largest
-     * or NaN: "point 12 of the body 'disk' at (0.1, 0.2) m, in the cell
+     * Return the point of all processes for which @p measure(body, point) is
+     * largest or NaN: "point 12 of the body 'disk' at (0.1, 0.2) m, in the cell
      * (3, 4)".
      */
     template <typename Measure>
@@ -160,8 +153,10 @@ namespace greville
                    const State<dim>             &state,
                    const bool                    is_implicit) const;
 
-    /// Collective. Return the name of a surface whose force acts on functions
-    /// that have no mass, empty if there is none.
+    /**
+     * Collective. Return the name of a surface whose force acts on functions
+     * without mass, empty if there is none.
+     */
     std::string
     surface_without_mass(const State<dim> &state) const;
 
@@ -169,7 +164,7 @@ namespace greville
     const Discretization<dim>  &discretization;
     StepLog                    &log;
 
-    // Of the step at hand.
+    // The sums of the current step.
     PointSums                           sums;
     double                              wave     = 0.; // speed, m / s
     double                              swing    = 0.; // energy, J

@@ -13,9 +13,9 @@
 namespace greville
 {
   /**
-   * What Newton's method has done in a step from @p time over @p dt, which is
-   * done again with a shorter length where it has not converged. @p step and
-   * @p part count from 1, parts are bodies with grids of their own.
+   * A record of Newton's method in a step from @p time over @p dt, which is
+   * repeated with a shorter length if it has not converged. @p step and @p part
+   * count from 1; parts are bodies with grids of their own.
    */
   struct NewtonRecord
   {
@@ -27,10 +27,10 @@ namespace greville
 
 
   /**
-   * What the parts of a simulation report besides their results: the seconds
-   * that they take on this process, warnings, and Newton's method; and the
-   * words that tell it from others that go in common steps, such as " of 'Body
-   * disk'".
+   * Reports of the parts of a simulation besides their results: the seconds
+   * that they take on this process, warnings, and Newton's method; and a label
+   * that distinguishes the simulation from others in common steps, such as " of
+   * 'Body disk'".
    */
   struct StepLog
   {
@@ -52,9 +52,7 @@ namespace greville
 
 
 
-  /**
-   * Adds the time of its life to a part.
-   */
+  /// Adds the duration of its lifetime to a part.
   class PartTimer
   {
   public:

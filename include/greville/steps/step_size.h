@@ -11,9 +11,7 @@
 
 namespace greville
 {
-  /**
-   * What critical steps depend on, for messages.
-   */
+  /// Return the material data on which critical steps depend, for messages.
   template <int dim>
   std::string
   describe_materials(const std::vector<Body<dim>> &bodies);
@@ -21,8 +19,8 @@ namespace greville
 
 
   /**
-   * The step of the @p formula 'Time/Step' of the edge @p h of a cell (m) and
-   * the order, s. Throws dealii::ExcMessage where it is not positive.
+   * Return the step of the @p formula 'Time/Step' for the edge @p h of a cell
+   * (m) and the order, s. Throws dealii::ExcMessage if it is not positive.
    */
   double
   evaluate_step(const Expression     &formula,
@@ -31,8 +29,8 @@ namespace greville
                 const unsigned int    degree);
 
   /**
-   * Throw dealii::ExcMessage, which ends with the @p reason of the step, where
-   * there would be too many steps in the time @p left (s), or they would be
+   * Throw dealii::ExcMessage, which ends with the @p reason of the step, if
+   * there would be too many steps in the time @p left (s), or if they would be
    * lost to rounding.
    */
   void
@@ -44,15 +42,16 @@ namespace greville
 
 
   /**
-   * The length of explicit steps: that of 'Time/Step', or the smallest of the
-   * CFL number times h / (c + |v|), of the safety factor times the critical
-   * step, and, with consistent mass, of what lets points cross 0.6 / p cells.
+   * The length of explicit steps: the value of 'Time/Step', or the smallest of
+   * the CFL number times h / (c + |v|), the safety factor times the critical
+   * step, and, with consistent mass, the step in which points cross 0.6 / p
+   * cells.
    *
-   * The critical step is estimated in the first step, then every so often,
-   * where the stiffest point has got stiffer, and again for a step that has
-   * been rejected. With consistent mass the smallest of three estimates counts:
-   * the highest frequency depends on how the surface cuts the cells, and a
-   * moving body meets the same cuts again and again.
+   * The critical step is estimated in the first step, then at intervals, if the
+   * stiffest point has become stiffer, and again for a rejected step. With
+   * consistent mass, the smallest of three estimates is used: the highest
+   * frequency depends on how the surface cuts the cells, and a moving body
+   * passes through similar cuts repeatedly.
    */
   template <int dim>
   class StepSize
@@ -60,29 +59,30 @@ namespace greville
   public:
     /**
      * Parameters, discretization and log are kept by reference. Throws
-     * dealii::ExcMessage for a wrong formula. What contacts hold is released
-     * for estimates, as they may let go before the next one.
+     * dealii::ExcMessage for an invalid formula. Constraints of contacts are
+     * released for estimates, since contacts may open before the next one.
      */
     StepSize(const TimeParameters &parameters,
              Discretization<dim>  &discretization,
              StepLog              &log);
 
     /**
-     * Collective. The next step, s: not beyond the end. Throws
-     * dealii::ExcMessage where it is above the critical one and that is
-     * refused, where there would be too many steps, and where an automatic one
-     * is below 'Time/Smallest step' of the first one.
+     * Collective. Return the next step, s, not beyond the end. Throws
+     * dealii::ExcMessage if it is above the critical step and this is refused,
+     * if there would be too many steps, and if an automatic step is below
+     * 'Time/Smallest step' times the first one.
      */
     double
     propose(State<dim> &state, const StepScheme &scheme);
 
     /**
-     * Collective. Whether the acceleration of a field and those of the two
-     * steps before it, which the field has @p kept, show a mode that the step
-     * @p dt is too long for. Undamped, a'' = -M^-1 K a, so their second
-     * difference is a step of the power method, which sees an unstable mode
-     * from its first steps on. Accelerations that change speeds by less than
-     * 1e-8 of c + |v| in a step are noise and show nothing.
+     * Collective. Return whether the acceleration of a field and the
+     * accelerations of the two previous steps, which the field has @p kept,
+     * show a mode for which the step @p dt is too long. Undamped, a'' = -M^-1 K
+     * a, so their second difference is a step of the power method, which
+     * detects an unstable mode from its first steps on. Accelerations that
+     * change speeds by less than 1e-8 of c + |v| in a step are noise and are
+     * ignored.
      */
     bool
     shows_faster_mode(const State<dim>      &state,
@@ -90,9 +90,7 @@ namespace greville
                       const GridField<dim>  &field,
                       const double           dt) const;
 
-    /**
-     * Keep @p acceleration for the next steps.
-     */
+    /// Store @p acceleration for the next steps.
     void
     remember(AccelerationHistory<dim> &history,
              const VectorField<dim>   &acceleration,
@@ -105,18 +103,14 @@ namespace greville
     void
     estimate(State<dim> &state, const StepScheme &scheme);
 
-    /**
-     * The step of the formula, and the automatic one.
-     */
+    /// Return the step of the formula, and the automatic one.
     double
     given_step(const State<dim> &state, const bool has_estimate);
 
     double
     automatic_step(State<dim> &state) const;
 
-    /**
-     * The numbers that the step is made of, and describe_materials().
-     */
+    /// Return the numbers that determine the step, and describe_materials().
     std::string
     what_sets_the_step(const State<dim> &state) const;
 

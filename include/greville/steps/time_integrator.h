@@ -27,13 +27,13 @@ namespace greville
 
 
   /**
-   * A scheme that takes a State from t to t + dt. It owns what it needs to try
-   * a step; all that a step hands to the next one is in the state, so that a
-   * copy of the state is enough to go back.
+   * Base class of schemes that advance a State from t to t + dt. A scheme owns
+   * the data for trying a step; all data that a step passes to the next one are
+   * in the state, so that a copy of the state suffices to restore it.
    *
    * A new integrator is a class that derives from this one, and one line in the
-   * list of source/steps/time_integrator.cc; or a call of
-   * add_time_integrator() in a program.
+   * list of source/steps/time_integrator.cc; or a call of add_time_integrator()
+   * in a program.
    */
   template <int dim>
   class TimeIntegrator
@@ -42,46 +42,46 @@ namespace greville
     virtual ~TimeIntegrator() = default;
 
     /**
-     * Collective. The length of the next step, s. Estimates in the state are
-     * renewed where they are due, and after a step that has been rejected
-     * (StateWithoutBodies::n_rejections). Throws dealii::ExcMessage where
+     * Collective. Return the length of the next step, s. Estimates in the state
+     * are renewed if they are due, and after a rejected step
+     * (StateWithoutBodies::n_rejections). Throws dealii::ExcMessage if
      * parameters do not give a step.
      */
     virtual double
     propose_step(State<dim> &state) = 0;
 
     /**
-     * Collective. Try a step, and keep what advance() needs of it. Throws
-     * StepRejected where a shorter one is to be tried. Positions, velocities,
+     * Collective. Try a step, and store the data for advance(). Throws
+     * StepRejected if a shorter step should be tried. Positions, velocities,
      * stresses, time and counters do not change, only guesses may: a scheme
-     * that iterates does so on fields of its own. The step may be tried again
-     * with another length, as where simulations go in common steps. Throws
-     * StepFailed where a solver does not converge.
+     * that iterates uses fields of its own. The step may be tried again with
+     * another length, as in common steps of simulations. Throws StepFailed if a
+     * solver does not converge.
      */
     virtual void
     try_step(State<dim> &, const double)
     {}
 
     /**
-     * Collective. Take the step that has been tried last: the state at t + @p
-     * dt, with the points in their cells. Throws StepFailed where a solver does
+     * Collective. Take the step that was tried last: set the state at t + @p
+     * dt, with the points in their cells. Throws StepFailed if a solver does
      * not converge, or a point breaks or leaves the grid.
      */
     virtual void
     advance(State<dim> &state, const double dt) = 0;
 
     /**
-     * Forget what earlier steps have left, so that the next one depends on the
-     * state alone, to the bit.
+     * Discard data of earlier steps, so that the next step depends only on the
+     * state, to the bit.
      */
     virtual void
     forget()
     {}
 
     /**
-     * Whether velocities belong to a time before State::time, until finish()
-     * changes that. advance() sums up the LateRow of the state before the step
-     * then, where it is wanted.
+     * Return whether velocities belong to a time before State::time, until
+     * finish() changes this. advance() then sums up the LateRow of the state
+     * before the step, if it is requested.
      */
     virtual bool
     velocities_lag(const State<dim> &) const
@@ -99,11 +99,11 @@ namespace greville
     {}
 
     /**
-     * Whether it has no critical step. Then points may cross many cells in a
-     * step, and momentum is what the grid gives to them, to the tolerance of a
-     * solver (see StepGuard); cells count as filled by the threshold of
-     * ImplicitParameters; and each step begins with a copy of the state to go
-     * back to.
+     * Return whether the scheme has no critical step. Points may then cross
+     * many cells in a step, and momentum is checked against the grid's transfer
+     * to the points, within the tolerance of a solver (see StepGuard); cells
+     * are filled by the threshold of ImplicitParameters; and each step begins
+     * with a copy of the state for restoring it.
      */
     virtual bool
     is_implicit() const
@@ -135,8 +135,8 @@ namespace greville
 
 
   /**
-   * What integrators are made with. All are kept by reference. The guard looks
-   * at what they tell it of a step.
+   * The arguments for making integrators. All are kept by reference. The guard
+   * checks the data of a step that integrators pass to it.
    */
   template <int dim>
   struct IntegratorParts
@@ -154,17 +154,13 @@ namespace greville
   using MakeTimeIntegrator = std::function<std::unique_ptr<TimeIntegrator<dim>>(
     const IntegratorParts<dim> &parts)>;
 
-  /**
-   * Add one to the list, before parameters are read.
-   */
+  /// Add an integrator to the list, before parameters are read.
   template <int dim>
   void
   add_time_integrator(const std::string             &name,
                       const MakeTimeIntegrator<dim> &make);
 
-  /**
-   * An integrator by name. Throws dealii::ExcMessage for an unknown one.
-   */
+  /// Make an integrator by name. Throws dealii::ExcMessage if it is unknown.
   template <int dim>
   std::unique_ptr<TimeIntegrator<dim>>
   make_time_integrator(const std::string          &name,

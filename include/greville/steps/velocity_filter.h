@@ -13,9 +13,10 @@ namespace greville
    * with the consistent mass stable while points move through the grid.
    *
    * Central differences conserve an energy only as long as the basis functions
-   * of the points stay the same. Points that cross cells change their basis and
-   * pump the highest modes of the grid (parametric resonance). Lumped mass and
-   * FMPM damp these modes, the exact inverse of the mass matrix does not.
+   * of the points do not change. Points that cross cells change their basis
+   * functions and excite the highest modes of the grid (parametric resonance).
+   * Lumped mass and FMPM damp these modes, the exact inverse of the mass matrix
+   * does not.
    *
    * The filter acts on jumps of the p-th derivative across the knots. With the
    * coefficients c of a component of the velocity and the jumps g_s . c, a
@@ -28,26 +29,24 @@ namespace greville
    *   \theta_s = \min(1 / dim,
    *              \kappa \Delta t \max_{i \in s} \sum_d |v_{i,d}| / h_d).
    * @f]
-   * The sum is over the runs of all lines in all directions. The entries of
-   * g_s have absolute values with a sum of 2^(p+1), and w_s is the smallest
-   * mass of the functions of a run, so that the eigenvalues of c -> z lie
-   * between -1 and 0. theta_s is the number of cells that a point crosses in
-   * the step, times the strength kappa (five times it for p = 1): what is at
-   * rest is not filtered. On uniform knots a wave of angle k_d per coefficient
-   * is multiplied in each step by
+   * The sum is over the runs of all lines in all directions. The entries of g_s
+   * have absolute values with a sum of 2^(p+1), and w_s is the smallest mass of
+   * the functions of a run, so that the eigenvalues of c -> z lie between -1
+   * and 0. theta_s is the number of cells that a point crosses in the step,
+   * times the strength kappa (five times kappa for p = 1): regions at rest are
+   * not filtered. On uniform knots a wave of angle k_d per coefficient is
+   * multiplied in each step by
    * @f[ 1 - \theta \sum_d \sin(k_d / 2)^{2 (p + 1)}. @f]
    *
    * The jumps of splines of order p + 1 and of smooth fields are of order
-   * h^(p+1), and those of polynomials of order p are zero, so that translation,
-   * rotation and strain are not touched, and the order p + 1 is kept. The sum
-   * of M_L z is zero: momentum is conserved. Extended B-splines then take the
-   * corrections of the functions that they depend on, see
-   * ExtendedMass::extend().
+   * h^(p+1), and the jumps of polynomials of order p are zero, so translation,
+   * rotation and uniform strain are not affected, and the order p + 1 is
+   * preserved. The sum of M_L z is zero: momentum is conserved. Extended
+   * functions then take the corrections from the functions on which they
+   * depend, see ExtendedMass::extend().
    *
-   * The references are
-   * @ref Burman2004 "Burman and Hansbo, 2004", for jumps and
-   * @ref Fischer2001 "Fischer and Mullen, 2001", for
-   * filters.
+   * The references are @ref Burman2004 "Burman and Hansbo, 2004", for jumps and
+   * @ref Fischer2001 "Fischer and Mullen, 2001", for filters.
    */
   template <int dim>
   class VelocityFilter
@@ -60,15 +59,15 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /**
-     * Collective. The lumped mass, a vector of the space. Runs with a function
-     * without mass are left out.
+     * Collective. Set the lumped mass, a vector of the space. Runs with a
+     * function without mass are left out.
      */
     void
     set_mass(const VectorType &lumped);
 
     /**
-     * Collective. The corrections z of all components for the velocity of a
-     * step of length @p dt, vectors of the space.
+     * Collective. Compute the corrections z of all components for the velocity
+     * of a step of length @p dt, as vectors of the space.
      */
     void
     apply(std::array<VectorType, dim>       &z,
@@ -78,10 +77,10 @@ namespace greville
 
   private:
     /**
-     * A line of coefficients in direction x. That at x, counted from the lower
-     * wall of the grid (where x is periodic from p + 1 functions before), has
-     * the place place + x. Other lines begin at the
-     * places of their neighbours, which have room for them.
+     * A line of coefficients in direction x. The coefficient at x, counted from
+     * the lower wall of the grid (if x is periodic, from p + 1 functions before
+     * it), has the place place + x. Other lines begin at the places of their
+     * neighbours, which are padded accordingly.
      */
     struct Line
     {
@@ -91,16 +90,12 @@ namespace greville
       std::array<int, dim> first_run{}, end_of_runs{};
     };
 
-    /**
-     * Copy a vector to the places, with the entries of other processes.
-     */
+    /// Copy a vector to the places, including entries of other processes.
     void
     to_places(const ZeroedArray<double> &values,
               const VectorType          &vector) const;
 
-    /**
-     * The distance in lines of two coefficients that follow each other.
-     */
+    /// Return the distance in lines of two consecutive coefficients.
     int
     line_step(const unsigned int direction) const
     {
@@ -109,16 +104,16 @@ namespace greville
 
     const SplineSpace<dim> *space = nullptr;
 
-    // The entries of g_s by direction: entry k of all runs, for k from 0 to
-    // p + 1, in the order of their first coefficients.
+    // The entries of g_s by direction: entry k of all runs, for k from 0 to p +
+    // 1, in the order of their first coefficients.
     std::array<std::vector<double>, dim> differences;
 
-    // Functions of this process, and those of others in the same runs.
+    // Functions of this process, and functions of others in the same runs.
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partitioner;
     std::vector<unsigned int> places; // of owned functions
 
-    // Other places and the local numbers in the partitioner of what they have:
-    // functions of other processes, and images where a direction is periodic.
+    // Other places and the local numbers in the partitioner of their values:
+    // functions of other processes, and images if a direction is periodic.
     std::vector<std::pair<unsigned int, unsigned int>> copies;
 
     std::vector<Line> lines; // of a box, y first
