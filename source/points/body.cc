@@ -20,9 +20,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Initial stress at a point.
-     */
+    /// The initial stress at a point.
     template <int dim>
     class InitialStress
     {
@@ -121,8 +119,8 @@ namespace greville
       };
 
       /**
-       * The weight of the layers above the surface at a place, and of water
-       * above them, Pa.
+       * Return the weight of the layers above the surface at a place, and of
+       * the water above them, Pa.
        */
       double
       pressure_above(Point<dim> x, const double height) const
@@ -139,7 +137,8 @@ namespace greville
             }
           catch (const std::exception &)
             {
-              // The formula has no value here, where its body has no point.
+              // The formula has no value at a place where its body has no
+              // point.
             }
         std::sort(above.begin(), above.end());
         double pressure = 0.;
@@ -174,8 +173,8 @@ namespace greville
 
 
     /**
-     * Initial displacement: it moves a point, deforms it, and lets the
-     * material find the stress.
+     * The initial displacement: it moves a point, deforms it, and lets the
+     * material compute the stress.
      */
     template <int dim>
     void
@@ -204,9 +203,7 @@ namespace greville
 
 
 
-    /**
-     * Throw where a body is given in more than one way, or in none.
-     */
+    /// Throw if a body is given in more than one way, or in none.
     template <int dim>
     void
     check_geometry(const BodyParameters &parameters, const std::string &section)
@@ -235,7 +232,8 @@ namespace greville
 
 
     /**
-     * What files of points may have beyond places, volume and mass.
+     * Return the groups of numbers that files of points may contain besides
+     * positions, volume and mass.
      */
     template <int dim>
     std::vector<std::vector<std::string>>
@@ -268,9 +266,9 @@ namespace greville
 
 
     /**
-     * The state of a point as a file has it. Its deformation counts where it is
-     * known with all that the material keeps; otherwise the state is that of a
-     * body at rest with this stress.
+     * Initialize the state of a point from a file. Its deformation is used if
+     * it is given together with all history variables of the material;
+     * otherwise, the point belongs to a body at rest with this stress.
      */
     template <int dim>
     void
@@ -292,7 +290,7 @@ namespace greville
         for (unsigned int j = i; j < 3; ++j)
           if (dim == 3 || i == j || j < 2)
             sigma[i][j] = file.value(k, stress + Layout::stress_index(i, j));
-      // Of fluids all but J is forgotten.
+      // Fluids use only J.
       const bool is_deformed =
         (F >= 0 && has_history) || (J >= 0 && material.shares_volume());
       material.initialize(state, is_deformed ? SymmetricTensor<2, 3>() : sigma);
@@ -309,7 +307,7 @@ namespace greville
       AssertThrow(state.J > 0.,
                   ExcMessage("the deformation in the points file has J = " +
                              text_of(state.J) + "; it has to be positive."));
-      // Fluids smooth J alone.
+      // share_volume() changes only J of fluids.
       const double determinant_of_F = determinant(state.F);
       AssertThrow(F < 0 || J < 0 || material.shares_volume() ||
                     std::abs(determinant_of_F - state.J) <=
@@ -328,11 +326,11 @@ namespace greville
 
 
     /**
-     * Give a point a box of its volume, with the edges of a cell over the
-     * points per direction in proportion. With F of an initial stress, the box
-     * of the stress-free state is the one that F makes it. Fitted points whose
-     * volume is not that box are a quadrature of a cut cell, which no boxes
-     * around them fill; they have no box.
+     * Set the box of a point to its volume, with edges proportional to the
+     * edges of a cell over the points per direction. With F of an initial
+     * stress, the box of the stress-free state is the one that F deforms into
+     * this box. Fitted points whose volume is not this box are a quadrature of
+     * a cut cell, which boxes around them would not fill; they have no box.
      */
     template <int dim>
     void
@@ -397,7 +395,7 @@ namespace greville
       const auto velocity =
         initial_formulas<dim>(parameters.velocity, section + "/Velocity");
 
-      // A velocity that jumps shall not get a steep gradient.
+      // Avoid steep gradients if the velocity jumps.
       std::array<double, dim>       steps;
       const std::array<double, dim> small_steps =
         displacement_steps<dim>(space);
@@ -415,7 +413,7 @@ namespace greville
         {
           const PlacedPoint<dim> &point = new_points[k];
           std::fill(values.begin(), values.end(), 0.);
-          // Files have volumes per radian, and placed points areas.
+          // Volumes in files are per radian, and placed points have areas.
           const double volume =
             point.volume *
             (file.names.empty() ? layout.thickness(point.image) : 1.);
@@ -476,8 +474,8 @@ namespace greville
                                  : point.x[d];
               p.velocity(d)  = v[d];
             }
-          // APIC's matrix is the gradient of the velocity at the place to
-          // which the displacement has moved the point.
+          // APIC's matrix is the gradient of the velocity at the displaced
+          // position of the point.
           if (affine && !velocity.is_zero())
             {
               const Tensor<2, 3> C =

@@ -51,7 +51,7 @@ namespace greville
   void
   FreeSurface<dim>::find_layer(const std::vector<double> &filled)
   {
-    // Less of a cell leaks as if it were this part of it.
+    // Smaller fractions of a cell leak like this fraction.
     constexpr double smallest_part = 0.1;
 
     std::vector<double> of_cells(neighbors.positions().size(), 0.);
@@ -141,7 +141,7 @@ namespace greville
                    dt * volume * c * mobility * inverse_squares[cell],
                    value});
               }
-            // Exact for the pressure of water at rest.
+            // The slope is exact for the pressure of water at rest.
             Tensor<1, dim> slope;
             for (unsigned int d = 0; d < dim; ++d)
               {

@@ -197,7 +197,7 @@ namespace greville
     unsigned int n = n_in_first_group(cell);
     for (unsigned int g = heads[cell]; g != none; n = width)
       {
-        // The first group can become empty and go.
+        // The first group can become empty and be removed.
         const unsigned int next = links[g];
         for (unsigned int lane = 0; lane < n;)
           {

@@ -16,7 +16,7 @@ namespace greville
 
 
     /**
-     * The components of a symmetric tensor, in the order of PointLayout.
+     * Return the components of a symmetric tensor, in the order of PointLayout.
      */
     template <int dim>
     std::vector<std::string>
@@ -82,9 +82,7 @@ namespace greville
 
 
 
-    /**
-     * All but history.
-     */
+    /// Return all fields except the history.
     template <int dim>
     std::vector<OutputField<dim>>
     all_fields(const unsigned int process)

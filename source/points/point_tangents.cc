@@ -13,8 +13,8 @@ namespace greville
   namespace
   {
     /**
-     * The number of entry (r, s), r <= s if @p symmetric, of a matrix of n
-     * pairs.
+     * Return the number of entry (r, s), r <= s if @p symmetric, of a matrix of
+     * n pairs.
      */
     template <int n, bool symmetric>
     constexpr int
@@ -25,9 +25,7 @@ namespace greville
 
 
 
-    /**
-     * V dP_iJ / df_kL, with the pair of f_zz last.
-     */
+    /// Compute V dP_iJ / df_kL, with the pair of f_zz last.
     template <int dim>
     void
     pull_back(const TrialPoint<dim> &point,
@@ -133,7 +131,7 @@ namespace greville
           for (int s = symmetric ? r : 0; s < n; ++s)
             put(C[r][s]);
       }
-    // Lanes without a point have no C, and a position in the cell.
+    // Lanes without a point have zero C, and a position in the cell.
     for (unsigned int q = points.size(); q < n_groups * simd_width; ++q)
       for (int d = 0; d < dim; ++d)
         numbers[first + (n_groups - 1) * size + d * simd_width +
@@ -144,9 +142,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * T = C H.
-     */
+    /// Compute T = C H.
     template <int n, bool symmetric>
     inline __attribute__((always_inline)) void
     apply(const double *C, const Simd (&H)[n], Simd (&T)[n])
@@ -257,9 +253,7 @@ namespace greville
       static constexpr int stride = (n_functions + width - 1) / width * width;
       static constexpr int size   = dim * (dim + 1) / 2 * n_functions * stride;
 
-      /**
-       * The sum over points, with C_iJkL at [lane] = C[iJ][kL][lane] of groups.
-       */
+      /// Sum over points, with C_iJkL at [lane] = C[iJ][kL][lane] of groups.
       void
       sum_up(const CellGeometry<dim, n> &geometry,
              const double               *group,
@@ -291,9 +285,9 @@ namespace greville
       }
 
     private:
-      // As many sums stay in registers until they are added.
+      // The number of sums that stay in registers until they are added.
       static constexpr int n_together = simd_width;
-      // Derivatives, and values for f_zz.
+      // The derivatives, and the values for f_zz.
       static constexpr int n_directions = dim + (with_hoop ? 1 : 0);
       static constexpr int n_pairs      = dim * dim + (with_hoop ? 1 : 0);
 
@@ -315,14 +309,12 @@ namespace greville
           gradients[q][n_directions - 1][a] = at.values[a];
       }
 
-      /**
-       * C_iJkL d_J N_a.
-       */
+      /// Compute C_iJkL d_J N_a.
       template <bool symmetric>
       void
       contract(const double *C, const int i, const int k, const int q)
       {
-        // Only the component r has the pair of f_zz.
+        // Only component r has the pair of f_zz.
         const auto pair_of = [](const int component, const int direction) {
           return direction < dim  ? component * dim + direction
                  : component == 0 ? dim * dim

@@ -88,7 +88,7 @@ namespace greville
           {
             ++result.n_removed;
             result.removed_mass += p.mass();
-            // NaN is the worse.
+            // NaN takes precedence.
             if (std::isfinite(result.outside_position.norm()))
               {
                 result.outside          = std::int64_t(p.id());

@@ -19,8 +19,8 @@ namespace greville
 
 
     /**
-     * What is subtracted from the numbers of a point before they are rounded,
-     * besides the position itself from the initial one.
+     * Return the offsets of the numbers of a point, which are subtracted before
+     * rounding; in addition, the position is subtracted from the initial one.
      */
     template <int dim>
     std::vector<double>
@@ -54,7 +54,7 @@ namespace greville
     counts.clear();
     exact.clear();
     rounded.clear();
-    // No more than is needed.
+    // Reserve exactly the required memory.
     exact.reserve(points.n_points() * 3);
     rounded.reserve(points.n_points() * (size - 3));
     std::vector<double> offset;

@@ -17,7 +17,7 @@ namespace greville
     polynomials.resize(std::size_t(n_cells) * n * n);
     offsets.resize(std::size_t(n_cells) * n);
 
-    // Interpolation at n points gives the polynomials.
+    // Interpolate at n points to obtain the polynomials.
     const QGauss<1>    nodes(n);
     FullMatrix<double> inverse(n, n);
     for (unsigned int q = 0; q < n; ++q)

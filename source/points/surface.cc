@@ -24,7 +24,7 @@ namespace greville
     state.x        = p.position();
     state.F        = p.matrix(PointLayout<dim>::F);
     state.velocity = p.velocity();
-    // Material points in contact have their present area.
+    // Material points in contact store their current area.
     state.is_axisymmetric = layout.is_axisymmetric() && !layout.find("radius");
     if (const PointField *normal = layout.find("normal"))
       state.normal = p.vector(normal->first);
@@ -35,9 +35,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Collective.
-     */
+    /// Collective. Return the message for a surface without points.
     template <int dim>
     std::string
     no_point(const std::string                    &section,
@@ -73,9 +71,7 @@ namespace greville
 
 
 
-    /**
-     * Without a point.
-     */
+    /// Return a surface without points.
     template <int dim>
     Surface<dim>
     empty_surface(const std::string      &name,

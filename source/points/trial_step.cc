@@ -15,9 +15,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * The part of a 3D tensor in the plane of a 2D problem.
-     */
+    /// Return the part of a 3D tensor in the plane of a 2D problem.
     template <int dim, typename Full>
     Tensor<2, dim>
     in_plane(const Full &A)
@@ -32,7 +30,8 @@ namespace greville
 
 
     /**
-     * P and its derivative from what the material gives for the end of a step.
+     * Set P and its derivative from the material's results at the end of a
+     * step.
      */
     template <int dim>
     void
@@ -87,9 +86,7 @@ namespace greville
 
 
 
-    /**
-     * dP_iJ / df_kL.
-     */
+    /// Return dP_iJ / df_kL.
     template <int dim>
     Tensor<4, dim>
     derivative(const TrialPoint<dim> &trial)
@@ -109,8 +106,8 @@ namespace greville
 
 
     /**
-     * Change P at the end of the step, and its derivative, to those of the
-     * energy-consistent stress, see TrialStep.
+     * Replace P at the end of the step, and its derivative, by the
+     * energy-consistent stress and its derivative, see TrialStep.
      */
     template <int dim>
     void
@@ -137,8 +134,9 @@ namespace greville
       double       hoop_S      = 0.5 * (hoop_stress_before + hoop_end);
       const double square =
         scalar_product(strain, strain) + hoop_strain * hoop_strain;
-      // The correction is of the order of the square of the strain, and
-      // round-off of the energy over the strain: smaller strains do without.
+      // The correction is of the order of the square of the strain, and of
+      // round-off of the energy over the strain: it is omitted for smaller
+      // strains.
       constexpr double smallest = 6e-6; // the third root of round-off
       if (square > smallest * smallest)
         {
@@ -180,8 +178,8 @@ namespace greville
 
 
     /**
-     * Change P, and its derivative by f, which belong to gradients with respect
-     * to x_n, to what belongs to those with respect to X.
+     * Transform P, and its derivative by f, from gradients with respect to x_n
+     * to gradients with respect to X.
      */
     template <int dim>
     void
@@ -196,9 +194,7 @@ namespace greville
 
 
 
-    /**
-     * Name what is wrong with a point.
-     */
+    /// Report an invalid point.
     template <int dim>
     void
     report_bad_point(const ConstPointRef<dim> p,
@@ -223,7 +219,7 @@ namespace greville
     bool
     is_finite(const TrialPoint<dim> &trial, const bool with_tangent)
     {
-      // Sums side by side do not wait for one another.
+      // Independent sums need not wait for one another.
       constexpr unsigned int n       = dim * dim;
       const double          *A       = &trial.A[0][0][0][0];
       double                 sums[n] = {};
@@ -346,7 +342,7 @@ namespace greville
           trials.resize(n_points);
           states.resize(n_points);
 
-          // Tangents want the begin as well.
+          // Tangents need the states at the begin as well.
           if (with_tangents)
             ends = states;
           std::vector<MaterialPoint> &updated = with_tangents ? ends : states;

@@ -83,8 +83,8 @@ namespace greville
   namespace
   {
     /**
-     * Let @p add(geometry, point, force) add the forces of points on the window
-     * of a cell, and return the sum of their squares.
+     * Call @p add(geometry, point, force) to add the forces of points on the
+     * window of a cell, and return the sum of their squares.
      */
     template <int dim, int n, typename Add>
     double
@@ -269,7 +269,8 @@ namespace greville
 
 
     /**
-     * The derivative of a load on a point by the coefficients of a function.
+     * Return the derivative of a load on a point by the coefficients of a
+     * function.
      */
     template <int dim, int n>
     double

@@ -12,13 +12,14 @@ namespace greville
 
   namespace
   {
-    // Steps of differences, of the cell size and of strains.
+    // The step of differences, relative to the cell size and to strains.
     constexpr double difference = 1e-6;
 
 
 
     /**
-     * The state of a point after a further displacement and gradient of it.
+     * Return the state of a point after a further displacement with its
+     * gradient.
      */
     template <int dim>
     SurfaceState<dim>

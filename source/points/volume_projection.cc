@@ -13,11 +13,12 @@ namespace greville
   namespace
   {
     /**
-     * For n functions in a direction: the factors of Richardson iterations with
-     * the lumped mass, whose eigenvalues lie between 0 and 1, and which leave
-     * the fraction prod_k (1 - factor_k eigenvalue) of an error. The ones make
-     * it small where functions are smooth, and the others where they are not.
-     * It is below one for all eigenvalues, so that the operator is positive.
+     * The factors of Richardson iterations with the lumped mass, for n
+     * functions per direction. The eigenvalues lie between 0 and 1, and the
+     * iterations leave the fraction prod_k (1 - factor_k eigenvalue) of an
+     * error. Factors of one make it small for smooth errors, the others for all
+     * other errors. The fraction is below one for all eigenvalues, so that the
+     * operator is positive.
      */
     template <int n>
     constexpr std::array<double, 7> relaxation_factors = {
@@ -30,7 +31,8 @@ namespace greville
 
 
     /**
-     * The ratio of volumes of the configuration that the projection refers to.
+     * Return the volume ratio of the configuration to which the projection
+     * refers.
      */
     template <int dim>
     double
@@ -61,7 +63,7 @@ namespace greville
       number_coarse_functions();
     else if (q == 0)
       {
-        // A function belongs to each cell, and nobody else sees it.
+        // Each cell has one function, which vanishes elsewhere.
         for (unsigned int cell = 0; cell < n_cells; ++cell)
           functions.push_back(cell);
         weight.reinit(std::make_shared<const Utilities::MPI::Partitioner>(
@@ -110,8 +112,8 @@ namespace greville
                 : KnotVector::open_uniform(q, n_all, lower, upper));
       }
 
-    // Cells of the coarse mesh have children on several processes. Equal parts
-    // of the lexicographic numbers need no agreement on their owners.
+    // Cells of the coarse mesh may have children on several processes. Owners
+    // are equal parts of the lexicographic numbers, which all processes know.
     MultiIndex<dim> local;
     local.fill(q + 1);
     const unsigned int n_local = Utilities::fixed_power<dim>(q + 1);
@@ -292,7 +294,7 @@ namespace greville
         }
     };
 
-    // The volumes V of the initial configuration, and J relative to it.
+    // The volumes V in the initial configuration, and J relative to it.
     std::vector<double> volumes(J.size()), projected(J.size(), 0.);
     sums.assign(2 * n_functions, 0.);
     for_each([&](const unsigned int      *f,

@@ -234,7 +234,7 @@ namespace greville
                              VectorType             &rows) const
   {
     const auto fields = begin_pass(&du, &dp, true, true);
-    // The points of bodies have their derivatives in groups.
+    // The derivatives of bodies' points are stored in groups.
     tangents.add_product(fields);
     sum_terms(*make_cell_terms<dim>(fields, terms.is_axisymmetric),
               drained,
@@ -360,7 +360,7 @@ namespace greville
       for_each(
         drained,
         [&](const DrainedTerm &term, const double *q, const auto &slopes) {
-          // The form that is symmetric, of seepage faces, too.
+          // The symmetric form, also for seepage faces.
           using Kind = typename DrainedPoint<dim>::Kind;
           if (term.kind == Kind::flux ||
               (term.kind == Kind::seepage && terms.outflow(term) <= 0.))

@@ -101,7 +101,8 @@ namespace greville
             ShapeP shape_p;
             shape_u.template evaluate<true>(of_u, position);
             shape_p.template evaluate<true>(of_p, position);
-            // Of the pressure: gradient, value. T: force; P: rows.
+            // The gradient and the value of the pressure; T for the force; P
+            // for the rows.
             Simd slope_p[dim + 1], T[ShapeU::n_pairs];
             shape_p.gradient(p, slope_p);
             const Simd V = number(volume), change_of_p = slope_p[dim];
@@ -144,7 +145,7 @@ namespace greville
                         sum += Vp * h[j][i] * M[J][j];
                       T[i * dim + J] = sum;
                     }
-                // The flow at the end: w, and its change.
+                // The flow w at the end, and its change.
                 Simd       w[dim], s[dim];
                 const Simd k = number(flow);
                 load_numbers<dim>(group, weight, w);
