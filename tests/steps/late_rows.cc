@@ -135,10 +135,11 @@ namespace
   with_mass(const Text &text, const std::string &mass)
   {
     const Text result = text.with("Scheme", {"Mass = " + mass});
-    return mass == "lumped"
-             ? result
-             : result.with("Walls",
-                           {"Bottom = sliding", "Bottom friction = 0"});
+    return mass == "lumped" ? result
+                            : result.with("Walls",
+                                          {"Bottom = sliding",
+                                           "Bottom friction = 0",
+                                           "Right = sliding"});
   }
 
   void
