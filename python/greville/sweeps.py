@@ -55,16 +55,17 @@ class Sweep:
         return len(self.runs)
 
 
-def sweep(case, parameter, values, processes=1, processes_per_run=1, progress=None):
-    """Run a case with each of these values of a parameter, as many runs at a time as groups of processes; a Sweep."""
+def sweep(case, parameter=None, values=(), processes=1, processes_per_run=1, progress=None):
+    """Run a case with each of these values of a parameter, or as its section Sweep says, in groups of processes; a Sweep."""
     check_number("processes", processes)
     check_number("processes_per_run", processes_per_run)
     if not isinstance(case, Case):
         raise RunFailed(f"A sweep needs a Case, not {case!r}.")
     if isinstance(values, (str, bytes, dict)) or not hasattr(values, "__iter__"):
         raise RunFailed(f"The values of a sweep are a list, not {values!r}.")
-    case = case.copy().set("Sweep/Parameter", parameter).set("Sweep/Values", " | ".join(map(as_text, values)))
-    case.set("Sweep/Processes per run", processes_per_run)
+    case = case.copy().set("Sweep/Processes per run", processes_per_run)
+    if parameter is not None:
+        case.set("Sweep/Parameter", parameter).set("Sweep/Values", " | ".join(map(as_text, values)))
     runs = Runs(case, case.parameters)
     return Sweep(runs.folder, runs.run(processes, progress or Progress()))
 

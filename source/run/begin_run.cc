@@ -43,15 +43,21 @@ namespace greville
 
 
 
-  EarlierResults
-  what_of_earlier(const SimulationParameters &parameters,
-                  const RunOptions           &options)
+  RunFolder
+  take_folder(const SimulationParameters &parameters,
+              const std::string          &directory,
+              const RunOptions           &options,
+              const MPI_Comm              comm)
   {
     const std::string &word = parameters.output.earlier_results;
-    return options.resumes        ? EarlierResults::keep
-           : word == "move aside" ? EarlierResults::move_aside
-           : word == "refuse"     ? EarlierResults::refuse
-                                  : EarlierResults::remove;
+    return {directory,
+            parameters.output.directory.empty() ? "Simulation/Name"
+                                                : "Output/Directory",
+            options.resumes        ? EarlierResults::keep
+            : word == "move aside" ? EarlierResults::move_aside
+            : word == "refuse"     ? EarlierResults::refuse
+                                   : EarlierResults::remove,
+            comm};
   }
 
 
@@ -101,9 +107,10 @@ namespace greville
   {
     AssertThrow(parameters.sweep.is_empty(),
                 ExcMessage("<" + file +
-                           "> has a 'Sweep', and this program makes one run: "
-                           "scripts/run or scripts/sweep (greville-sweep of an "
-                           "installation) makes all runs."));
+                           "> has a 'Sweep', and this program makes one run. "
+                           "All runs are made by scripts/run, scripts/sweep "
+                           "(greville-sweep of an installation), or "
+                           "greville.sweep() in Python."));
   }
 
 
@@ -124,13 +131,9 @@ namespace greville
     if (options.resumes)
       check_folder_of_checkpoints(directory, comm);
     const SignalCatcher signals;
-    RunFolder           folder(directory,
-                     parameters.output.directory.empty() ? "Simulation/Name"
-                                                                   : "Output/Directory",
-                     what_of_earlier(parameters, options),
-                     comm);
-    RunOptions          options_of_run = options;
-    options_of_run.prepare_folder      = [&]() {
+    RunFolder  folder = take_folder(parameters, directory, options, comm);
+    RunOptions options_of_run     = options;
+    options_of_run.prepare_folder = [&]() {
       folder.make_room();
       write_parameters(parameters, directory, comm);
     };
@@ -174,11 +177,7 @@ namespace greville
       return;
     const std::string directory = folder_of_run(parameters, file, options);
     check_other_folder(options, directory, comm);
-    RunFolder folder(directory,
-                     parameters.output.directory.empty() ? "Simulation/Name"
-                                                         : "Output/Directory",
-                     what_of_earlier(parameters, options),
-                     comm);
+    RunFolder folder = take_folder(parameters, directory, options, comm);
     folder.make_room();
     write_parameters(parameters, directory, comm);
     for (const std::string &note : repeated_parameters(file))

@@ -3,7 +3,6 @@
 #include <greville/base/csv.h>
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
-#include <greville/base/run_folder.h>
 #include <greville/materials/element_test.h>
 #include <greville/run/begin_run.h>
 #include <greville/run/element_run.h>
@@ -78,11 +77,7 @@ namespace greville
                        ElementTestParameters::from(parameters.used()));
 
     const std::string directory = folder_of_run(parameters, file, options);
-    RunFolder         folder(directory,
-                     parameters.output.directory.empty() ? "Simulation/Name"
-                                                                 : "Output/Directory",
-                     what_of_earlier(parameters, options),
-                     comm);
+    RunFolder folder = take_folder(parameters, directory, options, comm);
     folder.make_room();
     CsvWriter writer;
     writer.open(directory + "/element_test.csv", table.names, 15, comm);

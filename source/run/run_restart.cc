@@ -489,7 +489,7 @@ namespace greville
               "anew.";
     else
       text += "--resume goes on from <" + checkpoint_file + ">.";
-    AssertThrow(false, RunStopped(text));
+    AssertThrow(false, ExcMessage(text));
   }
 
 

@@ -130,6 +130,8 @@ def check_sweep(case):
     message = message_of(lambda: greville.Run(study.folder))
     check(f"a sweep is no run: {message}", message.endswith("has the results of a sweep, which greville.Sweep reads."))
     check("the table of a sweep", abs(study.table["time"][:2] - 0.1).max() < 1e-12)
+    orders = greville.sweep(case.copy().set("Sweep/Orders", [1, 2]).set("Output/Directory", "orders"))
+    check("the section Sweep of a case", list(orders.table["p"]) == [1, 2] and len(orders) == 2 and not orders.message)
 
 
 def check_pictures():

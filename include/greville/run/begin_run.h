@@ -23,11 +23,14 @@ namespace greville
                 const RunOptions           &options);
 
   /**
-   * What becomes of results of an earlier run in that folder.
+   * Collective. Take that folder for a run. Throws as the constructor of
+   * RunFolder.
    */
-  EarlierResults
-  what_of_earlier(const SimulationParameters &parameters,
-                  const RunOptions           &options);
+  RunFolder
+  take_folder(const SimulationParameters &parameters,
+              const std::string          &directory,
+              const RunOptions           &options,
+              const MPI_Comm              comm);
 
   /**
    * Collective. Throw where a run is to begin with the results in its own

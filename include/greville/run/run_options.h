@@ -67,17 +67,6 @@ namespace greville
     /// parameters and checkpoints have been accepted; all processes call it.
     std::function<void()> prepare_folder;
   };
-
-
-
-  /**
-   * Thrown where a signal has ended a run.
-   */
-  class RunStopped : public dealii::ExcMessage
-  {
-  public:
-    using dealii::ExcMessage::ExcMessage;
-  };
 } // namespace greville
 
 #endif

@@ -42,8 +42,8 @@ namespace greville
 
     /**
      * Collective. Throws what Simulation::step() throws, where it has gone back
-     * after the last good state has been written, and RunStopped after a
-     * signal, with a checkpoint and all results.
+     * after the last good state has been written, and dealii::ExcMessage
+     * after a signal, with a checkpoint and all results.
      */
     RunSummary
     run();
@@ -147,8 +147,8 @@ namespace greville
     write_last_good_state();
 
     /**
-     * Write a checkpoint if it is time, or a signal wants it. Throws RunStopped
-     * where the signal ends the run.
+     * Write a checkpoint if it is time, or a signal wants it. Throws
+     * dealii::ExcMessage if the signal ends the run.
      */
     void
     look_for_checkpoint(const bool is_last);
