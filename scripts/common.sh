@@ -2,7 +2,7 @@
 # from the project's root. Installs what is missing, configures and builds.
 
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
-drawing_packages="python3-matplotlib python3-vtk9 python3-pil python3-h5py"
+drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
 test_packages="numdiff gfortran lld doxygen python3-numpy python3-yaml python3-sympy python3-nbclient python3-ipykernel $drawing_packages"
 checking_packages="clang clang-tidy libclang-rt-dev valgrind gcc"
 

@@ -245,7 +245,7 @@ def cost_of_contact(given):
             times = [result(kind, steps).cpu - result(kind, 1).cpu for kind in (1, 0)]
             costs.append(times[1] / times[0])
         last = Run(folder_of("run_0"))
-        in_contacts = sum(len(last.series(path.stem)(-1).x) for path in last.folder.glob("surface*.pvd"))
+        in_contacts = sum(len(last.series(name)(-1).x) for name in last.surfaces)
         n_points = last.summary["points"]
         print_row(f"`{file}`, {name.split(', ')[1]}", n_points, f"{in_contacts / n_points:.1%}",
                   f"{statistics.median(costs):.3f}")

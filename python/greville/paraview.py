@@ -1,21 +1,21 @@
 """Open a run in ParaView with one command.
 
-    scripts/paraview output/dam_break        writes output/dam_break/view.py
-    paraview --script=output/dam_break/view.py
+    scripts/paraview output/dam_break        writes output/dam_break/files/view.py
+    paraview --script=output/dam_break/files/view.py
 
 view.py is a script for ParaView 5.10 or later: points as boxes (3D: spheres) of
 their size, coloured by a field over all times, with the walls of the grid, surfaces
 with loads, rigid bodies, and the time. It goes on working when the folder is moved, if it is run
 by pvpython, which writes a picture of the last time, too:
 
-    pvpython output/dam_break/view.py last.png
+    pvpython output/dam_break/files/view.py last.png
 
 Needs nothing but Python. The run needs the field size (it is a default of
 'Output/Fields').
 """
 from .command import parser_of, run_command
 from .display import array_of, check_field, main_field, up_axis
-from .results import ResultsError, Run
+from .results import ResultsError, Run, names_in_series
 
 SCRIPT = '''# Written by scripts/paraview of Greville:
 #   paraview --script={path}
@@ -25,15 +25,15 @@ import sys
 
 from paraview.simple import *
 
-# What is shown: a field of points.pvd, and of a vector 'Magnitude', 'X', 'Y' or 'Z'.
+# What is shown: a field of points, and of a vector 'Magnitude', 'X', 'Y' or 'Z'.
 FIELD, COMPONENT = {field!r}, {component!r}
-FOLDER = os.path.dirname(os.path.abspath(__file__)) if "__file__" in globals() else {folder!r}
+FOLDER = os.path.dirname(os.path.dirname(os.path.abspath(__file__))) if "__file__" in globals() else {folder!r}
 UNITS = {units!r}
 BODIES = {bodies!r}
 LOWER, UPPER = {lower!r}, {upper!r}   # of the grid, m
+NAMES = {names!r}   # in fields.pvd
 IS_3D, UP = {is_3d!r}, {up!r}
 COLOURS = {colours!r}
-ONE_FILE = {one_file!r}
 
 paraview.simple._DisableFirstRenderCameraReset()
 view = GetActiveViewOrCreate("RenderView")
@@ -42,11 +42,15 @@ view.UseColorPaletteForBackground = 0
 view.Background = [1., 1., 1.]
 view.OrientationAxesVisibility = int(IS_3D)
 
-if ONE_FILE:
-    # All times are in points.vtkhdf, beside it.
-    points = XDMFReader(registrationName="points", FileNames=[os.path.join(FOLDER, "points.xdmf")])
-else:
-    points = PVDReader(registrationName="points", FileName=os.path.join(FOLDER, "points.pvd"))
+run = PVDReader(registrationName="fields", FileName=os.path.join(FOLDER, "fields.pvd"))
+
+def part(name):
+    """What has this name in fields.pvd: a block, or all of it."""
+    if NAMES == [name]:
+        return run
+    return ExtractBlock(registrationName=name, Input=run, Selectors=["/Root/" + name])
+
+points = part("points")
 scene = GetAnimationScene()
 scene.UpdateAnimationUsingDataTimeSteps()
 scene.GoToLast()
@@ -95,7 +99,7 @@ outline.SetRepresentationType("Wireframe" if not IS_3D else "Outline")
 outline.AmbientColor = outline.DiffuseColor = [0.4, 0.4, 0.4]
 
 for name in {surfaces!r}:
-    surface = PVDReader(registrationName=name, FileName=os.path.join(FOLDER, name + ".pvd"))
+    surface = part(name)
     loads = Glyph(registrationName="loads of " + name, Input=surface, GlyphType="Arrow")
     loads.OrientationArray = ["POINTS", "load"]
     loads.ScaleArray = ["POINTS", "load"]
@@ -106,7 +110,7 @@ for name in {surfaces!r}:
     shown.AmbientColor = shown.DiffuseColor = [0.83, 0.37, 0.]
 
 for name in {rigid!r}:
-    shown = Show(PVDReader(registrationName=name, FileName=os.path.join(FOLDER, name + ".pvd")), view)
+    shown = Show(part(name), view)
     ColorBy(shown, None)
     shown.AmbientColor = shown.DiffuseColor = [0.7, 0.7, 0.7] if IS_3D else [0.35, 0.35, 0.35]
 
@@ -155,11 +159,10 @@ def script_of(run, field, up):
     lower, upper = (corner + [0.] * (3 - run.dim) for corner in run.grid_box)
     up = up_axis(run, up) if run.dim == 3 else 1
     folder = run.folder.resolve()
-    return SCRIPT.format(path=folder / "view.py", field=name, component=component, folder=str(folder),
-                         units={name: run.unit("points.pvd", name) for name in available if run.unit("points.pvd", name)},
+    return SCRIPT.format(path=folder / "files/view.py", field=name, component=component, folder=str(folder),
+                         units={name: run.unit("points", name) for name in available if run.unit("points", name)},
                          bodies=run.bodies, lower=lower, upper=upper, is_3d=run.dim == 3, up=up,
-                         one_file=(folder / "points.xdmf").exists(),
-                         surfaces=sorted(path.stem for path in folder.glob("surface*.pvd")),
+                         names=names_in_series(folder), surfaces=run.surfaces,
                          rigid=["rigid_" + name for name in run.rigid_bodies],
                          colours=[[0., .447, .698], [.835, .369, 0.], [0., .62, .451], [.8, .475, .655], [.902, .624, 0.], [.337, .706, .914]])
 
@@ -167,7 +170,7 @@ def script_of(run, field, up):
 def main(program=None):
     parser = parser_of(program, __doc__)
     parser.add_argument("--field", metavar="NAME",
-                        help="colour of points: speed, a field of points.pvd, or a component such as velocity_x. "
+                        help="colour of points: speed, a field of points, or a component such as velocity_x. "
                              "Without it: that of scripts/picture")
     parser.add_argument("--up", choices=["x", "y", "z"], help="the upright axis in 3D, as scripts/picture has it")
     run_command(parser, write)
@@ -175,7 +178,7 @@ def main(program=None):
 
 def write(arguments):
     for folder in arguments.folders:
-        file = folder / "view.py"
+        file = folder / "files/view.py"
         text = script_of(Run(folder), arguments.field, arguments.up)
         try:
             file.write_text(text, encoding="utf-8")

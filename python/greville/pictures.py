@@ -2,8 +2,7 @@
 
 What is drawn, and where to, depends on what FOLDER holds:
 
-points.pvd or points.vtkhdf
-                  a simulation: frames/frame_NNNN.png, one for each time of output,
+fields.pvd        a simulation: files/frames/frame_NNNN.png, one for each time of output,
                   animation.gif, also .mp4 where ffmpeg is installed, and
                   picture.png, which has four times and below them the measured
                   series of section Reference or else the energies. The last time
@@ -63,8 +62,8 @@ def picture_of(run, k, mesh=False, **options):
 
 
 def draw_frames(simulation, mesh):
-    folder = simulation.folder / "frames"
-    folder.mkdir(exist_ok=True)
+    folder = simulation.folder / "files/frames"
+    folder.mkdir(parents=True, exist_ok=True)
     for old in folder.glob("frame_*.png"):
         old.unlink()
     pictures = []
@@ -100,7 +99,7 @@ def write_mp4(folder, duration, end):
         return
     # Players want even numbers of pixels, and colours by this format.
     filters = f"tpad=stop_mode=clone:stop_duration={end / 1000},pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white,format=yuv420p"
-    done = subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-framerate", f"1000/{duration}", "-i", folder / "frames/frame_%04d.png",
+    done = subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-framerate", f"1000/{duration}", "-i", folder / "files/frames/frame_%04d.png",
                            "-vf", filters, "-r", "25", "-movflags", "+faststart", file], capture_output=True, text=True, stdin=subprocess.DEVNULL)
     if done.returncode:
         file.unlink(missing_ok=True)
@@ -265,7 +264,7 @@ def draw_failure(simulation):
 def main(program=None):
     parser = parser_of(program, __doc__)
     parser.add_argument("--field", metavar="NAME",
-                        help="colour of points: speed, a field of points.pvd, such as pressure or body, or a component such as "
+                        help="colour of points: speed, a field of points, such as pressure or body, or a component such as "
                              "velocity_x. Without it: the field that says most about the run")
     parser.add_argument("--no-rigid-bodies", action="store_true",
                         help="leave rigid bodies out, which may hide the others (3D)")
@@ -311,5 +310,5 @@ def draw(arguments):
     else:
         runs = runs_in(folder)
         if not runs:
-            raise ResultsError(f"{folder} has nothing to draw: no points.pvd, points.vtkhdf, convergence.csv, solves.csv or */statistics.csv.")
+            raise ResultsError(f"{folder} has nothing to draw: no fields.pvd, convergence.csv, solves.csv or */statistics.csv.")
         draw_all_energies(runs, folder)

@@ -1,9 +1,8 @@
-"""Write the points of a file of VTK (.vtu, .vtp, .pvtu, .pvtp, .vtk or .vtkhdf) and their arrays
+"""Write the points of a file of VTK (.vtu, .vtp, .pvtu, .pvtp or .vtk) and their arrays
 as a table that 'Body NAME/Points file' takes. Columns are x, y, z and the arrays at
 points; those with several components are as many columns: NAME_x, NAME_y, NAME_z of
 three, NAME_xx, NAME_yy, NAME_zz, NAME_xy, NAME_yz, NAME_xz of six, NAME_xx, NAME_xy,
-... of nine. A point that cells share is written once. Needs Debian's python3-vtk9, or
-python3-h5py for points.vtkhdf, of which it writes the last time or that of --time.
+... of nine. A point that cells share is written once. Needs Debian's python3-vtk9.
 """
 import argparse
 import sys
@@ -27,7 +26,7 @@ def read(file):
         raise ResultsError(how_to_install("vtkmodules")) from None
     ending = Path(file).suffix.lower()
     if ending not in XML + (".vtk",):
-        raise ResultsError(f"<{file}> ends with <{ending}>, none of {', '.join(XML)}, .vtk, .vtkhdf.")
+        raise ResultsError(f"<{file}> ends with <{ending}>, none of {', '.join(XML)}, .vtk.")
     if not Path(file).is_file():
         raise ResultsError(f"there is no file <{file}>.")
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
@@ -54,8 +53,7 @@ def columns_of(name, values):
 def main(program=None):
     parser = argparse.ArgumentParser(prog=program, description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file", metavar="FILE", help="points; the table goes to the standard output")
-    parser.add_argument("--time", type=float, metavar="SECONDS", help="the time of points.vtkhdf that is nearest to this")
-    run_command(parser, lambda arguments: write(arguments.file, arguments.time))
+    run_command(parser, lambda arguments: write(arguments.file))
 
 
 def write_table(stream, x, arrays):
@@ -68,15 +66,7 @@ def write_table(stream, x, arrays):
     np.savetxt(stream, np.column_stack([values.astype(float) for _, values in columns]), "%.9g", ",")
 
 
-def write(file, time=None):
-    if Path(file).suffix.lower() == ".vtkhdf":
-        if not Path(file).is_file():
-            raise ResultsError(f"there is no file <{file}>.")
-        from .vtkhdf import PointSeries
-        points = PointSeries(file)(-1 if time is None else time)
-        return write_table(sys.stdout, points.x, points)
-    if time is not None:
-        raise ResultsError(f"--time is for points.vtkhdf; <{file}> has one time.")
+def write(file):
     data = read(file)
     from vtkmodules.util.numpy_support import vtk_to_numpy
     arrays = data.GetPointData()

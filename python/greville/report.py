@@ -291,7 +291,7 @@ def frames_data(run, budget, chosen, up):
             low, high, has_signs = limits_of(names[k], data[:, :, dim + 1 + k])
             if names[k] == "body":
                 low, high, has_signs = 0., 255., False
-            fields.append({"name": names[k], "label": label_of(names[k]), "unit": pretty(run.unit("points.pvd", array_of(run, names[k]))),
+            fields.append({"name": names[k], "label": label_of(names[k]), "unit": pretty(run.unit("points", array_of(run, names[k]))),
                            "low": low, "high": high, "diverging": has_signs, "bodies": names[k] == "body"})
         columns = data[:, :, [*range(dim + 1), *(dim + 1 + k for k in kept)]]
         text = pack(columns, dim, lower, lower + width, [(0., largest)] + [(field["low"], field["high"]) for field in fields])
@@ -361,7 +361,7 @@ def guide():
 def main(program=None):
     parser = parser_of(program, __doc__, "results of a run, or of a sweep")
     parser.add_argument("--field", action="append", default=[], metavar="NAME",
-                        help="show this field of points.pvd, too, such as J or velocity_x; first of all. May be repeated")
+                        help="show this field of points, too, such as J or velocity_x; first of all. May be repeated")
     parser.add_argument("--up", choices=["x", "y", "z"], help="the upright axis in 3D, as scripts/picture has it")
     parser.add_argument("--no-points", action="store_true", help="no moving points: a smaller file")
     parser.add_argument("--output", type=Path, metavar="FILE", help="instead of report.html where the results are")

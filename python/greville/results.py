@@ -25,11 +25,13 @@ except ImportError:
 # Parameters name measured data relative to their file, whose copy lies with the results.
 PARAMETER_FOLDER = Path(__file__).resolve().parents[2] / "prm" / "simulation"
 AXES = "xyz"
+# All that a run has written for ParaView.
+SERIES = "fields.pvd"
 
 
 # The packages of Debian that bring the modules.
 PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "vtkmodules": "python3-vtk9",
-            "h5py": "python3-h5py", "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml", "sympy": "python3-sympy"}
+            "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml", "sympy": "python3-sympy"}
 
 
 class Error(Exception):
@@ -221,37 +223,27 @@ class Fields(dict):
             raise ResultsError(f"{path} cannot be written: {error.strerror}.") from None
 
 
-def pieces_of(path):
-    """The files of a .pvtu and the names of its fields."""
+def content_of(path):
+    """The number of points of a .vtu file and the names of its fields; refuses a part of a file, which VTK reads as one without points."""
     try:
-        root = ElementTree.fromstring(read_text(path))
-    except ElementTree.ParseError as error:
-        raise ResultsError(f"{path} is no file of VTK: {error}.") from None
-    files = [Path(path).parent / piece.get("Source", "") for piece in root.iter("Piece")]
-    if not files:
-        raise ResultsError(f"{path} is no file of VTK with points: it names no pieces.")
-    for file in files:
-        if not file.is_file():
-            raise ResultsError(f"{file} is missing, which {path} names.")
-    return files, [array.get("Name") for data in root.iter("PPointData") for array in data]
-
-
-def n_points_of(file):
-    """The number of points of a file of VTK; refuses one that is not whole, which VTK reads as one without points."""
-    content = file.read_bytes()
+        content = Path(path).read_bytes()
+    except OSError as error:
+        raise ResultsError(f"{path} cannot be read: {error.strerror}.") from None
     pieces = re.findall(rb'<Piece\b[^>]*\bNumberOfPoints="(\d+)"', content)
     if b"<VTKFile" not in content[:4096] or not pieces or not content.rstrip().endswith(b"</VTKFile>"):
-        raise ResultsError(f"{file} is no file of VTK, or a part of one.")
-    return sum(map(int, pieces))
+        raise ResultsError(f"{path} is no file of VTK, or a part of one.")
+    data = re.search(rb"<PointData\b.*?</PointData>", content, re.DOTALL)
+    names = re.findall(rb'<DataArray\b[^>]*\bName="([^"]*)"', data.group(0)) if data else []
+    return sum(map(int, pieces)), [name.decode() for name in names]
 
 
 def read_with_vtk(path, names):
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkCommonCore import vtkObject
-    from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
     shown = vtkObject.GetGlobalWarningDisplay()
-    vtkObject.GlobalWarningDisplayOff()   # Of processes without points.
-    reader = vtkXMLPUnstructuredGridReader()
+    vtkObject.GlobalWarningDisplayOff()
+    reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(path))
     reader.UpdateInformation()
     selection = reader.GetPointDataArraySelection()
@@ -266,34 +258,24 @@ def read_with_vtk(path, names):
     arrays = {name: grid.GetPointData().GetArray(name) for name in names}
     for name, array in arrays.items():
         if array is None or array.GetNumberOfTuples() != grid.GetNumberOfPoints():
-            raise ResultsError(f"The field {name} of {path} cannot be read: a file that it names is damaged.")
+            raise ResultsError(f"The field {name} of {path} cannot be read: the file is damaged.")
     return (vtk_to_numpy(grid.GetPoints().GetData()), {name: vtk_to_numpy(array) for name, array in arrays.items()}, grid)
 
 
 def read_with_meshio(path, names):
     import meshio
-    files, _ = pieces_of(path)
-    meshes = []
-    for file in files:
-        # meshio reads no file without points, as processes without any write them.
-        if n_points_of(file):
-            try:
-                meshes.append(meshio.read(file))
-            except Exception as error:   # Of many kinds.
-                raise ResultsError(f"{file} cannot be read: {error}.") from None
-    if not meshes:
-        return np.zeros((0, 3)), {name: np.zeros(0) for name in names}, None
-    return (np.concatenate([mesh.points for mesh in meshes]),
-            {name: np.concatenate([mesh.point_data[name] for mesh in meshes]) for name in names},
-            meshes[0] if len(meshes) == 1 else meshes)
+    try:
+        mesh = meshio.read(path)
+    except Exception as error:   # Of many kinds.
+        raise ResultsError(f"{path} cannot be read: {error}.") from None
+    return mesh.points, {name: mesh.point_data[name] for name in names}, mesh
 
 
 def read_fields(path, names=None, time=None):
-    """The Fields of a .pvtu file: all, or those of these names."""
+    """The Fields of a .vtu file: all, or those of these names."""
     if np is None:
         raise ResultsError("Fields cannot be read: " + how_to_install("numpy"))
-    files, available = pieces_of(path)
-    n_points = sum(map(n_points_of, files))
+    n_points, available = content_of(path)
     names = None if names is None else names_of_fields(names)
     for name in names or ():
         if name not in available:
@@ -303,25 +285,32 @@ def read_fields(path, names=None, time=None):
         x, fields, dataset = read_with_vtk(path, names)
     except ImportError:
         try:
-            x, fields, dataset = read_with_meshio(path, names)
+            # meshio reads no file without points.
+            x, fields, dataset = read_with_meshio(path, names) if n_points else (np.zeros((0, 3)), {name: np.zeros(0) for name in names}, None)
         except ImportError:
             raise ResultsError("Fields cannot be read: " + how_to_install("vtkmodules", "meshio")) from None
     if len(x) != n_points:
-        raise ResultsError(f"{path} has {n_points} points, of which {len(x)} can be read: a file that it names is damaged.")
+        raise ResultsError(f"{path} has {n_points} points, of which {len(x)} can be read: the file is damaged.")
     return Fields(x.astype(float), fields, time, Path(path), dataset)
 
 
-class Series:
-    """The times and files of a .pvd file; series(k) are the Fields of the kth time, series(0.5) those nearest to 0.5 s."""
+def names_in_series(folder):
+    """The names of what a run has written for ParaView, in alphabetic order."""
+    path = Path(folder) / SERIES
+    return sorted(set(re.findall(r'\bname="([^"]*)"', read_text(path)))) if path.exists() else []
 
-    def __init__(self, path):
+
+class Series:
+    """The times and files of a name in a .pvd file; series(k) are the Fields of the kth time, series(0.5) those nearest to 0.5 s."""
+
+    def __init__(self, path, name):
         self.path = Path(path)
         try:
-            sets = list(ElementTree.fromstring(read_text(path)).iter("DataSet"))
+            sets = [entry for entry in ElementTree.fromstring(read_text(path)).iter("DataSet") if entry.get("name") == name]
         except ElementTree.ParseError as error:
             raise ResultsError(f"{path} is no file of ParaView: {error}.") from None
         if not sets:
-            raise ResultsError(f"{path} has no times.")
+            raise ResultsError(f"{path} has no times of {name}.")
         self.files = [self.path.parent / entry.get("file", "") for entry in sets]
         try:
             times = [float(entry.get("timestep", "")) for entry in sets]
@@ -335,7 +324,7 @@ class Series:
     @property
     def names(self):
         """The names of the fields, which are those of the first file."""
-        return pieces_of(self.files[0])[1]
+        return content_of(self.files[0])[1]
 
     def place_of(self, k):
         """The number of the time that is nearest to a float, or k."""
@@ -357,8 +346,8 @@ class Series:
 
 
 def has_points(folder):
-    """Whether a run has written points into a folder, in either format."""
-    return any((Path(folder) / name).exists() for name in ("points.pvd", "points.vtkhdf"))
+    """Whether a run has written points into a folder."""
+    return (Path(folder) / SERIES).exists()
 
 
 class Run:
@@ -371,7 +360,7 @@ class Run:
     newton                  a Table: iterations of Newton's method; None with explicit steps
     summary                 summary.json as a dict; empty while the run goes on, or has failed
     messages                [(kind, text)], where kind is Warning, Error or Note
-    unit(file, column)      of units.csv, such as unit("points.pvd", "velocity")
+    unit(file, column)      of units.csv, such as unit("points", "velocity")
     times                   those of the points
     points(k), grid(k), surface(k)   Fields at the kth time, or for a float nearest to it in s; names=[...] reads those only
     rigid_bodies            the names of rigid bodies that have been written
@@ -386,7 +375,7 @@ class Run:
             raise ResultsError(f"{folder} is not a folder." if self.folder.exists() else f"There is no folder {folder}.")
         if not (self.folder / "statistics.csv").exists() and not has_points(self.folder):
             raise ResultsError(f"{folder} has the results of a sweep, which greville.Sweep reads." if (self.folder / "sweep.csv").exists()
-                               else f"{folder} has no results of a simulation: no statistics.csv, points.pvd or points.vtkhdf.")
+                               else f"{folder} has no results of a simulation: no statistics.csv or {SERIES}.")
         self.name = self.folder.resolve().name
         self._known = {}
 
@@ -439,7 +428,7 @@ class Run:
 
     @property
     def units(self):
-        path = self.folder / "units.csv"
+        path = self.folder / "files/units.csv"
 
         def read():
             if not path.exists():
@@ -521,12 +510,12 @@ class Run:
 
     def series(self, name):
         """The Series of points, grid, surface, or grid_BODY, surface_BODY where bodies have grids of their own."""
-        def read():
-            if name == "points" and (self.folder / "points.vtkhdf").exists():
-                from .vtkhdf import PointSeries
-                return PointSeries(self.folder / "points.vtkhdf")
-            return Series(self.folder / f"{name}.pvd")
-        return self._once(f"{name}.pvd", read)
+        return self._once(f"{name} of {SERIES}", lambda: Series(self.folder / SERIES, name))
+
+    @property
+    def surfaces(self):
+        """The names of series of surfaces that have been written."""
+        return [name for name in names_in_series(self.folder) if name == "surface" or name.startswith("surface_")]
 
     @property
     def has_points(self):
@@ -562,7 +551,7 @@ class Run:
     @property
     def rigid_bodies(self):
         return [name for name in names_in(self.parameters.get("Simulation/Rigid bodies"))
-                if (self.folder / f"rigid_{name}.pvd").exists()]
+                if f"rigid_{name}" in names_in_series(self.folder)]
 
     def rigid(self, name, time):
         fields = self.series(f"rigid_{name}").at(time)

@@ -38,7 +38,7 @@ class Simulation:
         if self.magnify != 1. and "displacement" not in available:
             raise ResultsError(f"--magnify needs the field displacement, which the points in {folder} lack.")
         self.is_body = field == "body"
-        self.unit = pretty(self.run.unit("points.pvd", self.array))
+        self.unit = pretty(self.run.unit("points", self.array))
         self.label = (field or "").replace("_", " ").replace("von mises", "von Mises stress")
         self.up = up_axis(self.run, up) if self.dim == 3 else 1
         self.find_ranges()

@@ -56,8 +56,8 @@ def names_of_surfaces(run):
 def draw_surfaces(overlay, run):
     """Points of surfaces, and arrows of loads that are not zero at the begin."""
     names, shown = names_of_surfaces(run), {}
-    for path in sorted(run.folder.glob("surface*.pvd")):
-        fields = run.series(path.stem)(0)
+    for name in run.surfaces:
+        fields = run.series(name)(0)
         numbers = fields["surface_load"].astype(int) if len(fields.x) else np.zeros(0, int)
         for number in np.unique(numbers):
             mine = numbers == number

@@ -2,6 +2,7 @@
 
 #include <greville/base/disk.h>
 #include <greville/base/errors.h>
+#include <greville/base/index_limits.h>
 #include <greville/base/mixed_bits.h>
 #include <greville/base/parameters.h>
 
@@ -12,7 +13,6 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <unistd.h>
 
 namespace greville
@@ -138,22 +138,6 @@ namespace greville
 
 
   void
-  reserve_room(const std::string &file, const std::uint64_t size)
-  {
-    errno                = 0;
-    const int descriptor = open(file.c_str(), O_WRONLY);
-    AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
-    const off_t end = lseek(descriptor, 0, SEEK_END);
-    const bool  has_room =
-      end < 0 || allocate(descriptor, FALLOC_FL_KEEP_SIZE, end, size);
-    const std::string message = write_error(file);
-    close(descriptor);
-    AssertThrow(has_room, ExcMessage(message));
-  }
-
-
-
-  void
   write_to_disk(const std::string &file)
   {
     const int descriptor = open(file.c_str(), O_RDONLY);
@@ -166,124 +150,36 @@ namespace greville
 
 
 
-  namespace
-  {
-    const std::string     journal_begin    = "Greville: journal\n";
-    constexpr std::size_t journal_end_size = 17; // bytes
-
-
-
-    std::string
-    end_of_journal(const std::string &text)
-    {
-      char end[journal_end_size + 1];
-      std::snprintf(end,
-                    sizeof(end),
-                    "\n%016llx",
-                    static_cast<unsigned long long>(checksum(text, 0)));
-      return end;
-    }
-
-
-
-    /**
-     * Return the gaps between ranges, up to a length.
-     */
-    std::vector<ByteRange>
-    gaps_between(std::vector<ByteRange> ranges, const std::uint64_t length)
-    {
-      std::sort(ranges.begin(),
-                ranges.end(),
-                [](const ByteRange &a, const ByteRange &b) {
-                  return a.begin < b.begin;
-                });
-      ranges.push_back({length, length});
-      std::vector<ByteRange> result;
-      std::uint64_t          at = 0;
-      for (const ByteRange &range : ranges)
-        {
-          if (at < std::min(range.begin, length))
-            result.push_back({at, std::min(range.begin, length)});
-          at = std::max(at, range.end);
-        }
-      return result;
-    }
-  } // namespace
-
-
-
   void
-  write_journal(const std::string            &journal,
-                const std::string            &file,
-                const std::vector<ByteRange> &kept)
+  write_together(const std::string &file,
+                 const std::string &own,
+                 const MPI_Comm     comm)
   {
-    errno                      = 0;
-    const std::uint64_t length = std::filesystem::file_size(file);
-    const auto          parts  = gaps_between(kept, length);
-    std::string         text   = journal_begin + std::to_string(length) + ' ' +
-                       std::to_string(parts.size()) + '\n';
-    for (const ByteRange &part : parts)
-      text +=
-        std::to_string(part.begin) + ' ' + std::to_string(part.end) + '\n';
-    std::ifstream in(file, std::ios::binary);
-    for (const ByteRange &part : parts)
-      {
-        std::string bytes(part.end - part.begin, '\0');
-        in.seekg(part.begin);
-        in.read(&bytes[0], bytes.size());
-        text += bytes;
-      }
-    AssertThrow(in,
-                ExcMessage("Cannot read <" + file +
-                           ">: " + std::strerror(errno) + "."));
-    try
-      {
-        write_atomically(journal, text + end_of_journal(text));
-      }
-    catch (const std::exception &)
-      {
-        unlink((journal + ".tmp").c_str());
-        throw;
-      }
-  }
-
-
-
-  void
-  take_back(const std::string &journal, const std::string &file)
-  {
-    std::ostringstream content;
-    content << std::ifstream(journal, std::ios::binary).rdbuf();
-    std::string text = content.str();
-    AssertThrow(text.size() > journal_end_size &&
-                  text.rfind(journal_begin, 0) == 0,
-                ExcMessage("<" + journal + "> is no complete journal."));
-    const std::string end = text.substr(text.size() - journal_end_size);
-    text.resize(text.size() - journal_end_size);
-    AssertThrow(end == end_of_journal(text),
-                ExcMessage("<" + journal + "> is no complete journal."));
-    std::istringstream in(text.substr(journal_begin.size()));
-    std::uint64_t      length = 0, n_parts = 0;
-    in >> length >> n_parts;
-    std::vector<ByteRange> parts(n_parts);
-    std::uint64_t          n_bytes = 0;
-    for (ByteRange &part : parts)
-      {
-        in >> part.begin >> part.end;
-        n_bytes += part.end - part.begin;
-      }
-    std::uint64_t at = text.size() - n_bytes;
-    errno            = 0;
-    std::fstream out(file, std::ios::binary | std::ios::in | std::ios::out);
-    for (const ByteRange &part : parts)
-      {
-        out.seekp(part.begin);
-        out.write(text.data() + at, part.end - part.begin);
-        at += part.end - part.begin;
-      }
-    out.close();
-    AssertThrow(out, ExcMessage(write_error(file)));
-    std::filesystem::resize_file(file, length);
+    const std::uint64_t begin = sum_before(own.size(), comm);
+    const std::uint64_t size =
+      Utilities::MPI::sum(std::uint64_t(own.size()), comm);
+    run_on_first([&]() { make_file(file, size); }, comm);
+    run_on_all(
+      [&]() {
+        if (own.empty())
+          return;
+        errno = 0;
+        // A network file system may not know yet that the file is there.
+        const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT, 0666);
+        AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
+        std::size_t done = 0;
+        for (ssize_t n = 1; n > 0 && done < own.size(); done += n)
+          n = std::max<ssize_t>(0,
+                                pwrite(descriptor,
+                                       own.data() + done,
+                                       own.size() - done,
+                                       off_t(begin + done)));
+        std::string message = done < own.size() ? write_error(file) : "";
+        if (close(descriptor) != 0 && message.empty())
+          message = write_error(file);
+        AssertThrow(message.empty(), ExcMessage(message));
+      },
+      comm);
   }
 
 

@@ -175,12 +175,10 @@ namespace greville
                      const MPI_Comm      comm,
                      const HDF5Transfer &transfer)
   {
-    const int        rank = n_columns == 0 ? 1 : 2;
     const HDF5Handle space(H5Dget_space(data_set), H5Sclose);
     const HDF5Handle list(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
     check_hdf5(H5Pset_dxpl_mpio(list, H5FD_MPIO_COLLECTIVE));
-    const hsize_t width = std::max<hsize_t>(1, n_columns);
-    const hsize_t chunk = std::max<hsize_t>(1, most_elements / width);
+    const hsize_t chunk = std::max<hsize_t>(1, most_elements / n_columns);
     const hsize_t n_chunks =
       Utilities::MPI::max<std::uint64_t>((n_rows + chunk - 1) / chunk, comm);
     bool has_failed = false;
@@ -190,8 +188,7 @@ namespace greville
         const hsize_t    n        = std::min(chunk, n_rows - begin);
         const hsize_t    start[2] = {first + begin, 0};
         const hsize_t    count[2] = {n, n_columns};
-        const HDF5Handle memory(H5Screate_simple(rank, count, nullptr),
-                                H5Sclose);
+        const HDF5Handle memory(H5Screate_simple(2, count, nullptr), H5Sclose);
         // A process whose selection fails takes part with no rows.
         bool is_selected = n > 0 && H5Sselect_hyperslab(space,
                                                         H5S_SELECT_SET,

@@ -218,6 +218,12 @@ namespace greville
       const auto entry = section->second.find(line.name);
       if (entry == section->second.end())
         {
+          AssertThrow(line.section + "/" + line.name != "Output/Points format",
+                      ExcMessage(line.place +
+                                 ": the parameter 'Output/Points format' no "
+                                 "longer exists. Remove the line: points are "
+                                 "always written as .vtu files, one for "
+                                 "each time."));
           std::string hint = did_you_mean(line.name, names_of(section->second));
           // Sections of sections come last.
           for (const bool is_inner : {false, true})

@@ -22,12 +22,13 @@ namespace greville
   {
     /**
      * Return the folders that a run may have made inside its own: the points at
-     * failure, pictures, and the runs of a sweep, which its table names.
+     * failure, the files of all times, pictures, and the runs of a sweep, which
+     * its table names.
      */
     std::vector<std::string>
     inner_folders(const std::string &folder)
     {
-      std::vector<std::string> names = {"failure", "frames"};
+      std::vector<std::string> names = {"failure", "files", "frames"};
       std::ifstream            table(folder + "/sweep.csv");
       std::string              line;
       std::getline(table, line); // The names of columns.
@@ -54,9 +55,7 @@ namespace greville
         R"(|(statistics|probes|newton|units|convergence|sweep|element_test)\.csv)"
         R"(|(picture|failure|energies|convergence|element_test|frame_[0-9]+)\.png)"
         R"(|animation\.(gif|mp4)|report\.html)"
-        R"(|points\.(vtkhdf(\.refused|\.changing)?|xdmf))"
-        R"(|(points|grid|surface|rigid)[A-Za-z0-9_-]*\.(pvd|pvtu|vtu))"
-        R"(|(points|grid|surface|rigid)\w*_[0-9]+\.[0-9]+\.vtu)"
+        R"(|fields\.pvd|(points|grid|surface|rigid)[A-Za-z0-9_-]*\.vtu)"
         R"(|checkpoint_[0-9]+\.h5(\.new|\.refused)?)(\.tmp)?)");
       std::vector<std::filesystem::path> results;
       for (const auto &entry : std::filesystem::directory_iterator(folder))

@@ -117,12 +117,8 @@ namespace greville
       "the folder earlier_1, earlier_2, ...), refuse (end with a message), or "
       "remove. Other files stay.");
     add_parameter(prm, "Fields every", fields_every, Double(0.))(
-      "Time between two .pvtu files; 0: initial and last state only. Unit: s.");
-    add_parameter(prm, "Points format", points_format, Selection("vtu|vtkhdf"))(
-      "vtu: points.pvd with a file for each time and process. vtkhdf: all "
-      "times "
-      "of the points in one file, points.vtkhdf, with points.xdmf for ParaView "
-      "5.11. Grid, surfaces and rigid bodies are .vtu files either way.");
+      "Time between two files of fields; 0: initial and last state only. Unit: "
+      "s.");
     add_parameter(prm, "Statistics every", statistics_every)(
       "Time between two rows of statistics.csv. auto: 1 / 400 of the time of "
       "the run; 0: each step. Unit: s.");
@@ -133,7 +129,7 @@ namespace greville
     add_parameter(prm, "Grid fields", grid_fields)(
       "Write fields of the grid, too.");
     add_parameter(prm, "Fields", fields, List(Selection(output_field_names())))(
-      "Fields of points in .pvtu files: strain is Green's, size the edge of a "
+      "Fields of points in .vtu files: strain is Green's, size the edge of a "
       "cube of the volume of a point, for glyphs, history what materials keep "
       "(plastic_strain, for instance: greville --list history). "
       "Of the grid, which has velocity and mass anyway: acceleration, force "

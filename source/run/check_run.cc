@@ -161,9 +161,8 @@ namespace greville
         FieldOutput<dim> output(folder, parameters.output);
         write_bodies(
           output, simulations, loaded_states(simulations), parameters, comm);
-        out << "  initial points: " << folder
-            << (parameters.output.points_in_one_file() ? "/points.vtkhdf\n"
-                                                       : "/points.pvd\n");
+        out << "  initial points: " << folder << '/'
+            << FieldOutput<dim>::series_name << '\n';
       }
 
       /**

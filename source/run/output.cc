@@ -3,16 +3,16 @@
 #include <deal.II/base/data_out_base.h>
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/disk.h>
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/points/point_fields.h>
 #include <greville/run/output.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <regex>
+#include <set>
 #include <sstream>
 
 namespace greville
@@ -21,12 +21,47 @@ namespace greville
 
   namespace
   {
+    DataOutBase::VtkFlags
+    fast_compression()
+    {
+      // The enumeration has other names in other versions of deal.II.
+      DataOutBase::VtkFlags flags;
+      flags.compression_level = decltype(flags.compression_level)::best_speed;
+      return flags;
+    }
+
+
+
     /**
      * Patches with their data, as DataOutBase writes them.
      */
     template <int patch_dim, int dim>
-    class PatchesOut : public DataOutInterface<patch_dim, dim>
+    class PatchesOut
     {
+    public:
+      /**
+       * Write the patches of this process as a piece of a file, also where
+       * there are none.
+       */
+      void
+      write_piece(std::ostream &out) const
+      {
+        DataOutBase::write_vtu_main(patches, names, ranges, flags, out);
+      }
+
+      /**
+       * Write as many pieces as are needed: none without patches, of which
+       * ParaView might take the fields of the whole file.
+       */
+      void
+      write_pieces(std::ostream &out) const
+      {
+        if (!patches.empty())
+          write_piece(out);
+      }
+
+      DataOutBase::VtkFlags flags = fast_compression();
+
     protected:
       using Interpretation =
         DataComponentInterpretation::DataComponentInterpretation;
@@ -41,24 +76,6 @@ namespace greville
                             name,
                             Interpretation::component_is_part_of_vector);
         names.insert(names.end(), dim, name);
-      }
-
-      const std::vector<DataOutBase::Patch<patch_dim, dim>> &
-      get_patches() const override
-      {
-        return patches;
-      }
-
-      std::vector<std::string>
-      get_dataset_names() const override
-      {
-        return names;
-      }
-
-      Ranges
-      get_nonscalar_data_ranges() const override
-      {
-        return ranges;
       }
 
       /**
@@ -80,17 +97,6 @@ namespace greville
       std::vector<std::string>                        names;
       Ranges                                          ranges;
     };
-
-
-
-    DataOutBase::VtkFlags
-    fast_compression()
-    {
-      // The enumeration has other names in other versions of deal.II.
-      DataOutBase::VtkFlags flags;
-      flags.compression_level = decltype(flags.compression_level)::best_speed;
-      return flags;
-    }
 
 
 
@@ -117,20 +123,18 @@ namespace greville
       }
 
       /**
-       * A piece of the file for each block, and at least one.
+       * Write a piece of the file for each block.
        */
       void
-      write_vtu(std::ostream &out)
+      write_pieces(std::ostream &out)
       {
         constexpr unsigned int size        = 1 << 12;
         const auto             write_block = [&]() {
-          DataOutBase::write_vtu_main(
-            this->patches, this->names, this->ranges, fast_compression(), out);
+          if (!this->patches.empty())
+            this->write_piece(out);
           this->patches.clear();
         };
-        DataOutBase::write_vtu_header(out, fast_compression());
         std::vector<double> values(this->names.size());
-        bool                is_empty = true;
         for (unsigned int b = 0; b < bodies.size(); ++b)
           bodies[b].points.for_each(
             [&](const unsigned int, ConstPointRef<dim> p) {
@@ -141,13 +145,10 @@ namespace greville
                   value += field.components.size();
                 }
               this->add_point(p.position(), values);
-              is_empty = false;
               if (this->patches.size() == size)
                 write_block();
             });
-        if (is_empty || !this->patches.empty())
-          write_block();
-        DataOutBase::write_vtu_footer(out);
+        write_block();
       }
 
     private:
@@ -348,54 +349,31 @@ namespace greville
 
 
     /**
-     * Collective. Each process writes its file, the first one the record of
-     * all.
+     * The text of fields.pvd: data sets by time, each name as a block of its
+     * own.
      */
-    template <typename DataOutType>
-    void
-    write_parallel(DataOutType       &data,
-                   const std::string &directory,
-                   const std::string &numbered,
-                   const MPI_Comm     comm)
+    std::string
+    text_of_pvd(
+      const std::map<std::string, std::vector<std::pair<double, std::string>>>
+        &times_and_names)
     {
-      const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
-      const unsigned int process     = Utilities::MPI::this_mpi_process(comm);
-      const auto         piece       = [&](const unsigned int k) {
-        return numbered + "." +
-               Utilities::int_to_string(k,
-                                        Utilities::needed_digits(n_processes)) +
-               ".vtu";
-      };
-      const auto write = [&](const std::string &file, const auto &content) {
-        const std::string path = directory + "/" + file;
-        errno                  = 0;
-        std::ofstream out(path);
-        try
-          {
-            if (out)
-              content(out);
-            out.close();
-          }
-        catch (const std::exception &)
-          {
-            out.setstate(std::ios::failbit);
-          }
-        AssertThrow(out, ExcMessage(write_error(path)));
-      };
-      run_on_all(
-        [&]() {
-          write(piece(process),
-                [&](std::ostream &out) { data.write_vtu(out); });
-          if (process > 0)
-            return;
-          std::vector<std::string> pieces;
-          for (unsigned int k = 0; k < n_processes; ++k)
-            pieces.push_back(piece(k));
-          write(numbered + ".pvtu", [&](std::ostream &out) {
-            data.write_pvtu_record(out, pieces);
-          });
-        },
-        comm);
+      std::set<std::tuple<double, unsigned int, std::string, std::string>> sets;
+      unsigned int part = 0;
+      for (const auto &[name, written] : times_and_names)
+        {
+          for (const auto &[time, file] : written)
+            sets.emplace(time, part, name, file);
+          ++part;
+        }
+      std::ostringstream text;
+      text.precision(12);
+      text << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" "
+              "version=\"0.1\">\n<Collection>\n";
+      for (const auto &[time, number, name, file] : sets)
+        text << "<DataSet timestep=\"" << time << "\" part=\"" << number
+             << "\" name=\"" << name << "\" file=\"" << file << "\"/>\n";
+      text << "</Collection>\n</VTKFile>\n";
+      return text.str();
     }
   } // namespace
 
@@ -406,7 +384,6 @@ namespace greville
                                 const OutputParameters &parameters)
     : directory(directory)
     , parameters(parameters)
-    , series(directory)
   {}
 
 
@@ -417,23 +394,39 @@ namespace greville
   FieldOutput<dim>::write_next(const std::string &name,
                                const double       time,
                                DataOutType       &data,
-                               const MPI_Comm     comm,
-                               const bool         is_of_first)
+                               const MPI_Comm     comm)
   {
     auto             &written = times_and_names[name];
-    const std::string numbered =
-      name + "_" + Utilities::int_to_string(written.size(), 4);
-    if (is_of_first)
-      run_on_first(
-        [&]() { write_parallel(data, directory, numbered, MPI_COMM_SELF); },
-        comm);
-    else
-      write_parallel(data, directory, numbered, comm);
-    written.emplace_back(time, numbered + ".pvtu");
-    std::ostringstream text;
-    DataOutBase::write_pvd_record(text, written);
+    const std::string file    = std::string(file_folder) + "/" + name + "_" +
+                             Utilities::int_to_string(written.size(), 4) +
+                             ".vtu";
+    const unsigned int process   = Utilities::MPI::this_mpi_process(comm),
+                       processes = Utilities::MPI::n_mpi_processes(comm);
+    // write_vtu_in_parallel() of deal.II needs all patches in memory, and
+    // leaves processes waiting when another one cannot write.
+    std::ostringstream own;
+    if (process == 0)
+      DataOutBase::write_vtu_header(own, data.flags);
+    const auto begin = own.tellp();
+    run_on_all([&]() { data.write_pieces(own); }, comm);
+    const unsigned int has_pieces = own.tellp() != begin;
+    // A file has a piece at least.
+    if (Utilities::MPI::max(has_pieces, comm) == 0 && process == 0)
+      data.write_piece(own);
+    if (process + 1 == processes)
+      DataOutBase::write_vtu_footer(own);
     run_on_first(
-      [&]() { write_atomically(directory + "/" + name + ".pvd", text.str()); },
+      [&]() {
+        create_folder(directory + "/" + file_folder, "Output/Directory");
+      },
+      comm);
+    write_together(directory + "/" + file, own.str(), comm);
+    written.emplace_back(time, file);
+    run_on_first(
+      [&]() {
+        write_atomically(directory + "/" + series_name,
+                         text_of_pvd(times_and_names));
+      },
       comm);
   }
 
@@ -468,49 +461,7 @@ namespace greville
 
 
   template <int dim>
-  std::string
-  FieldOutput<dim>::go_on_with_series(const MPI_Comm comm)
-  {
-    const auto points = times_and_names.find("points");
-    if (points == times_and_names.end())
-      return "";
-    const bool was_series =
-      points->second.back().second == PointSeries<dim>::file_name;
-    AssertThrow(was_series == parameters.points_in_one_file(),
-                ExcMessage("the parameter 'Output/Points format' is " +
-                           parameters.points_format + ", and was " +
-                           (was_series ? "vtkhdf" : "vtu") +
-                           " when the run began: it has to stay as it was"));
-    if (!was_series)
-      return "";
-    try
-      {
-        series.go_on(points->second.size(), comm);
-        return "";
-      }
-    catch (const ErrorOnAll &error)
-      {
-        const std::string file = directory + "/" + PointSeries<dim>::file_name;
-        times_and_names.erase(points);
-        std::string what_of_file = " Its times are lost";
-        run_on_first(
-          [&]() {
-            std::error_code none;
-            std::filesystem::remove(file + ".changing", none);
-            std::filesystem::rename(file, file + ".refused", none);
-            if (!none)
-              what_of_file = " It is renamed to <" + file + ".refused>";
-          },
-          comm);
-        return message_of(error) + what_of_file +
-               "; a new one begins with the next time.";
-      }
-  }
-
-
-
-  template <int dim>
-  std::string
+  void
   FieldOutput<dim>::go_on(const std::string &record, const MPI_Comm comm)
   {
     times_and_names.clear();
@@ -522,8 +473,11 @@ namespace greville
                                          file);
     run_on_first(
       [&]() {
-        const std::regex numbered(R"((.*)_([0-9]{4,10})(\.[0-9]+)?\.p?vtu)");
-        for (const auto &entry : std::filesystem::directory_iterator(directory))
+        const std::string folder = directory + "/" + file_folder;
+        const std::regex  numbered(R"((.*)_([0-9]{4,10})\.vtu)");
+        if (!std::filesystem::exists(folder))
+          return;
+        for (const auto &entry : std::filesystem::directory_iterator(folder))
           {
             const std::string file = entry.path().filename().string();
             std::smatch       parts;
@@ -536,7 +490,6 @@ namespace greville
           }
       },
       comm);
-    return go_on_with_series(comm);
   }
 
 
@@ -547,16 +500,9 @@ namespace greville
                                  const BodyList<dim> &bodies,
                                  const MPI_Comm       comm)
   {
-    const auto given = point_fields(parameters.fields,
+    const auto     given = point_fields(parameters.fields,
                                     bodies,
                                     Utilities::MPI::this_mpi_process(comm));
-    if (parameters.points_in_one_file())
-      {
-        series.write(time, bodies, given, comm);
-        times_and_names["points"].emplace_back(time,
-                                               PointSeries<dim>::file_name);
-        return;
-      }
     PointsOut<dim> points(bodies, given);
     write_next("points", time, points, comm);
   }
@@ -570,10 +516,8 @@ namespace greville
                                const GridFields<dim>  &fields,
                                const std::string      &body)
   {
-    DataOutBase::VtkFlags flags = fast_compression();
-    GridOut<dim>          grid(space, fields);
-    flags.write_higher_order_cells = true;
-    grid.set_flags(flags);
+    GridOut<dim> grid(space, fields);
+    grid.flags.write_higher_order_cells = true;
     write_next("grid" + (body.empty() ? "" : "_" + body),
                time,
                grid,
@@ -593,7 +537,6 @@ namespace greville
     if (surfaces.empty())
       return;
     SurfacesOut<dim> points(surfaces, numbers);
-    points.set_flags(fast_compression());
     write_next("surface" + (body.empty() ? "" : "_" + body),
                time,
                points,
@@ -613,8 +556,7 @@ namespace greville
     ClosedSurface<dim> mesh;
     run_on_first([&]() { mesh = body.mesh(position, region); }, comm);
     RigidBodyOut<dim> facets(mesh, position);
-    facets.set_flags(fast_compression());
-    write_next("rigid_" + body.name(), time, facets, comm, true);
+    write_next("rigid_" + body.name(), time, facets, comm);
   }
 
 

@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
+#include <greville/run/output.h>
 #include <greville/run/run_notes.h>
 
 #include <algorithm>
@@ -83,47 +84,47 @@ namespace greville
       {"newton.csv", "dt", "s", "s"},
       {"newton.csv", "residual", "N", "N / m"},
       {"newton.csv", "", "1", "1"},
-      {"points.pvd", "velocity", "m / s", "m / s"},
-      {"points.pvd", "displacement", "m", "m"},
-      {"points.pvd", "reference", "m", "m"},
-      {"points.pvd", "size", "m", "m"},
-      {"points.pvd", "stress", "Pa", "Pa"},
-      {"points.pvd", "pressure", "Pa", "Pa"},
-      {"points.pvd", "pore_pressure", "Pa", "Pa"},
-      {"points.pvd", "von_mises", "Pa", "Pa"},
-      {"points.pvd", "density", "kg / m^3", "kg / m^3"},
-      {"points.pvd", "mass", "kg", "kg / m"},
-      {"points.pvd", "volume", "m^3", "m^2"},
-      {"points.pvd", "dissipation", "J / m^3", "J / m^3"},
-      {"points.pvd", "plastic_strain", "1", "1"},
-      {"points.pvd", "opening", "1", "1"},
-      {"points.pvd", "strain", "1", "1"},
-      {"points.pvd", "b", "1", "1"},
-      {"points.pvd", "stran", "1", "1"},
-      {"points.pvd", "energy", "J / m^3", "J / m^3"},
-      {"points.pvd", "modulus", "Pa", "Pa"},
-      {"points.pvd", "F", "1", "1"},
-      {"points.pvd", "J", "1", "1"},
-      {"points.pvd", "body", "1", "1"},
-      {"points.pvd", "id", "1", "1"},
-      {"points.pvd", "process", "1", "1"},
-      {"grid.pvd", "velocity", "m / s", "m / s"},
-      {"grid.pvd", "acceleration", "m / s^2", "m / s^2"},
-      {"grid.pvd", "force", "N", "N / m"},
-      {"grid.pvd", "mass", "kg", "kg / m"},
-      {"grid.pvd", "cell_class", "1", "1"},
-      {"surface.pvd", "velocity", "m / s", "m / s"},
-      {"surface.pvd", "displacement", "m", "m"},
-      {"surface.pvd", "load", "Pa", "Pa"},
-      {"surface.pvd", "area", "m^2", "m"},
-      {"surface.pvd", "surface_load", "1", "1"},
-      {"surface.pvd", "gap", "m", "m"},
-      {"surface.pvd", "pressure", "Pa", "Pa"},
-      {"surface.pvd", "shear", "Pa", "Pa"},
-      {"surface.pvd", "state", "1", "1"},
-      {"surface.pvd", "body", "1", "1"},
-      {"rigid.pvd", "velocity", "m / s", "m / s"},
-      {"rigid.pvd", "displacement", "m", "m"}};
+      {"points", "velocity", "m / s", "m / s"},
+      {"points", "displacement", "m", "m"},
+      {"points", "reference", "m", "m"},
+      {"points", "size", "m", "m"},
+      {"points", "stress", "Pa", "Pa"},
+      {"points", "pressure", "Pa", "Pa"},
+      {"points", "pore_pressure", "Pa", "Pa"},
+      {"points", "von_mises", "Pa", "Pa"},
+      {"points", "density", "kg / m^3", "kg / m^3"},
+      {"points", "mass", "kg", "kg / m"},
+      {"points", "volume", "m^3", "m^2"},
+      {"points", "dissipation", "J / m^3", "J / m^3"},
+      {"points", "plastic_strain", "1", "1"},
+      {"points", "opening", "1", "1"},
+      {"points", "strain", "1", "1"},
+      {"points", "b", "1", "1"},
+      {"points", "stran", "1", "1"},
+      {"points", "energy", "J / m^3", "J / m^3"},
+      {"points", "modulus", "Pa", "Pa"},
+      {"points", "F", "1", "1"},
+      {"points", "J", "1", "1"},
+      {"points", "body", "1", "1"},
+      {"points", "id", "1", "1"},
+      {"points", "process", "1", "1"},
+      {"grid", "velocity", "m / s", "m / s"},
+      {"grid", "acceleration", "m / s^2", "m / s^2"},
+      {"grid", "force", "N", "N / m"},
+      {"grid", "mass", "kg", "kg / m"},
+      {"grid", "cell_class", "1", "1"},
+      {"surface", "velocity", "m / s", "m / s"},
+      {"surface", "displacement", "m", "m"},
+      {"surface", "load", "Pa", "Pa"},
+      {"surface", "area", "m^2", "m"},
+      {"surface", "surface_load", "1", "1"},
+      {"surface", "gap", "m", "m"},
+      {"surface", "pressure", "Pa", "Pa"},
+      {"surface", "shear", "Pa", "Pa"},
+      {"surface", "state", "1", "1"},
+      {"surface", "body", "1", "1"},
+      {"rigid", "velocity", "m / s", "m / s"},
+      {"rigid", "displacement", "m", "m"}};
 
 
 
@@ -193,7 +194,7 @@ namespace greville
         return in_dim(candidate.unit, candidate.unit_2d);
     // Probes have fields of points.
     return file == "probes.csv"
-             ? unit_of("points.pvd", column, dim, is_axisymmetric)
+             ? unit_of("points", column, dim, is_axisymmetric)
              : "";
   }
 
@@ -338,7 +339,7 @@ namespace greville
                          const std::vector<std::string> &names) {
       for (const std::string &name : names)
         text << file << ',' << name << ','
-             << (file == "points.pvd" && history.count(name) > 0
+             << (file == "points" && history.count(name) > 0
                    ? history.at(name)
                    : unit_of(file, name, dim, is_axisymmetric))
              << '\n';
@@ -346,10 +347,9 @@ namespace greville
     add("statistics.csv", columns);
     add("probes.csv", probes);
     add("newton.csv", newton_columns);
-    add("points.pvd", fields);
-    add("grid.pvd",
-        {"velocity", "mass", "acceleration", "force", "cell_class"});
-    add("surface.pvd",
+    add("points", fields);
+    add("grid", {"velocity", "mass", "acceleration", "force", "cell_class"});
+    add("surface",
         {"velocity",
          "displacement",
          "load",
@@ -361,8 +361,14 @@ namespace greville
          "pressure",
          "shear",
          "state"});
-    add("rigid.pvd", {"velocity", "displacement"});
+    add("rigid", {"velocity", "displacement"});
     run_on_first(
-      [&]() { write_atomically(directory + "/units.csv", text.str()); }, comm);
+      [&]() {
+        const std::string folder =
+          directory + "/" + FieldOutput<2>::file_folder;
+        create_folder(folder, "Output/Directory");
+        write_atomically(folder + "/units.csv", text.str());
+      },
+      comm);
   }
 } // namespace greville

@@ -274,9 +274,7 @@ namespace greville
         warn_if_new(probes_file_in(directory),
                     probes.go_on(probes_file_in(directory),
                                  std::uint64_t(numbers[1])));
-        const std::string warning = fields.go_on(content.text("written"), comm);
-        if (!warning.empty())
-          notes.warn(warning);
+        fields.go_on(content.text("written"), comm);
         if (numbers[4] != 0.)
           ask_for_late(numbers[4] != 2., numbers[4] >= 2.);
         // With other criteria an ended run goes on.

@@ -65,8 +65,10 @@ compare() {
   done
   "$numdiff" -a 2 expected.iterations printed.iterations
   "$numdiff" -a 0.011 -r 2e-3 expected.steps printed.steps
-  for name in explicit/points explicit/grid implicit/points implicit/grid; do
-    [ "$(grep -c "$(basename $name)_[0-9]*.pvtu" $name.pvd)" = 11 ]
+  for scheme in explicit implicit; do
+    for name in points grid; do
+      [ "$(grep -c "files/${name}_[0-9]*.vtu" $scheme/fields.pvd)" = 11 ]
+    done
   done
 }
 
@@ -90,7 +92,7 @@ for n in 1 2; do
   for name in sponge neo-hookean plugin; do
     tail -n 1 output/$name/statistics.csv | cut -d, -f1-8 | tr , ' ' >$name
     [ -s $name ]
-    [ "$(grep -c "points_[0-9]*.pvtu" output/$name/points.pvd)" = 3 ]
+    [ "$(grep -c "points_[0-9]*.vtu" output/$name/fields.pvd)" = 3 ]
   done
   "$numdiff" -a 1e-12 -r 1e-8 neo-hookean sponge
   "$numdiff" -a 1e-12 -r 1e-8 plugin sponge

@@ -155,9 +155,9 @@ test_main()
       {"no_such.csv"});
   check("no results", !std::filesystem::exists("check_results"));
 
-  has("a drawing", check_of(good, {}, "drawing"), {"drawing/points.pvd"});
+  has("a drawing", check_of(good, {}, "drawing"), {"drawing/fields.pvd"});
   check("the drawing is there",
-        std::filesystem::exists("drawing/points.pvd") &&
+        std::filesystem::exists("drawing/fields.pvd") &&
           std::filesystem::exists("drawing/parameters.prm"));
   has("a folder that is in use",
       check_of(good, {}, "drawing"),

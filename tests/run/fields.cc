@@ -66,34 +66,27 @@ namespace
 
 
   /**
-   * All points of a .pvtu file with their arrays, by piece.
+   * All points of a .vtu file with their arrays, by piece.
    */
   std::vector<std::map<std::string, double>>
   read(const std::string &file)
   {
     using boost::property_tree::ptree;
-    const auto content = [](const std::string &name, const std::string &root) {
-      ptree tree;
-      boost::property_tree::read_xml(name, tree);
-      return tree.get_child("VTKFile." + root);
-    };
+    ptree tree;
+    boost::property_tree::read_xml(file, tree);
     std::vector<std::map<std::string, double>> result;
-    for (const auto &entry : content(file, "PUnstructuredGrid"))
+    for (const auto &[kind, piece] : tree.get_child("VTKFile.UnstructuredGrid"))
       {
-        if (entry.first != "Piece")
+        if (kind != "Piece")
           continue;
-        const std::string source =
-          entry.second.get<std::string>("<xmlattr>.Source");
-        const ptree piece =
-          content(std::filesystem::path(file).parent_path() / source,
-                  "UnstructuredGrid.Piece");
         const std::size_t n =
                             piece.get<std::size_t>("<xmlattr>.NumberOfPoints"),
                           begin = result.size();
         if (n == 0)
           continue;
         result.resize(begin + n);
-        const auto add = [&](const std::string &name, const ptree &array) {
+        const auto add = [&, begin, n](const std::string &name,
+                                       const ptree       &array) {
           const auto values =
             numbers_of(boost::algorithm::trim_copy(array.data()));
           const std::size_t m = values.size() / n;
@@ -187,7 +180,7 @@ namespace
         .with("Time", {"End = 0.02", "Step = 0.005"})
         .with("Output", {all_fields});
     run(text, "fields");
-    const auto                  grid = read("fields/grid_0001.pvtu");
+    const auto                  grid = read("fields/files/grid_0001.vtu");
     std::array<unsigned int, 4> n{};
     for (const auto &node : grid)
       ++n.at(unsigned(node.at("cell_class")));
@@ -200,7 +193,7 @@ namespace
     check(scheme + ": accelerations",
           std::abs(sum(grid, "acceleration_x")) > 0.);
 
-    const auto surface = read("fields/surface_0000.pvtu");
+    const auto surface = read("fields/files/surface_0000.vtu");
     double     length = 0., pressure_x = 0., pressure = 0., worst = 0.;
     for (const auto &point : surface)
       {
@@ -228,7 +221,7 @@ namespace
     check(scheme + ": pressure",
           std::abs(pressure / length - 3.) + std::abs(pressure_x),
           1e-4);
-    const auto later = read("fields/surface_0001.pvtu");
+    const auto later = read("fields/files/surface_0001.vtu");
     check(scheme + ": surfaces move", sum(later, "displacement_x") > 0.);
     check(scheme + ": their loads at the end",
           std::abs(sum(later, "load_x")) > 1.);
@@ -257,8 +250,9 @@ namespace
           .with("Time", {"End = 0.001"}),
         "numbers");
     for (const unsigned int b : {0, 1})
-      for (const auto &point : read(b == 0 ? "numbers/surface_body_0000.pvtu"
-                                           : "numbers/surface_other_0000.pvtu"))
+      for (const auto &point :
+           read(b == 0 ? "numbers/files/surface_body_0000.vtu"
+                       : "numbers/files/surface_other_0000.vtu"))
         check("numbers of surfaces",
               point.at("surface_load") == 1. - b && point.at("body") == b);
   }
@@ -285,7 +279,7 @@ namespace
     for (unsigned int b = 0; b < bodies.size(); ++b)
       {
         const std::string file = "points_" + std::to_string(b) + ".csv";
-        write_csv("first/points_0001.pvtu", file, b);
+        write_csv("first/files/points_0001.vtu", file, b);
         again.add("Body " + bodies[b],
                   {"Shape =", "Velocity =", "Points file = " + file});
       }

@@ -84,14 +84,14 @@ namespace
     check("its last step has converged",
           rows.back().rfind("2,1,0.01,0.01,", 0) == 0 &&
             rows.back().back() == '1');
-    const auto units = lines_of("newton/units.csv");
+    const auto units = lines_of("newton/files/units.csv");
     check("each column has a unit",
           std::none_of(units.begin(), units.end(), [](const std::string &line) {
             return line.back() == ',';
           }));
     check("units of fields",
-          std::count(units.begin(), units.end(), "points.pvd,F_xy,1") == 1 &&
-            std::count(units.begin(), units.end(), "points.pvd,size,m") == 1 &&
+          std::count(units.begin(), units.end(), "points,F_xy,1") == 1 &&
+            std::count(units.begin(), units.end(), "points,size,m") == 1 &&
             std::count(units.begin(),
                        units.end(),
                        "statistics.csv,momentum_y,kg / s") == 1);
@@ -185,13 +185,12 @@ test_main()
                                  "statistics.csv",
                                  "probes.csv",
                                  "summary.json",
-                                 "points.pvd",
-                                 "grid.pvd",
-                                 "points_0002.pvtu",
-                                 "grid_0002.pvtu"})
+                                 "fields.pvd",
+                                 "files/points_0002.vtu",
+                                 "files/grid_0002.vtu"})
     check(file, std::filesystem::exists("results/" + file));
   check("no more fields than asked for",
-        !std::filesystem::exists("results/points_0003.pvtu"));
+        !std::filesystem::exists("results/files/points_0003.vtu"));
   const auto statistics = lines_of("results/statistics.csv");
   print() << statistics[0] << std::endl;
   check("lines of statistics", statistics.size() == 7);
@@ -200,20 +199,17 @@ test_main()
   check("lines of probes", probes.size() == 7);
   {
     unsigned int n = 0;
-    for (const std::string &line : lines_of("results/points.pvd"))
-      n += line.find("points_000") != std::string::npos;
-    check("points.pvd names three times", n == 3);
+    for (const std::string &line : lines_of("results/fields.pvd"))
+      n += line.find("name=\"points\" file=\"files/points_000") !=
+           std::string::npos;
+    check("fields.pvd names three times", n == 3);
   }
   {
     // The first file of the grid has the cells of the body, too.
     unsigned int n = 0;
-    for (unsigned int k = 0;
-         k < Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
-         ++k)
-      for (const std::string &line :
-           lines_of("results/grid_0000." + std::to_string(k) + ".vtu"))
-        n += line.find("NumberOfCells=") != std::string::npos &&
-             line.find("NumberOfCells=\"0\"") == std::string::npos;
+    for (const std::string &line : lines_of("results/files/grid_0000.vtu"))
+      n += line.find("NumberOfCells=") != std::string::npos &&
+           line.find("NumberOfCells=\"0\"") == std::string::npos;
     check("first fields of the grid have cells", n > 0);
   }
   {
@@ -251,6 +247,7 @@ test_main()
 
   // Without grid fields; each step in the statistics.
   run(text.with("Output", {"Grid fields = false"}), "no_grid");
-  check("no grid fields", !std::filesystem::exists("no_grid/grid.pvd"));
+  check("no grid fields",
+        !std::filesystem::exists("no_grid/files/grid_0000.vtu"));
   check("each step", lines_of("no_grid/statistics.csv").size() == 22);
 }

@@ -191,7 +191,12 @@ namespace refusals
       std::filesystem::remove_all(folder);
     std::filesystem::create_directory("full");
     for (const auto &[name, target] : c.links)
-      std::filesystem::create_symlink(target, name);
+      {
+        const std::filesystem::path path = name;
+        if (path.has_parent_path())
+          std::filesystem::create_directories(path.parent_path());
+        std::filesystem::create_symlink(target, path);
+      }
     for (const auto &[name, text] : c.files)
       {
         const auto folder = std::filesystem::path(name).parent_path();

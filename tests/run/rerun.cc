@@ -45,8 +45,10 @@ namespace
   results_of(const std::string &folder)
   {
     std::string result;
-    for (const std::string name :
-         {"statistics.csv", "probes.csv", "solves.csv", "points_0001.0.vtu"})
+    for (const std::string name : {"statistics.csv",
+                                   "probes.csv",
+                                   "solves.csv",
+                                   "files/points_0001.vtu"})
       {
         std::ifstream in(folder + "/" + name);
         for (std::string line; std::getline(in, line);)

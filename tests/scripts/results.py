@@ -102,8 +102,8 @@ def can_read_points():
 def check_tables(run):
     check("bodies", run.bodies == ["block", "other"] and run.dim == 2)
     check("columns", abs(run.statistics["mass"] - 1.).max() < 1e-12 and run.statistics.n_rows == 5)
-    check("units", run.unit("statistics.csv", "kinetic") == "J / m" and run.unit("points.pvd", "J") == ""
-          and run.unit("points.pvd", "velocity") == "m / s")
+    check("units", run.unit("statistics.csv", "kinetic") == "J / m" and run.unit("points", "J") == ""
+          and run.unit("points", "velocity") == "m / s")
     check("probes", run.probes["x0"][-1] > run.probes["x0"][0])
     check("Newton's method", run.newton["converged"].min() == 1 and run.newton["step"].max() == 4)
     check("summary", run.summary["points"] == 128 and run.summary["steps"] == 4)
@@ -148,26 +148,20 @@ def check_damage(run, has_points):
              ("parameters.prm", lambda text: text.replace(b"Dimension", b"Dimension = x #", 1), lambda run: run.dim,
               "'Simulation/Dimension' is <x>, which is no number."),
              ("summary.json", lambda text: b"[1]", lambda run: run.summary, "is no summary of a run."),
-             ("points.pvd", lambda text: text.replace(b'timestep="0.0', b'timestep="o.0'), lambda run: run.times,
+             ("fields.pvd", lambda text: text.replace(b'timestep="0.0', b'timestep="o.0'), lambda run: run.times,
               "a time of it is no number")]
     if has_points:
-        piece = "points_0002.0.vtu"
+        piece = "files/points_0002.vtu"
         cases += [(piece, half, lambda run: run.points(-1), f"{piece} is no file of VTK, or a part of one."),
                   (piece, lambda text: b"", lambda run: run.points(-1), f"{piece} is no file of VTK, or a part of one."),
                   (piece, lambda text: text.replace(b'="128"', b'="129"'), lambda run: run.points(-1), "damaged"),
-                  ("points_0002.pvtu", lambda text: b"<html></html>", lambda run: run.points(-1), "it names no pieces.")]
+                  (piece, lambda text: b"<html></html>", lambda run: run.points(-1), f"{piece} is no file of VTK, or a part of one.")]
     for name, damage, action, text in cases:
         shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(run.folder, folder)
         (folder / name).write_bytes(damage((folder / name).read_bytes()))
         message = message_of(lambda: action(Run(folder)))
         check(f"{name} that is damaged: {message}", text in message)
-    if has("h5py"):
-        (folder / "points.vtkhdf").write_bytes(b"hello")
-        check("no HDF5", "points.vtkhdf cannot be read" in message_of(lambda: Run(folder).times))
-        import h5py
-        h5py.File(folder / "points.vtkhdf", "w").close()
-        check("HDF5 of something else", "is damaged, or no file of Greville" in message_of(lambda: Run(folder).times))
 
 
 def check_report(run, has_points):
@@ -237,26 +231,23 @@ def check_drawing(place, case):
                                  "Simulation/Contacts=ground", "Contact ground/Bodies=block, floor")
             for word in ("--set", setting)]
     result = subprocess.run([PROGRAM, case, *sets, "--check", "--draw", folder], capture_output=True, text=True)
-    check(f"--check --draw: {result.stderr}", result.returncode == 0 and any(folder.glob("surface*.pvd")) and (folder / "rigid_floor.pvd").is_file())
+    check(f"--check --draw: {result.stderr}", result.returncode == 0 and Run(folder).surfaces == ["surface"] and Run(folder).rigid_bodies == ["floor"])
     drawn = subprocess.run([sys.executable, "-B", PROJECT / "scripts/picture", folder], capture_output=True, text=True)
     check(f"picture.png: {drawn.stderr}", drawn.returncode == 0 and (folder / "picture.png").is_file() and not (folder / "animation.gif").exists())
 
 
-def check_one_file(place, case):
-    """Pictures, the report, the script for ParaView and a table of points in one file."""
-    if not has("h5py"):
-        return
-    folder = place / "one_file"
-    result = subprocess.run([PROGRAM, case, "--set", "Output/Points format=vtkhdf", "--set", f"Output/Directory={folder}"], capture_output=True, text=True)
-    check(f"points in one file: {result.stderr}", result.returncode == 0)
-    check_points(Run(folder))
-    for words in (["picture", folder], ["report", folder], ["paraview", folder], ["points_to_csv", folder / "points.vtkhdf", "--time", "0.02"]):
+def check_scripts(place, case):
+    """Pictures, the report, the script for ParaView and a table of points; few entries in the folder."""
+    folder = place / "scripts"
+    result = subprocess.run([PROGRAM, case, "--set", f"Output/Directory={folder}"], capture_output=True, text=True)
+    check(f"a run: {result.stderr}", result.returncode == 0)
+    for words in (["picture", folder], ["report", folder], ["paraview", folder], ["points_to_csv", folder / "files/points_0001.vtu"]):
         done = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / words[0], *words[1:]], capture_output=True, text=True)
-        check(f"{words[0]} of points in one file: {done.stderr}", done.returncode == 0)
+        check(f"{words[0]}: {done.stderr}", done.returncode == 0)
         if words[0] == "picture":
             check_film(folder)
     check("a table of them", done.stdout.startswith("x,y,z,") and done.stdout.count("\n") == 129)
-    check("view.py reads points.xdmf", "ONE_FILE = True" in (folder / "view.py").read_text())
+    check("view.py reads the blocks of fields.pvd", "NAMES = ['grid', 'points']" in (folder / "files/view.py").read_text())
     Run(folder).points(-1).save_csv(folder / "last.csv")
     check("save_csv", abs(read_table(folder / "last.csv")["x"] - Run(folder).points(-1).x[:, 0]).max() < 1e-8)
 
@@ -264,7 +255,7 @@ def check_one_file(place, case):
 def check_film(folder):
     """animation.mp4, where ffmpeg is installed: the frames at the times of animation.gif, in an even number of pixels."""
     from PIL import Image
-    frames = sorted((folder / "frames").glob("frame_*.png"))
+    frames = sorted((folder / "files/frames").glob("frame_*.png"))
     film, still = folder / "animation.mp4", Image.open(folder / "animation.gif")
     check("frames of animation.gif", still.n_frames == len(frames) == 3)
     if not shutil.which("ffmpeg"):
@@ -385,12 +376,12 @@ def main():
         check_report(run, has_points)
         result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "paraview", run.folder], capture_output=True, text=True)
         check(f"paraview: {result.stderr}", result.returncode == 0)
-        compile((run.folder / "view.py").read_text(), "view.py", "exec")
+        compile((run.folder / "files/view.py").read_text(), "view.py", "exec")
         if has_vtk():
             check_points_to_csv()
         if has_vtk() and has("matplotlib") and has("PIL"):
             check_drawing(Path(name), Path(name) / "case.prm")
-            check_one_file(Path(name), Path(name) / "case.prm")
+            check_scripts(Path(name), Path(name) / "case.prm")
             check_choices(Path(name), Path(name) / "case.prm")
         if has_points:
             check_rigid_bodies(Path(name), Path(name) / "case.prm")

@@ -11,7 +11,7 @@ from pathlib import Path
 PROJECT, NAMES = Path(sys.argv[1]), sys.argv[2:]
 CELLS = dict(line.split(" ", 1) for line in (PROJECT / "tests/small_cells.txt").read_text().splitlines() if line[0] != "#")
 SWEEP = ["Cells", "Orders", "Formulations", "Masses", "Parameter", "Values"]
-LEFT = ["picture.png", "animation.gif", "report.html", "view.py", "summary.json"]
+LEFT = ["picture.png", "animation.gif", "report.html", "files/view.py", "summary.json"]
 
 
 def run(file, folder):

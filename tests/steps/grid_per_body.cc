@@ -497,17 +497,16 @@ namespace
     if (header.find("Bodies do not") == std::string::npos ||
         header.find("10 x 10 ") == std::string::npos)
       print() << header << std::endl;
-    for (const std::string file : {"points.pvd",
-                                   "points_0001.pvtu",
-                                   "grid_ball.pvd",
-                                   "grid_ball_0001.pvtu",
-                                   "grid_box.pvd",
-                                   "grid_box_0001.pvtu",
+    for (const std::string file : {"fields.pvd",
+                                   "files/points_0001.vtu",
+                                   "files/grid_ball_0001.vtu",
+                                   "files/grid_box_0001.vtu",
                                    "statistics.csv",
                                    "probes.csv",
                                    "summary.json"})
       check(file, std::filesystem::exists("own_grids/" + file));
-    check("no other grid", !std::filesystem::exists("own_grids/grid.pvd"));
+    check("no other grid",
+          !std::filesystem::exists("own_grids/files/grid_0000.vtu"));
   }
 
 

@@ -183,7 +183,7 @@ test_main()
   if (is_first())
     {
       std::ofstream("parts/checkpoint_copy.h5") << "mine";
-      std::ofstream("parts/points_99999999999999999999.vtu") << "mine";
+      std::ofstream("parts/files/points_99999999999999999999.vtu") << "mine";
       std::filesystem::create_directory("parts/checkpoint_0000000099.h5");
     }
   MPI_Barrier(comm);

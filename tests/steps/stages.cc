@@ -305,13 +305,13 @@ namespace
     check("rows of statistics and probes, with their stage",
           grows && rows[0].first == -1. && rows[10].first == 0. &&
             std::abs(rows.back().first - 0.1) < 1e-12);
-    std::ifstream     in("stages_out/points.pvd");
+    std::ifstream     in("stages_out/fields.pvd");
     std::stringstream content;
     content << in.rdbuf();
     const std::string pvd = content.str();
     unsigned int      n   = 0;
-    for (auto k = pvd.find("timestep"); k != std::string::npos;
-         k      = pvd.find("timestep", k + 1))
+    for (auto k = pvd.find("name=\"points\""); k != std::string::npos;
+         k      = pvd.find("name=\"points\"", k + 1))
       ++n;
     // -1, -0.7, -0.4, -0.1, the end of the stage, the end
     check("times of fields",

@@ -22,13 +22,6 @@ namespace greville
   make_file(const std::string &file, const std::uint64_t size);
 
   /**
-   * Reserve room on the disk for @p size bytes after the end of a file, without
-   * changing its length. Throws dealii::ExcMessage if there is none.
-   */
-  void
-  reserve_room(const std::string &file, const std::uint64_t size);
-
-  /**
    * Return the system's reason why a file cannot be extended, "No space left on
    * device. ", or an empty text. Since the error that a library met is no
    * longer available, writing at the end of the file is tried again.
@@ -46,32 +39,14 @@ namespace greville
 
 
   /**
-   * The bytes of a file from @p begin on, up to @p end.
-   */
-  struct ByteRange
-  {
-    std::uint64_t begin, end;
-  };
-
-  /**
-   * Write a journal: the length of a file and all of its bytes except those in
-   * @p kept, which may be unsorted and overlap. The journal appears complete or
-   * not at all. Throws dealii::ExcMessage if it cannot be written.
+   * Collective. Write a file of the texts of all processes, in the order of
+   * the processes, which write at the same time. Throws dealii::ExcMessage on
+   * all of them if it cannot be written.
    */
   void
-  write_journal(const std::string            &journal,
-                const std::string            &file,
-                const std::vector<ByteRange> &kept);
-
-  /**
-   * Restore a file from its journal, provided that the bytes that the journal
-   * omits have not changed. Throws dealii::ExcMessage, and changes nothing, if
-   * the journal is damaged.
-   */
-  void
-  take_back(const std::string &journal, const std::string &file);
-
-
+  write_together(const std::string &file,
+                 const std::string &own,
+                 const MPI_Comm     comm);
 
   /**
    * Collective. Return the range of @p n items for this process: the first item

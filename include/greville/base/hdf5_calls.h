@@ -12,7 +12,9 @@
 
 /**
  * Functions for reading and writing HDF5 files. All of them throw
- * dealii::ExcMessage with HDF5's reason.
+ * dealii::ExcMessage with HDF5's reason. dealii::HDF5 checks results by Assert
+ * only, so that a full disk would pass unnoticed in release mode, and cannot
+ * list attributes and data sets.
  */
 namespace greville
 {
@@ -97,8 +99,8 @@ namespace greville
 
   /**
    * Collective. Read or write the rows [first, first + n_rows) of a data set of
-   * @p n_columns by @p transfer; 0 stands for a data set without columns. All
-   * processes make the same number of calls, and throw together.
+   * @p n_columns by @p transfer. All processes make the same number of calls,
+   * and throw together.
    */
   void
   transfer_hdf5_rows(const hsize_t       first,

@@ -80,16 +80,9 @@ namespace greville
                                         : std::stod(statistics_every);
     }
 
-    bool
-    points_in_one_file() const
-    {
-      return points_format == "vtkhdf";
-    }
-
     std::string              directory;
     std::string              earlier_results  = "move aside";
     double                   fields_every     = 0.;
-    std::string              points_format    = "vtu";
     std::string              statistics_every = "auto";
     double                   front_above      = -1e100;
     bool                     grid_fields      = true;

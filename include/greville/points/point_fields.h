@@ -11,7 +11,7 @@
 
 namespace greville
 {
-  /// A field that points_NNNN.pvtu may contain, by its name in `Output/Fields`.
+  /// A field that points_NNNN.vtu may contain, by its name in `Output/Fields`.
   template <int dim>
   struct OutputField
   {

@@ -8,7 +8,6 @@
 #include <greville/points/body_list.h>
 #include <greville/points/point_transfer.h>
 #include <greville/points/surface.h>
-#include <greville/run/point_series.h>
 
 #include <map>
 #include <string>
@@ -28,7 +27,8 @@ namespace greville
 
 
   /**
-   * What grid_NNNN.pvtu has. Fields of no size are not written.
+   * The fields of grid_NNNN.vtu. Vectors have no ghost values, and fields of no
+   * size are not written.
    */
   template <int dim>
   struct GridFields
@@ -45,19 +45,21 @@ namespace greville
 
   /**
    * Writes points, grid fields, the points of loads and contacts on surfaces,
-   * and rigid bodies for ParaView: points_NNNN.pvtu, grid_NNNN.pvtu,
-   * surface_NNNN.pvtu and rigid_NAME_NNNN.pvtu, with points.pvd, grid.pvd,
-   * surface.pvd and rigid_NAME.pvd that hold the times. The .pvd files
-   * are replaced after each of them, so that they never name what is not
+   * and rigid bodies for ParaView: points_NNNN.vtu, grid_NNNN.vtu,
+   * surface_NNNN.vtu and rigid_NAME_NNNN.vtu in the folder `files`. Each file
+   * has the points or cells of all processes. fields.pvd holds all of them with
+   * their times and is replaced after each, so that it never names what is not
    * there.
    */
   template <int dim>
   class FieldOutput
   {
   public:
+    static constexpr const char *series_name = "fields.pvd",
+                                *file_folder = "files";
+
     /**
-     * The parameters are kept by reference. Points go to a PointSeries where
-     * they are wanted in one file.
+     * The parameters are kept by reference.
      */
     FieldOutput(const std::string      &directory,
                 const OutputParameters &parameters);
@@ -99,7 +101,7 @@ namespace greville
 
     /**
      * Collective. Write the mesh of a rigid body with its velocity and
-     * displacement: rigid_NAME_NNNN.pvtu, by the first process. The body has
+     * displacement: rigid_NAME_NNNN.vtu, by the first process. The body has
      * the @p position, and where its end is not known it is cut at @p region.
      */
     void
@@ -125,37 +127,26 @@ namespace greville
 
     /**
      * Collective. Go on with what an earlier run has written, its record():
-     * numbered files that it wrote later are removed, and times are removed
-     * from the file with all of them. Returns a warning where that file cannot
-     * be read; it is renamed, and begins anew. Throws dealii::ExcMessage where
-     * points had been written in another format.
+     * numbered files that it wrote later are removed.
      */
-    std::string
+    void
     go_on(const std::string &record, const MPI_Comm comm);
 
   private:
     /**
-     * Write @p data as the next ones of @p name: all processes, or the first
-     * one alone.
+     * Collective. Write the @p data of all processes as the next file of
+     * @p name.
      */
     template <typename DataOutType>
     void
     write_next(const std::string &name,
                const double       time,
                DataOutType       &data,
-               const MPI_Comm     comm,
-               const bool         is_of_first = false);
-
-    /**
-     * Collective. What go_on() does for the file with all times.
-     */
-    std::string
-    go_on_with_series(const MPI_Comm comm);
+               const MPI_Comm     comm);
 
     const std::string       directory;
     const OutputParameters &parameters;
-    PointSeries<dim>        series;
-    // By name: "points", "grid", "surface".
+    // Files with their folder, by name: "points", "grid", "surface".
     std::map<std::string, std::vector<std::pair<double, std::string>>>
       times_and_names;
   };

@@ -95,7 +95,7 @@ namespace greville
 
   /**
    * The unit of a column of statistics.csv, probes.csv or newton.csv, or of a
-   * field of points.pvd, grid.pvd or surface.pvd; "1" where it has none, and
+   * field of points, grid, surface or rigid; "1" where it has none, and
    * empty where it is not known, as that of the history of a material of a
    * program's own. In 2D sums are per metre of thickness, or per radian.
    */

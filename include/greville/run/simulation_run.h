@@ -20,9 +20,8 @@ namespace greville
   /**
    * Runs CoupledSimulations to its end, and shows and writes what a parameter
    * file asks for:
-   * - statistics.csv, probes.csv, points.pvd and grid.pvd (grid_BODY.pvd where
-   *   bodies have grids of their own) with their files, summary.json, and
-   *   RunNotes;
+   * - statistics.csv, probes.csv, summary.json, fields.pvd with its files, see
+   *   FieldOutput, and RunNotes;
    * - checkpoints, from which another run goes on as if nothing had happened;
    * - header, progress and summary on the first process's @p out.
    */
