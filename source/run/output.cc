@@ -477,6 +477,8 @@ namespace greville
         const std::regex  numbered(R"((.*)_([0-9]{4,10})\.vtu)");
         if (!std::filesystem::exists(folder))
           return;
+        write_atomically(directory + "/" + series_name,
+                         text_of_pvd(times_and_names));
         for (const auto &entry : std::filesystem::directory_iterator(folder))
           {
             const std::string file = entry.path().filename().string();
