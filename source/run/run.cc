@@ -327,7 +327,7 @@ namespace greville
   SimulationRun<dim>::summarize()
   {
     RunSummary summary;
-    summary.wall_time = seconds_since(begin);
+    summary.wall_time     = seconds_since(begin);
     summary.contact_gains = simulations.contact_gains();
     simulations.finish();
     double largest = 0.;
@@ -340,7 +340,7 @@ namespace greville
       }
     if (largest > 0.)
       summary.relative_loss = summary.numerical_loss / largest;
-    summary.errors        = exact.errors(simulations.bodies(),
+    summary.errors   = exact.errors(simulations.bodies(),
                                   common().time,
                                   common().velocity_time,
                                   comm);

@@ -131,9 +131,8 @@ namespace
       .add("Solver", {"Tolerance = 1e-13"})
       .add("Time",
            {"End = 0.1",
-            scheme == "USL" || scheme == "MUSL"
-              ? "Step = 0.001"
-              : "Step = 0.01"});
+            scheme == "USL" || scheme == "MUSL" ? "Step = 0.001"
+                                                : "Step = 0.01"});
   }
 
   Text

@@ -106,9 +106,8 @@ test_main()
     }
   catch (const std::exception &error)
     {
-      is_refused =
-        message_of(error).find("USL|MUSL|") != std::string::npos &&
-        message_of(error).find("|euler") != std::string::npos;
+      is_refused = message_of(error).find("USL|MUSL|") != std::string::npos &&
+                   message_of(error).find("|euler") != std::string::npos;
     }
   check("an unknown name is answered with the list", is_refused);
 
