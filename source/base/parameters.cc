@@ -252,15 +252,13 @@ namespace greville
                                         ? ""
                                         : take_repeated(rows, section, printed);
           out << "## " << (section.empty() ? "General" : section) << "\n\n"
-              << (example.empty() ? "" : "```prm\n" + example + "```\n\n")
-              << others << (others.empty() ? "" : "\n");
+              << (example.empty() ? "" : "```prm\n" + example + "```\n\n");
           if (!rows.empty())
             out << "| parameter | default | allowed | meaning |\n"
                 << "| --- | --- | --- | --- |\n";
           for (const auto &[names, text] : rows)
             out << "| " << names << text << " |\n";
-          if (!rows.empty())
-            out << '\n';
+          out << (rows.empty() || others.empty() ? "" : "\n") << others << '\n';
         }
       for (const auto &child : tree)
         if (child.second.find("value") == child.second.not_found())

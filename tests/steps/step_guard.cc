@@ -213,13 +213,14 @@ namespace
     check(what + ", step: " + message,
           message.find("The state of step " + std::to_string(step) + ",") !=
             std::string::npos);
-    const auto        begin = message.find("<guard/points_");
+    const auto        begin = message.find("<guard/files/points_");
     const std::string file =
       begin == std::string::npos
         ? "no file"
         : message.substr(begin + 1, message.find('>', begin) - begin - 1);
     check(what + ", " + file,
-          file.rfind("guard/points_", 0) == 0 && std::filesystem::exists(file));
+          file.rfind("guard/files/points_", 0) == 0 &&
+            std::filesystem::exists(file));
     const std::string checkpoint =
       "guard/checkpoint_" + Utilities::int_to_string(step, 10) + ".h5";
     check(what + ", " + checkpoint,
