@@ -97,7 +97,7 @@ namespace StepGreville
 
       const SplineSpace<dim> &space = system->space();
       transfer.reinit(space);
-      transport.reinit(mesh, space);
+      transport.reinit(space);
       space.initialize_vector(lumped_mass);
       zero.fill(lumped_mass);
       velocity = force = load = zero;

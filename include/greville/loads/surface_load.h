@@ -124,9 +124,9 @@ namespace greville
 
 
   /**
-   * A SurfaceLoadKind from a class Kind with
-   *   template <int dim> class Load : public SurfaceLoad<dim>,
-   * whose constructor takes the Kind and the LoadedBody.
+   * A SurfaceLoadKind from a class Kind with a member class template Load,
+   * which depends on the dimension and derives from SurfaceLoad. The
+   * constructor of Load takes the Kind and the LoadedBody.
    */
   template <typename Kind>
   class SurfaceLoadKindOf : public SurfaceLoadKind
