@@ -7,7 +7,6 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
-#include <greville/spline/cell_owner.h>
 #include <greville/spline/spline_space.h>
 
 #include <algorithm>
@@ -43,14 +42,10 @@ namespace greville
     AssertThrow(n_components >= 1,
                 ExcMessage("A spline space has at least one component."));
 
-    tria               = &triangulation;
-    comm               = get_communicator(triangulation);
+    SpaceCells<dim>::reinit(triangulation, on_parents);
     p                  = degree;
     components         = n_components;
     functions_per_cell = Utilities::fixed_power<dim>(p + 1);
-    has_parents        = on_parents;
-    children           = Lattice<dim>(triangulation);
-    mesh_lattice       = on_parents ? children.parents() : children;
 
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -95,7 +90,7 @@ namespace greville
       element =
         std::make_unique<FESystem<dim>>(FE_Bernstein<dim>(p), components);
 
-    find_owned_cells_and_functions();
+    find_owned_functions();
     number_functions();
     make_partitioner();
   }
@@ -113,34 +108,8 @@ namespace greville
 
   template <int dim>
   void
-  SplineSpace<dim>::find_owned_cells_and_functions()
+  SplineSpace<dim>::find_owned_functions()
   {
-    std::vector<std::pair<std::uint64_t, unsigned int>> found;
-    for (const auto &cell : tria->active_cell_iterators())
-      if (cell->is_locally_owned())
-        found.emplace_back(lexicographic<dim>(mesh_lattice.find_cell(
-                                                cell->center()),
-                                              mesh_lattice.n_cells()),
-                           cell->active_cell_index());
-    std::sort(found.begin(), found.end());
-    cells.clear();
-    cell_numbers.assign(tria->n_active_cells(), numbers::invalid_unsigned_int);
-    for (const auto &entry : found)
-      {
-        if (cells.empty() || cells.back() != entry.first)
-          cells.push_back(entry.first);
-        cell_numbers[entry.second] = cells.size() - 1;
-      }
-    const unsigned int n_children =
-      has_parents ? GeometryInfo<dim>::max_children_per_cell : 1;
-    run_on_all(
-      [&]() {
-        AssertThrow(found.size() == cells.size() * n_children,
-                    ExcMessage("The children of a cell of the once coarser "
-                               "mesh are on several processes."));
-      },
-      comm);
-
     // The functions of the Greville points of a cell form a contiguous range in
     // each direction, also in a periodic one.
     owned.clear();
@@ -302,71 +271,6 @@ namespace greville
 
 
   template <int dim>
-  bool
-  SplineSpace<dim>::contains(const unsigned int cell, const Point<dim> &x) const
-  {
-    const CellBox<dim> at = box(cell);
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        const bool   last = at.index[d] + 1 == mesh_lattice.n_cells()[d];
-        const double upper =
-          last ? mesh_lattice.upper()[d]
-               : mesh_lattice.lower()[d] + (at.index[d] + 1) * at.size[d];
-        if (!(x[d] >= at.lower[d] && (x[d] < upper || (last && x[d] == upper))))
-          return false;
-      }
-    return true;
-  }
-
-
-
-  template <int dim>
-  std::uint64_t
-  SplineSpace<dim>::cell_position(const Point<dim> &x) const
-  {
-    return lexicographic<dim>(mesh_lattice.find_cell(x),
-                              mesh_lattice.n_cells());
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  SplineSpace<dim>::find(const std::uint64_t position) const
-  {
-    const auto found = std::lower_bound(cells.begin(), cells.end(), position);
-    return found != cells.end() && *found == position
-             ? found - cells.begin()
-             : numbers::invalid_unsigned_int;
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  SplineSpace<dim>::find(const Point<dim> &x) const
-  {
-    return find(cell_position(x));
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  SplineSpace<dim>::owner(const std::uint64_t position) const
-  {
-    if (find(position) != numbers::invalid_unsigned_int)
-      return Utilities::MPI::this_mpi_process(comm);
-    MultiIndex<dim> cell = multi_index<dim>(position, mesh_lattice.n_cells());
-    // A parent is where its first child is.
-    for (unsigned int d = 0; d < dim && has_parents; ++d)
-      cell[d] *= 2;
-    return cell_owner<dim>(*tria, children, cell);
-  }
-
-
-
-  template <int dim>
   std::vector<unsigned int>
   SplineSpace<dim>::find_owners(
     const std::vector<std::uint64_t> &positions) const
@@ -378,7 +282,7 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           cell[d] = anchor_cells[d][cell[d]];
         owners.push_back(
-          owner(lexicographic<dim>(cell, mesh_lattice.n_cells())));
+          this->owner(lexicographic<dim>(cell, mesh_lattice.n_cells())));
       }
     return owners;
   }
@@ -426,17 +330,6 @@ namespace greville
 
 
   template <int dim>
-  unsigned int
-  SplineSpace<dim>::cell_number(const CellIterator &cell) const
-  {
-    AssertThrow(cell->is_locally_owned(),
-                ExcMessage("Only owned cells have a place here."));
-    return cell_numbers[cell->active_cell_index()];
-  }
-
-
-
-  template <int dim>
   void
   SplineSpace<dim>::cell_dof_indices(
     const CellIterator                   &cell,
@@ -444,7 +337,7 @@ namespace greville
   {
     indices.resize(n_dofs_per_cell());
     auto out = indices.begin();
-    for (const unsigned int number : cell_functions(cell_number(cell)))
+    for (const unsigned int number : cell_functions(this->cell_number(cell)))
       {
         const types::global_dof_index function =
           number < owned.size() ? first_owned + number
@@ -517,7 +410,7 @@ namespace greville
       if (cell->is_locally_owned())
         {
           const auto index    = mesh_lattice.find_cell(cell->center());
-          const auto function = cell_functions(cell_number(cell));
+          const auto function = cell_functions(this->cell_number(cell));
           for (unsigned int c = 0; c < components; ++c)
             {
               for (unsigned int a = 0; a < n; ++a)
@@ -555,15 +448,6 @@ namespace greville
 
     // The owner of a dof owns one of its cells, so all owned entries are set.
     bernstein.update_ghost_values();
-  }
-
-
-
-  template <int dim>
-  MPI_Comm
-  SplineSpace<dim>::communicator() const
-  {
-    return comm;
   }
 
 

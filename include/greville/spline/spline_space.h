@@ -11,7 +11,7 @@
 #include <deal.II/fe/fe.h>
 
 #include <greville/spline/knot_vector.h>
-#include <greville/spline/lattice.h>
+#include <greville/spline/space_cells.h>
 
 #include <memory>
 
@@ -38,20 +38,14 @@ namespace greville
    * coefficients of a process; incomplete factorizations depend on that order.
    * Dofs of the components of one coefficient follow each other.
    *
-   * **Parents.** The cells of a space are the cells of the triangulation or
-   * their parents, the cells of the mesh coarsened once. The children of a
-   * parent are on one process, because deal.II partitions a mesh so that it can
-   * be coarsened.
-   *
    * The triangulation must have the settings ::mesh_settings and must outlive
    * the space. Call reinit() after each repartitioning.
    */
   template <int dim>
-  class SplineSpace
+  class SplineSpace : public SpaceCells<dim>
   {
   public:
-    using CellIterator =
-      typename dealii::Triangulation<dim>::active_cell_iterator;
+    using CellIterator = typename SpaceCells<dim>::CellIterator;
 
     SplineSpace() = default;
 
@@ -87,53 +81,6 @@ namespace greville
       return components;
     }
 
-    /**
-     * The cells as one lattice, for the few parts that need all of them to be
-     * alike. Others use the functions on cells below.
-     */
-    const Lattice<dim> &
-    lattice() const
-    {
-      return mesh_lattice;
-    }
-
-    const MultiIndex<dim> &
-    cells_per_direction() const
-    {
-      return mesh_lattice.n_cells();
-    }
-
-    bool
-    is_periodic(const unsigned int d) const
-    {
-      return mesh_lattice.is_periodic(d);
-    }
-
-    const dealii::Point<dim> &
-    lower_corner() const
-    {
-      return mesh_lattice.lower();
-    }
-
-    const dealii::Point<dim> &
-    upper_corner() const
-    {
-      return mesh_lattice.upper();
-    }
-
-    /// The size of the smallest cells in a direction.
-    double
-    cell_size(const unsigned int d) const
-    {
-      return mesh_lattice.cell_size(d);
-    }
-
-    double
-    smallest_cell_size() const
-    {
-      return mesh_lattice.smallest_cell_size();
-    }
-
     const KnotVector &
     knots(const unsigned int d) const
     {
@@ -145,15 +92,6 @@ namespace greville
     {
       return extents;
     }
-
-    const DistributedTriangulation<dim> &
-    triangulation() const
-    {
-      return *tria;
-    }
-
-    MPI_Comm
-    communicator() const;
 
     /**
      * Return the Bezier elements: FE_Bernstein of order p, or a FESystem of it
@@ -227,69 +165,8 @@ namespace greville
             const dealii::DoFHandler<dim> &dof_handler,
             VectorType                    &bernstein) const;
 
-    // The cells and functions of this process, for loops over arrays. Numbers
-    // begin with 0; owned functions come first.
-
-    /**
-     * Lexicographic positions (in cells_per_direction()) of the owned cells,
-     * ascending.
-     */
-    const std::vector<std::uint64_t> &
-    owned_cells() const
-    {
-      return cells;
-    }
-
-    /**
-     * Return the place in owned_cells() of a locally owned cell or of its
-     * parent.
-     */
-    unsigned int
-    cell_number(const CellIterator &cell) const;
-
-    /**
-     * Return where owned cell number @p cell lies. Costs a few operations.
-     */
-    CellBox<dim>
-    box(const unsigned int cell) const
-    {
-      return mesh_lattice.box(
-        multi_index<dim>(cells[cell], mesh_lattice.n_cells()));
-    }
-
-    /**
-     * Return whether a point lies in the half-open box of an owned cell, or at
-     * the upper walls of the grid in the closed one. False for NaN.
-     */
-    bool
-    contains(const unsigned int cell, const dealii::Point<dim> &x) const;
-
-    /**
-     * Return the position of the cell that contains a point, anywhere in the
-     * mesh; of the nearest cell for points outside.
-     */
-    std::uint64_t
-    cell_position(const dealii::Point<dim> &x) const;
-
-    /**
-     * Return the number of the owned cell at a position, or
-     * invalid_unsigned_int if another process owns the cell.
-     */
-    unsigned int
-    find(const std::uint64_t position) const;
-
-    /**
-     * Return the number of the owned cell that contains a point, as
-     * cell_position() and the other find() do.
-     */
-    unsigned int
-    find(const dealii::Point<dim> &x) const;
-
-    /**
-     * Return the process that owns the cell at a position.
-     */
-    unsigned int
-    owner(const std::uint64_t position) const;
+    // The functions of this process, for loops over arrays. Numbers begin with
+    // 0; owned functions come first.
 
     /**
      * Lexicographic positions (in n_functions()) of the owned functions,
@@ -349,6 +226,10 @@ namespace greville
     on_side(const unsigned int function, const unsigned int side) const;
 
   private:
+    using SpaceCells<dim>::cells;
+    using SpaceCells<dim>::comm;
+    using SpaceCells<dim>::mesh_lattice;
+
     /**
      * Return the processes that own the cells of the functions' Greville
      * points.
@@ -357,7 +238,7 @@ namespace greville
     find_owners(const std::vector<std::uint64_t> &positions) const;
 
     void
-    find_owned_cells_and_functions();
+    find_owned_functions();
 
     void
     number_functions();
@@ -365,15 +246,9 @@ namespace greville
     void
     make_partitioner();
 
-    DistributedTriangulation<dim> *tria = nullptr;
-    MPI_Comm                       comm = MPI_COMM_NULL;
-
     unsigned int                                p                  = 0;
     unsigned int                                components         = 0;
     unsigned int                                functions_per_cell = 0;
-    bool                                        has_parents        = false;
-    Lattice<dim>                                children; // of the mesh
-    Lattice<dim>                                mesh_lattice;
     std::array<KnotVector, dim>                 knot_vectors;
     MultiIndex<dim>                             extents{};
     std::unique_ptr<dealii::FiniteElement<dim>> element;
@@ -390,8 +265,6 @@ namespace greville
     // direction.
     std::array<std::vector<unsigned int>, dim> anchor_cells;
 
-    std::vector<std::uint64_t>                   cells;
-    std::vector<unsigned int>                    cell_numbers; // active index
     std::vector<std::uint64_t>                   owned;
     std::vector<std::uint64_t>                   ghosts;
     std::vector<dealii::types::global_dof_index> ghost_numbers;

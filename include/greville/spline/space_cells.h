@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_spline_space_cells_h
+#define greville_spline_space_cells_h
+
+#include <greville/spline/lattice.h>
+
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The cells of a spline space: of the whole grid by position, and those of
+   * this process by number.
+   *
+   * They are the cells of the triangulation or their *parents*, the cells of
+   * the mesh coarsened once. The children of a parent are on one process,
+   * because deal.II partitions a mesh so that it can be coarsened.
+   */
+  template <int dim>
+  class SpaceCells
+  {
+  public:
+    using CellIterator =
+      typename dealii::Triangulation<dim>::active_cell_iterator;
+
+    /**
+     * Collective. Find the owned cells. Throws dealii::ExcMessage for a mesh
+     * that is not a Lattice, and for parents of an odd number of cells.
+     */
+    void
+    reinit(DistributedTriangulation<dim> &triangulation, const bool on_parents);
+
+    const DistributedTriangulation<dim> &
+    triangulation() const
+    {
+      return *tria;
+    }
+
+    MPI_Comm
+    communicator() const;
+
+    /**
+     * The cells as one lattice, for the few parts that need all of them to be
+     * alike. Others use the functions on cells below.
+     */
+    const Lattice<dim> &
+    lattice() const
+    {
+      return mesh_lattice;
+    }
+
+    const MultiIndex<dim> &
+    cells_per_direction() const
+    {
+      return mesh_lattice.n_cells();
+    }
+
+    bool
+    is_periodic(const unsigned int d) const
+    {
+      return mesh_lattice.is_periodic(d);
+    }
+
+    const dealii::Point<dim> &
+    lower_corner() const
+    {
+      return mesh_lattice.lower();
+    }
+
+    const dealii::Point<dim> &
+    upper_corner() const
+    {
+      return mesh_lattice.upper();
+    }
+
+    /// The size of the smallest cells in a direction.
+    double
+    cell_size(const unsigned int d) const
+    {
+      return mesh_lattice.cell_size(d);
+    }
+
+    double
+    smallest_cell_size() const
+    {
+      return mesh_lattice.smallest_cell_size();
+    }
+
+    /**
+     * Lexicographic positions (in cells_per_direction()) of the owned cells,
+     * ascending.
+     */
+    const std::vector<std::uint64_t> &
+    owned_cells() const
+    {
+      return cells;
+    }
+
+    /**
+     * Return the place in owned_cells() of a locally owned cell or of its
+     * parent.
+     */
+    unsigned int
+    cell_number(const CellIterator &cell) const;
+
+    /**
+     * Return where owned cell number @p cell lies. Costs a few operations.
+     */
+    CellBox<dim>
+    box(const unsigned int cell) const
+    {
+      return mesh_lattice.box(
+        multi_index<dim>(cells[cell], mesh_lattice.n_cells()));
+    }
+
+    /**
+     * Return whether a point lies in the half-open box of an owned cell, or at
+     * the upper walls of the grid in the closed one. False for NaN.
+     */
+    bool
+    contains(const unsigned int cell, const dealii::Point<dim> &x) const;
+
+    /**
+     * Return the position of the cell that contains a point, anywhere in the
+     * mesh; of the nearest cell for points outside.
+     */
+    std::uint64_t
+    cell_position(const dealii::Point<dim> &x) const;
+
+    /**
+     * Return the number of the owned cell at a position, or
+     * invalid_unsigned_int if another process owns the cell.
+     */
+    unsigned int
+    find(const std::uint64_t position) const;
+
+    /**
+     * Return the number of the owned cell that contains a point, as
+     * cell_position() and the other find() do.
+     */
+    unsigned int
+    find(const dealii::Point<dim> &x) const;
+
+    /**
+     * Return the process that owns the cell at a position.
+     */
+    unsigned int
+    owner(const std::uint64_t position) const;
+
+  protected:
+    DistributedTriangulation<dim> *tria        = nullptr;
+    MPI_Comm                       comm        = MPI_COMM_NULL;
+    bool                           has_parents = false;
+    Lattice<dim>                   children; // of the mesh
+    Lattice<dim>                   mesh_lattice;
+    std::vector<std::uint64_t>     cells;
+    std::vector<unsigned int>      cell_numbers; // active index
+  };
+} // namespace greville
+
+#endif
