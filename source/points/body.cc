@@ -7,6 +7,7 @@
 #include <greville/geometry/points_file.h>
 #include <greville/geometry/shape.h>
 #include <greville/points/body.h>
+#include <greville/points/point_material.h>
 #include <greville/points/soil_layers.h>
 
 #include "formula_gradient.h"

@@ -5,6 +5,7 @@
 
 #include <greville/materials/material_lanes.h>
 #include <greville/points/material_points.h>
+#include <greville/points/point_material.h>
 #include <greville/points/point_update.h>
 
 #include <cmath>

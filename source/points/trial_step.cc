@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/points/point_material.h>
 #include <greville/points/trial_step.h>
 
 #include "domains.h"
@@ -342,7 +343,7 @@ namespace greville
           trials.resize(n_points);
           states.resize(n_points);
 
-          // Tangents need the states at the begin as well.
+          // Tangents need the states at the start, too.
           if (with_tangents)
             ends = states;
           std::vector<MaterialPoint> &updated = with_tangents ? ends : states;

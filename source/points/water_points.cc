@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/points/point_material.h>
 #include <greville/points/water_points.h>
 
 #include "gradients.h"

@@ -6,6 +6,7 @@
 #include <greville/boundary/loads.h>
 #include <greville/materials/umat.h>
 #include <greville/parameters/unit_of_sums.h>
+#include <greville/points/point_material.h>
 #include <greville/run/check_materials.h>
 
 #include <cmath>
@@ -20,7 +21,7 @@ namespace greville
 
   namespace
   {
-    // What input_notes() finds unlikely. Friction is the sine of its angle.
+    // Bounds of input_notes(). Friction is the sine of its angle.
     constexpr double least_density = 500., most_weight = 0.2,
                      least_strength = 1e-3, least_friction = 0.0017,
                      most_friction = 0.016;

@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
 #include <greville/parameters/in_stage.h>
+#include <greville/points/point_material.h>
 #include <greville/points/soil_layers.h>
 #include <greville/steps/implicit_scheme.h>
 #include <greville/steps/stage_bodies.h>

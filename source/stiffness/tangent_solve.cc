@@ -3,6 +3,7 @@
 // The linear solver of TangentSystem.
 
 #include <greville/linear_algebra/krylov.h>
+#include <greville/points/point_material.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <cmath>

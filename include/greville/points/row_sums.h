@@ -3,6 +3,7 @@
 #ifndef greville_points_row_sums_h
 #define greville_points_row_sums_h
 
+#include <greville/materials/material.h>
 #include <greville/points/material_points.h>
 
 #include <limits>
