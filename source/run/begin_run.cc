@@ -20,7 +20,7 @@ namespace greville
                 const std::string          &file,
                 const RunOptions           &options)
   {
-    // What a run has left in its folder names another one if that has moved.
+    // The files of a run name another folder if the folder has been moved.
     const std::filesystem::path path(file);
     const std::string           given = parameters.output.directory.empty()
                                           ? "output/" + parameters.general.name
@@ -85,7 +85,8 @@ namespace greville
   namespace
   {
     /**
-     * What the run in a folder goes on with, and what others read of it.
+     * Write the parameters, with which the run is resumed and which others
+     * read.
      */
     void
     write_parameters(const SimulationParameters &parameters,

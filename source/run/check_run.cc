@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// What a run would take, found by its first steps in memory.
+// The cost of a run, estimated by its first steps in memory.
 
 #include <deal.II/base/utilities.h>
 

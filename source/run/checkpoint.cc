@@ -187,7 +187,7 @@ namespace greville
   read_checkpoint(const std::string &folder, const MPI_Comm comm)
   {
     check_folder_of_checkpoints(folder, comm);
-    // What the first process sees.
+    // Found by the first process.
     std::string list;
     if (Utilities::MPI::this_mpi_process(comm) == 0)
       for (const std::string &file : checkpoints_in(folder))

@@ -357,7 +357,7 @@ namespace greville
       }
     catch (const StepGivenUp &error)
       {
-        // What is gone back to has single precision.
+        // The last good state has single precision.
         go_back();
         const double fraction = std::min(before[0].step_fraction, smallest);
         ramp.failed_at = std::min(ramp.failed_at, time + fraction * step);

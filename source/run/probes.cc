@@ -15,8 +15,8 @@ namespace greville
   namespace
   {
     /**
-     * Whether a field has no column of its own in any case, and a meaning for
-     * points and means alike.
+     * Return whether a field has no column of its own in any case, and a
+     * meaning for points and means alike.
      */
     bool
     is_for_probes(const std::string &field)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// What a SimulationRun prints, and its summary.json.
+// The printed report of a SimulationRun, and its summary.json.
 
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>

@@ -184,7 +184,7 @@ namespace greville
               warnings.push_back(refused.second);
             begin_with(simulations, other, parameters);
           }
-        // Those of the other run, perhaps.
+        // Possibly the files of the other run.
         probes = Probes<dim>(parameters.output.probes,
                              parameters.output.fields,
                              simulations.bodies_of_all_stages().list,
@@ -363,7 +363,7 @@ namespace greville
   void
   SimulationRun<dim>::write_checkpoint()
   {
-    // Where it cannot be written, the state to go back to and the mark stay
+    // If it cannot be written, the state to go back to and the mark stay
     // those of the same step.
     Mark now = make_mark();
     if (before_last)

@@ -27,7 +27,8 @@ namespace greville
 
 
   /**
-   * Those of displacement, velocity and stress; empty where nothing is known.
+   * Errors of displacement, velocity and stress; empty if the exact solution is
+   * not known.
    */
   struct ExactErrors
   {

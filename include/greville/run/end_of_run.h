@@ -14,7 +14,7 @@
 namespace greville
 {
   /**
-   * What 'Time/End when' and 'Time/Ramp until failure' of the stages say.
+   * The conditions 'Time/End when' and 'Time/Ramp until failure' of the stages.
    */
   class EndOfRun
   {
@@ -28,8 +28,8 @@ namespace greville
              const std::vector<std::string> &columns);
 
     /**
-     * Whether 'End when' of a stage holds for a @p row, with the values of the
-     * columns. Throws as Expression.
+     * Return whether 'End when' of a stage holds for a @p row, with the values
+     * of the columns. Throws as Expression.
      */
     bool
     holds(const unsigned int stage, const std::vector<double> &row) const;
@@ -43,7 +43,7 @@ namespace greville
     undefined(const unsigned int stage, const std::vector<double> &row) const;
 
     /**
-     * Whether the factor of a stage grows until it fails.
+     * Return whether the factor of a stage grows until it fails.
      */
     bool
     is_ramp(const unsigned int stage) const
@@ -52,7 +52,7 @@ namespace greville
     }
 
     /**
-     * Whether it is so in some stage.
+     * Return whether a stage is a ramp.
      */
     bool
     has_ramp() const
@@ -99,7 +99,7 @@ namespace greville
 
 
   /**
-   * What a ramp knows between two steps.
+   * The state of a ramp between two steps.
    */
   template <typename States>
   struct Ramp

@@ -15,8 +15,8 @@
 namespace greville
 {
   /**
-   * What files call a surface: the places of its load and of the body that it
-   * belongs to in 'Simulation/Surface loads' and 'Simulation/Bodies'.
+   * The numbers of a surface in files: of its load in 'Simulation/Surface
+   * loads', and of its body in 'Simulation/Bodies'.
    */
   struct SurfaceNumbers
   {
@@ -112,7 +112,7 @@ namespace greville
                      const MPI_Comm                  comm);
 
     /**
-     * What has been written: lines with name, time and file, separated by
+     * Return a line for each file so far: name, time and file, separated by
      * tabulators.
      */
     std::string

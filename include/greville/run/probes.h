@@ -89,7 +89,7 @@ namespace greville
          const bool           velocities = false);
 
     /**
-     * What has been taken is not to be written.
+     * Discard rows that were taken and will not be written.
      */
     void
     forget()
@@ -111,7 +111,7 @@ namespace greville
     write();
 
     /**
-     * Those of the file.
+     * Return the columns of the file.
      */
     std::vector<std::string>
     columns() const;

@@ -14,7 +14,7 @@
 namespace greville
 {
   /**
-   * What a run notes in its folder besides sums and fields:
+   * Files of a run besides sums and fields:
    * - messages.log, warnings, the error that has ended the run, and where it
    *   goes on after that, a line each;
    * - newton.csv, the iterations of Newton's method of all steps that it has
@@ -52,7 +52,7 @@ namespace greville
     warn(const std::string &warning);
 
     /**
-     * What may not be meant as it stands.
+     * Print a note about input that may not be intended.
      */
     void
     note(const std::string &text);

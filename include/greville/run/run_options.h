@@ -13,7 +13,7 @@
 namespace greville
 {
   /**
-   * What a ramp has found.
+   * The result of a ramp.
    */
   struct RampResult
   {
@@ -31,7 +31,7 @@ namespace greville
 
 
   /**
-   * What a run found.
+   * The results of a run.
    */
   struct RunSummary
   {
@@ -63,8 +63,8 @@ namespace greville
     /// Parameters that take the place of those of the file, see
     /// read_parameter_lines().
     std::vector<std::string> settings;
-    /// What is to be done in the folder before the first file is written, when
-    /// parameters and checkpoints have been accepted; all processes call it.
+    /// Called on all processes before the first file is written, when
+    /// parameters and checkpoints have been accepted.
     std::function<void()> prepare_folder;
   };
 } // namespace greville

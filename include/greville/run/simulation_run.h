@@ -54,31 +54,27 @@ namespace greville
     columns_of(const SimulationParameters &parameters);
 
     /**
-     * Those, and of probes.csv.
+     * Return the columns of statistics.csv and probes.csv.
      */
     static std::vector<std::string>
     columns_of(const SimulationParameters &parameters,
                const Probes<dim>          &probes);
 
   private:
-    /**
-     * What run() does, which notes errors besides.
-     */
+    /// Do run() without notes of errors.
     RunSummary
     run_to_end();
 
-    /**
-     * Take a step. In a ramp, after one that fails, go back and halve the
-     * bracket. Returns whether the state is a new one to write.
-     */
+    /// Take a step. In a ramp, after one that fails, go back and halve the
+    /// bracket. Returns whether the state is a new one to write.
     bool
     take_step();
 
-    /// Whether the stage at hand is a ramp whose steps can be taken again.
+    /// Return whether the current stage is a ramp whose steps can be repeated.
     bool
     is_in_ramp() const;
 
-    /// Whether the state as it is ends the run.
+    /// Return whether the current state ends the run.
     bool
     holds_now();
 
@@ -90,28 +86,20 @@ namespace greville
     std::vector<double>
     row_now();
 
-    /**
-     * End the run with the last equilibrium at this time, and write the states
-     * before and after failure to the folder 'failure'.
-     */
+    /// End the run with the last equilibrium at this time, and write the states
+    /// before and after failure to the folder 'failure'.
     void
     end_ramp(const double last_time);
 
-    /**
-     * Begin as the options want it.
-     */
+    /// Begin as the options want it.
     void
     begin_run(const RunOptions &options);
 
-    /**
-     * Go on from a checkpoint in the folder of this run.
-     */
+    /// Go on from a checkpoint in the folder of this run.
     void
     go_on(const Checkpoint &checkpoint);
 
-    /**
-     * What the files of the run have when the simulation keeps a state.
-     */
+    /// The contents of the files when the simulation keeps a state.
     struct Mark
     {
       unsigned int  n_steps             = 0;
@@ -125,30 +113,22 @@ namespace greville
     Mark
     make_mark() const;
 
-    /**
-     * Write a checkpoint of the state at hand, with which the files go on from
-     * a mark. Returns its content.
-     */
+    /// Write a checkpoint of the state at hand, with which the files go on from
+    /// a mark. Returns its content.
     TablesFile
     write_checkpoint(const Mark &mark);
 
-    /**
-     * Write a checkpoint, and go on as a run that begins from it.
-     */
+    /// Write a checkpoint, and go on as a run that begins from it.
     void
     write_checkpoint();
 
-    /**
-     * Collective. After a step that has failed: write the state that the
-     * simulation has gone back to. Returns what the message is to say of it.
-     */
+    /// Collective. After a step that has failed: write the state that the
+    /// simulation has gone back to. Returns what the message is to say of it.
     std::string
     write_last_good_state();
 
-    /**
-     * Write a checkpoint if it is time, or a signal wants it. Throws
-     * dealii::ExcMessage if the signal ends the run.
-     */
+    /// Write a checkpoint if it is time, or a signal wants it. Throws
+    /// dealii::ExcMessage if the signal ends the run.
     void
     look_for_checkpoint(const bool is_last);
 
@@ -158,9 +138,7 @@ namespace greville
     void
     print_summary(const RunSummary &summary);
 
-    /**
-     * What a row has besides the statistics of this time.
-     */
+    /// The values of a row besides the statistics of this time.
     struct Row
     {
       unsigned int        n_steps = 0;
@@ -184,35 +162,25 @@ namespace greville
     void
     write_row(const Row &row, const Statistics<dim> &statistics);
 
-    /**
-     * Ask the next step for the row, or the fields, of this time.
-     */
+    /// Ask the next step for the row, or the fields, of this time.
     void
     ask_for_late(const bool for_row, const bool for_fields);
 
-    /**
-     * Take what the step at hand tells of a part, see LateRow::watch.
-     */
+    /// Take what the step at hand tells of a part, see LateRow::watch.
     void
     watch(const unsigned int part, const double weight, const bool is_kicked);
 
-    /**
-     * Write what the last step was asked for.
-     */
+    /// Write what the last step was asked for.
     void
     write_late();
 
-    /**
-     * Let @p write see states whose velocities belong to their time, and go
-     * back to those that were there: before a stage or after the end, where
-     * solvers begin anew.
-     */
+    /// Let @p write see states whose velocities belong to their time, and go
+    /// back to those that were there: before a stage or after the end, where
+    /// solvers begin anew.
     void
     at_end_of_step(const std::function<void()> &write);
 
-    /**
-     * Write the row, or the fields, of the state as it is.
-     */
+    /// Write the row, or the fields, of the state as it is.
     void
     write_statistics();
 
@@ -223,34 +191,24 @@ namespace greville
     write_fields(const std::vector<const State<dim> *> &states,
                  std::vector<GridFields<dim>>          &grids);
 
-    /**
-     * Return whether 'Output/Fields' names a field.
-     */
+    /// Return whether 'Output/Fields' names a field.
     bool
     wants(const std::string &field) const;
 
-    /**
-     * Return fields of a grid besides velocity and acceleration.
-     */
+    /// Return fields of a grid besides velocity and acceleration.
     GridFields<dim>
     grid_fields(Simulation<dim> &part) const;
 
-    /**
-     * What is due after a step.
-     */
+    /// Write the files that are due after a step.
     void
     write_due(const bool is_last);
 
-    /**
-     * The time of the state and a bit, against round-off.
-     */
+    /// The time of the state and a bit, against round-off.
     double
     rounded_up_time() const;
 
-    /**
-     * The first multiple of @p every, counted from the start of the run, behind
-     * @p t.
-     */
+    /// The first multiple of @p every, counted from the start of the run,
+    /// behind @p t.
     double
     next_time(const double every, const double t) const;
 
@@ -260,27 +218,19 @@ namespace greville
     RunSummary
     summarize();
 
-    /**
-     * summary.json.
-     */
+    /// summary.json.
     void
     write_summary(const RunSummary &summary);
 
-    /**
-     * Collective. Bytes of memory per point.
-     */
+    /// Collective. Bytes of memory per point.
     double
     bytes_per_point() const;
 
-    /**
-     * Iterations of linear systems, the mean of all steps.
-     */
+    /// Iterations of linear systems, the mean of all steps.
     double
     iterations_per_step();
 
-    /**
-     * A state whose time, steps and stage are those of all parts.
-     */
+    /// A state whose time, steps and stage are those of all parts.
     const State<dim> &
     common() const
     {
@@ -302,13 +252,13 @@ namespace greville
     std::vector<std::pair<unsigned int, unsigned int>> reactions;
     std::vector<std::pair<unsigned int, std::string>>  outflows;
     EndOfRun                                           end_of_run;
-    // Whether the run ends before its time, and how.
+    // The end of the run before its time.
     bool                          ends = false, has_noted_undefined = false;
     Ramp<std::vector<State<dim>>> ramp;
     std::optional<RampResult>     ramp_result;
     std::vector<double>           last_row;
     double                        next_fields = 0., next_statistics = 0.;
-    // What the next step completes: a row, and fields of each part.
+    // A row, and fields of each part, that the next step completes.
     std::optional<Row>                                      late_row;
     std::vector<std::pair<LateState<dim>, GridFields<dim>>> late_fields;
     Largest       largest_front, largest_front_99;
@@ -319,8 +269,8 @@ namespace greville
     unsigned int                          last_stage      = 0;
     // Steps that the last rows and fields belong to.
     unsigned int last_written_statistics = -1, last_written_fields = -1;
-    // What the files had when a state was kept, and the last checkpoint; and
-    // before the last row and fields, which a run that goes on writes late.
+    // The contents of the files when a state was kept, at the last checkpoint,
+    // and before the last row and fields, which a resumed run writes late.
     Mark                mark;
     std::optional<Mark> before_last;
     std::string         checkpoint_file;

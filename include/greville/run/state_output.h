@@ -9,8 +9,8 @@
 namespace greville
 {
   /**
-   * What files call one of the @p simulations: its body where there are
-   * several parts, and nothing else.
+   * Return the name of one of the @p simulations in files: its body if there
+   * are several parts, else nothing.
    */
   template <int dim>
   std::string

@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/run/simulation_run.h>
+#include <greville/run/state_output.h>
+#include <greville/steps/load_balance.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+// The rows of statistics.csv and probes.csv, and files of fields.
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * Return the part of this process of outflow number @p k, see
+     * State::water. A part numbers the loads on its own bodies only.
+     */
+    template <int dim>
+    double
+    water_of(const Simulation<dim>          &part,
+             const std::vector<std::string> &all_loads,
+             const unsigned int              k)
+    {
+      constexpr unsigned int first = 2 + 2 * dim;
+      const auto            &water = part.state().water;
+      if (k < first)
+        return water[k];
+      const auto &loads = part.stage_parameters().general.surface_loads;
+      if (k == first + all_loads.size())
+        return water.back();
+      const auto found =
+        std::find(loads.begin(), loads.end(), all_loads[k - first]);
+      return found == loads.end() ? 0. : water[first + (found - loads.begin())];
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_due(const bool is_last)
+  {
+    // The last state of a stage is the first one of the next.
+    const double now = rounded_up_time();
+    const bool   is_stage_end =
+      is_last || simulations.first().is_stage_finished();
+    const bool is_row_due =
+      is_stage_end || now >= next_statistics || is_in_ramp();
+    // The next stage may have other bodies.
+    const bool goes_on_in_stage = !simulations.first().is_stage_finished() ||
+                                  common().stage + 1 == parameters.n_stages();
+    if (is_last && goes_on_in_stage && simulations.rows_lag())
+      {
+        before_last                 = make_mark();
+        before_last->row_is_due     = now >= next_statistics;
+        before_last->fields_are_due = now >= next_fields;
+      }
+    const bool is_late        = !is_stage_end && simulations.rows_lag();
+    const bool are_fields_due = is_stage_end || now >= next_fields;
+    if (are_fields_due)
+      next_fields = next_time_of_fields(now);
+    if (is_row_due)
+      next_statistics =
+        next_time(parameters.output.rows_every(parameters.end_of_run() -
+                                               parameters.time.start),
+                  now);
+    if (!is_row_due && !are_fields_due)
+      return;
+    if (is_late)
+      {
+        ask_for_late(is_row_due, are_fields_due);
+        return;
+      }
+    at_end_of_step([&]() {
+      // The run may have gone back to a state whose row is there.
+      if (is_row_due && !(ends && last_written_statistics == common().n_steps))
+        write_statistics();
+      // A row may end the run.
+      if ((are_fields_due || ends) &&
+          !(ends && last_written_fields == common().n_steps))
+        write_fields();
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::at_end_of_step(const std::function<void()> &write)
+  {
+    std::vector<State<dim>> kept;
+    if (simulations.rows_lag())
+      kept = simulations.state();
+    simulations.finish();
+    write();
+    if (!kept.empty())
+      simulations.set_state(kept);
+  }
+
+
+
+  template <int dim>
+  bool
+  SimulationRun<dim>::wants(const std::string &field) const
+  {
+    const auto &names = parameters.output.fields;
+    return std::find(names.begin(), names.end(), field) != names.end();
+  }
+
+
+
+  template <int dim>
+  GridFields<dim>
+  SimulationRun<dim>::grid_fields(Simulation<dim> &part) const
+  {
+    GridFields<dim> grid;
+    if (!parameters.output.grid_fields)
+      return grid;
+    grid.mass = part.mass().lumped();
+    if (wants("force"))
+      grid.force = part.grid_force();
+    if (wants("cell_class"))
+      grid.cell_classes =
+        part.grid().cell_classes(part.state(), part.is_implicit());
+    return grid;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_fields()
+  {
+    std::vector<GridFields<dim>> grids;
+    for (unsigned int k = 0; k < simulations.n_parts(); ++k)
+      grids.push_back(grid_fields(simulations.part(k)));
+    write_fields(loaded_states(simulations), grids);
+    late_fields.clear();
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_fields(
+    const std::vector<const State<dim> *> &states,
+    std::vector<GridFields<dim>>          &grids)
+  {
+    last_written_fields = states[0]->n_steps;
+    write_bodies(fields, simulations, states, parameters, comm);
+    for (unsigned int k = 0; parameters.output.grid_fields && k < states.size();
+         ++k)
+      {
+        grids[k].velocity = states[k]->field.velocity;
+        if (wants("acceleration"))
+          grids[k].acceleration = states[k]->field.acceleration;
+        fields.write_grid(states[k]->time,
+                          simulations.part(k).space(),
+                          grids[k],
+                          name_of_part(simulations, k));
+      }
+  }
+
+
+
+  template <int dim>
+  typename SimulationRun<dim>::Row
+  SimulationRun<dim>::begin_row()
+  {
+    Row row{common().n_steps,
+            common().time,
+            {},
+            common().stage,
+            simulations.contact_intervals()};
+    if (!parameters.stages.empty())
+      row.more.push_back(common().stage + 1);
+    if (end_of_run.has_ramp())
+      row.more.push_back(end_of_run.factor(common().stage, common().time));
+    for (const ContactInterval<dim> &interval : row.intervals)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          row.more.push_back(
+            interval.time > 0. ? interval.impulse[d] / interval.time : 0.);
+        row.more.push_back(interval.largest_force);
+      }
+    if (parameters.general.pore_water)
+      {
+        std::vector<unsigned int> numbers{0, 1};
+        for (const auto &outflow : outflows)
+          numbers.push_back(outflow.first);
+        for (const unsigned int k : numbers)
+          row.more.push_back(Utilities::MPI::sum(
+            simulations.sum([&](const Simulation<dim> &part) {
+              return water_of(part, parameters.general.surface_loads, k);
+            }),
+            comm));
+      }
+    if (parameters.output.load)
+      {
+        // Of all parts, which go in common steps.
+        const double work = simulations.sum(
+          [](const Simulation<dim> &part) { return part.work(); });
+        row.more.push_back(Utilities::MPI::max(work, comm));
+        row.more.push_back(imbalance(work, comm));
+        row.more.push_back(simulations.sum([](const Simulation<dim> &part) {
+          return part.state().n_partitions;
+        }));
+      }
+    return row;
+  }
+
+
+
+  template <int dim>
+  typename SimulationRun<dim>::Row
+  SimulationRun<dim>::begin_row_to_write()
+  {
+    Row row = begin_row();
+    simulations.set_contact_intervals({});
+    return row;
+  }
+
+
+
+  template <int dim>
+  std::vector<double>
+  SimulationRun<dim>::values_of(const Row             &row,
+                                const Statistics<dim> &statistics) const
+  {
+    auto values = statistics.values();
+    for (const auto &[wall, component] : reactions)
+      values.push_back(statistics.reactions[wall][component]);
+    values.insert(values.end(), row.more.begin(), row.more.end());
+    return values;
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_row(const Row             &row,
+                                const Statistics<dim> &statistics)
+  {
+    AssertThrow(std::isfinite(statistics.strain + statistics.dissipation),
+                ErrorOnAll("At t = " + text_of(row.time) +
+                           " s the strain energy or the dissipation of the "
+                           "bodies is infinite or NaN, but not their stress: a "
+                           "material law gives such a value."));
+    largest_front.add(statistics.front);
+    largest_front_99.add(statistics.front_99);
+    const double last_time = last_row.empty() ? row.time : last_row[0];
+    last_row               = values_of(row, statistics);
+    statistics_file.write(last_row);
+    const auto &more = probes.finish(row.time);
+    probes.write();
+    last_written_statistics = row.n_steps;
+    if (ends || is_in_ramp())
+      return;
+    auto all = last_row;
+    all.insert(all.end(), more.begin(), more.end());
+    ends = criterion_holds(row.stage, all);
+    if (ends && end_of_run.is_ramp(row.stage))
+      ramp_result = {end_of_run.factor(row.stage, last_time),
+                     end_of_run.factor(row.stage, row.time)};
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_statistics()
+  {
+    late_row.reset();
+    probes.forget();
+    probes.take(0, simulations.bodies());
+    write_row(begin_row_to_write(), simulations.statistics());
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::ask_for_late(const bool for_row, const bool for_fields)
+  {
+    if (for_row)
+      {
+        late_row = begin_row_to_write();
+        probes.forget();
+      }
+    late_fields.resize(for_fields ? simulations.n_parts() : 0);
+    if (for_fields || !probes.empty())
+      simulations.ask_for_row(
+        [this](const unsigned int part,
+               const double       weight,
+               const bool is_kicked) { watch(part, weight, is_kicked); });
+    else
+      simulations.ask_for_row();
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::watch(const unsigned int k,
+                            const double       weight,
+                            const bool         is_kicked)
+  {
+    Simulation<dim>  &part  = simulations.part(k);
+    const State<dim> &state = part.state();
+    if (late_row)
+      {
+        unsigned int first_body = 0;
+        for (unsigned int j = 0; j < k; ++j)
+          first_body += simulations.part(j).state().bodies.size();
+        probes.take(first_body, state.bodies, weight, is_kicked);
+      }
+    if (late_fields.empty())
+      return;
+    auto &[late, grid] = late_fields[k];
+    if (!is_kicked)
+      grid = grid_fields(part);
+    late.take(state, part.grid().field(), weight, is_kicked);
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::write_late()
+  {
+    if (late_row)
+      write_row(*late_row, simulations.late_statistics());
+    late_row.reset();
+    if (late_fields.empty())
+      return;
+    std::vector<const State<dim> *> states;
+    std::vector<GridFields<dim>>    grids;
+    for (const auto &[late, grid] : late_fields)
+      {
+        states.push_back(&late.state);
+        grids.push_back(grid);
+      }
+    write_fields(states, grids);
+    late_fields.clear();
+  }
+
+
+
+  template class SimulationRun<2>;
+  template class SimulationRun<3>;
+} // namespace greville
