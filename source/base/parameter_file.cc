@@ -184,17 +184,22 @@ namespace greville
 
 
     /**
-     * Return what to take in place of words that older files have.
+     * Return the advice for a line with this value, or for the section or the
+     * parameter of the line if the value is empty; empty if there is none.
      */
     std::string
-    in_place_of(const std::string &word)
+    advice_for(const ParameterLine                &line,
+               const std::string                  &value,
+               const std::vector<FormerParameter> &former)
     {
-      if (word == "USF")
-        return " MUSL deforms points by their mapped velocity, too.";
-      if (word == "contact")
-        return " A floor that contacts name is a rigid body, such as "
-               "'Rigid body NAME/Shape' = half_space(0, 1, 0) for y < 0, in a "
-               "grid that goes on behind it.";
+      const std::string name = line.section + "/" + line.name;
+      for (const FormerParameter &entry : former)
+        {
+          const auto begin = name.find(entry.parameter);
+          if (begin != std::string::npos &&
+              (begin == 0 || name[begin - 1] == '/') && entry.value == value)
+            return entry.advice;
+        }
       return "";
     }
 
@@ -202,11 +207,16 @@ namespace greville
 
     void
     check_line(const ParameterLine                  &line,
-               const std::map<std::string, Entries> &sections)
+               const std::map<std::string, Entries> &sections,
+               const std::vector<FormerParameter>   &former)
     {
       const auto section = sections.find(line.section);
       if (section == sections.end())
         {
+          const std::string advice = advice_for(line, "", former);
+          AssertThrow(advice.empty(),
+                      ExcMessage(line.place + ": the section '" + line.section +
+                                 "' no longer exists. " + advice));
           const std::vector<std::string> known = names_of(sections);
           AssertThrow(false,
                       ExcMessage(line.place + ": there is no section '" +
@@ -218,12 +228,11 @@ namespace greville
       const auto entry = section->second.find(line.name);
       if (entry == section->second.end())
         {
-          AssertThrow(line.section + "/" + line.name != "Output/Points format",
-                      ExcMessage(line.place +
-                                 ": the parameter 'Output/Points format' no "
-                                 "longer exists. Remove the line: points are "
-                                 "always written as .vtu files, one for "
-                                 "each time."));
+          const std::string advice = advice_for(line, "", former);
+          AssertThrow(advice.empty(),
+                      ExcMessage(line.place + ": the parameter '" +
+                                 line.section + "/" + line.name +
+                                 "' no longer exists. " + advice));
           std::string hint = did_you_mean(line.name, names_of(section->second));
           // Sections of sections come last.
           for (const bool is_inner : {false, true})
@@ -248,7 +257,9 @@ namespace greville
       const auto pattern = Patterns::pattern_factory(description);
       if (!pattern->match(line.value))
         {
-          std::string hint = in_place_of(line.value);
+          std::string hint = advice_for(line, line.value, former);
+          if (!hint.empty())
+            hint = " " + hint;
           for (const std::string &word :
                Utilities::split_string_list(line.value, ','))
             if (hint.empty())
@@ -271,12 +282,13 @@ namespace greville
 
 
   void
-  check_parameter_lines(const ParameterHandler           &prm,
-                        const std::vector<ParameterLine> &lines)
+  check_parameter_lines(const ParameterHandler             &prm,
+                        const std::vector<ParameterLine>   &lines,
+                        const std::vector<FormerParameter> &former)
   {
     const auto sections = sections_of(prm);
     for (const ParameterLine &line : lines)
-      check_line(line, sections);
+      check_line(line, sections, former);
   }
 
 
@@ -296,10 +308,11 @@ namespace greville
 
 
   void
-  parse_parameter_lines(ParameterHandler                 &prm,
-                        const std::vector<ParameterLine> &lines)
+  parse_parameter_lines(ParameterHandler                   &prm,
+                        const std::vector<ParameterLine>   &lines,
+                        const std::vector<FormerParameter> &former)
   {
-    check_parameter_lines(prm, lines);
+    check_parameter_lines(prm, lines, former);
     for (const ParameterLine &line : lines)
       if (!line.name.empty())
         {

@@ -53,4 +53,30 @@ namespace greville
   {
     return "cg-ic0|cg-p-multigrid|cg-jacobi|cg";
   }
+
+
+
+  std::vector<FormerParameter>
+  former_parameters()
+  {
+    const std::string constants = "Remove it: its values are constants.";
+    return {{"Scheme/Stress update",
+             "USF",
+             "MUSL deforms points by their mapped velocity, too."},
+            {"Walls/",
+             "contact",
+             "A floor that contacts name is a rigid body, such as 'Rigid body "
+             "NAME/Shape' = half_space(0, 1, 0) for y < 0, in a grid that goes "
+             "on behind it."},
+            {"Output/Points format",
+             "",
+             "Remove the line: points are always written as .vtu files, one "
+             "for each time."},
+            {"Smoother/", "", constants},
+            {"Implicit smoother/", "", constants},
+            {"Implicit p-multigrid/Coarse preconditioner", "", constants},
+            {"Implicit solver/Preconditioner", "", constants},
+            {"Implicit solver/Reuse", "", constants},
+            {"Implicit solver/Maximum iterations", "", constants}};
+  }
 } // namespace greville

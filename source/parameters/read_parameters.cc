@@ -7,6 +7,7 @@
 #include <greville/geometry/shape.h>
 #include <greville/materials/state_names.h>
 #include <greville/materials/umat.h>
+#include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <algorithm>
@@ -364,7 +365,7 @@ namespace greville
     const Laws laws = make_laws(lines, prm);
     materials.insert(laws.begin(), laws.end());
     check_method(lines);
-    parse_parameter_lines(prm, lines);
+    parse_parameter_lines(prm, lines, former_parameters());
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
     locate_files(folder, prm);
@@ -509,7 +510,7 @@ namespace greville
     ParameterHandler prm;
     common.declare_sections(prm);
     const auto outside = lines_of_stage(lines, "");
-    check_parameter_lines(prm, outside);
+    check_parameter_lines(prm, outside, former_parameters());
     for (const ParameterLine &line : outside)
       {
         prm.enter_subsection(line.section);

@@ -166,7 +166,7 @@ namespace greville
     add_parameter(prm, "Seepage face", seepage_face)(
       "Seepage face: where the given 'Pore pressure' is 0 or less, as in air, "
       "water can only leave, and the pore pressure is at most the given one. "
-      "Where it is above 0, as below a water level, water can enter, too.");
+      "If it is above 0, as below a water level, water can enter, too.");
     add_formula(prm, "Flux", flux)(
       "Outflow of water per area and time (negative: inflow, such as rain), in "
       "place of 'Pore pressure': a formula of the same variables. Unit: m / "

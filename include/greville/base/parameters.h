@@ -51,13 +51,27 @@ namespace greville
   parameter_lines_of(const std::string &text, const std::string &name);
 
   /**
+   * A section, a parameter, or a value of a parameter, that older files have,
+   * and the advice for them.
+   */
+  struct FormerParameter
+  {
+    /// "SECTION/" or "SECTION/PARAMETER"; sections of a stage count, too.
+    std::string parameter;
+    /// Empty for the section or the parameter as a whole.
+    std::string value;
+    std::string advice;
+  };
+
+  /**
    * Throw dealii::ExcMessage with the line, the parameter, the value, the
    * allowed values and a suggestion if @p prm does not have a parameter or does
-   * not allow its value.
+   * not allow its value. Suggestions for @p former ones are their advice.
    */
   void
-  check_parameter_lines(const dealii::ParameterHandler   &prm,
-                        const std::vector<ParameterLine> &lines);
+  check_parameter_lines(const dealii::ParameterHandler     &prm,
+                        const std::vector<ParameterLine>   &lines,
+                        const std::vector<FormerParameter> &former = {});
 
   /**
    * The names of the parameters in an outer section.
@@ -160,8 +174,9 @@ namespace greville
    * Throws as check_parameter_lines().
    */
   void
-  parse_parameter_lines(dealii::ParameterHandler         &prm,
-                        const std::vector<ParameterLine> &lines);
+  parse_parameter_lines(dealii::ParameterHandler           &prm,
+                        const std::vector<ParameterLine>   &lines,
+                        const std::vector<FormerParameter> &former = {});
 
   /**
    * A function that uses a reference: a ParameterHandler in which all

@@ -3,7 +3,10 @@
 #ifndef greville_parameters_names_h
 #define greville_parameters_names_h
 
+#include <greville/base/parameters.h>
+
 #include <string>
+#include <vector>
 
 namespace greville
 {
@@ -23,6 +26,10 @@ namespace greville
   /// Return the solvers of the consistent mass.
   std::string
   mass_solver_methods();
+
+  /// Return the parameters that older files have.
+  std::vector<FormerParameter>
+  former_parameters();
 
   /**
    * Return all time integrators, including those of add_time_integrator().
