@@ -162,6 +162,23 @@ check_refused(const std::string &name,
 
 
 /**
+ * The same with a mass, and with a smooth floor unless the mass is lumped:
+ * friction walls need lumped mass.
+ */
+inline Text
+with_mass(const Text &text, const std::string &mass)
+{
+  const Text result = text.with("Scheme", {"Mass = " + mass});
+  return mass == "lumped" ? result
+                          : result.with("Walls",
+                                        {"Bottom = sliding",
+                                         "Bottom friction = 0",
+                                         "Right = sliding"});
+}
+
+
+
+/**
  * A body of the unit density in a grid, at rest and without loads.
  */
 inline Text

@@ -146,22 +146,6 @@ namespace
 
 
   /**
-   * The floor has friction with lumped mass.
-   */
-  Text
-  with_mass(const Text &text, const std::string &mass)
-  {
-    const Text result = text.with("Scheme", {"Mass = " + mass});
-    return mass == "lumped" ? result
-                            : result.with("Walls",
-                                          {"Bottom = sliding",
-                                           "Bottom friction = 0",
-                                           "Right = sliding"});
-  }
-
-
-
-  /**
    * A bar between two walls that vibrates: kinetic energy at a time, in rows
    * or as steps have it, and by how much the total energy of rows varies.
    */

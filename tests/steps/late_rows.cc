@@ -128,20 +128,6 @@ namespace
     show(name, found);
   }
 
-  /**
-   * The floor has friction with lumped mass.
-   */
-  Text
-  with_mass(const Text &text, const std::string &mass)
-  {
-    const Text result = text.with("Scheme", {"Mass = " + mass});
-    return mass == "lumped" ? result
-                            : result.with("Walls",
-                                          {"Bottom = sliding",
-                                           "Bottom friction = 0",
-                                           "Right = sliding"});
-  }
-
   void
   check_close(const std::string &name, const Text &text)
   {
