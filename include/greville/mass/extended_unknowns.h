@@ -63,23 +63,15 @@ namespace greville
     unsigned int
     n_holds() const;
 
-    /**
-     * Return, for each component, whether any function with mass is constrained
-     * on any process.
-     */
+    /// Return the components with a constrained function of mass anywhere.
     const std::array<bool, dim> &
     has_held() const;
 
-    /**
-     * Return the components (bits) in which the owned unknowns are constrained.
-     */
+    /// Return the constrained components (bits) of the owned unknowns.
     std::vector<unsigned char>
     held_unknowns() const;
 
-    /**
-     * Return the positions of owned unknowns in the lattice, with zeros beyond
-     * @p dim.
-     */
+    /// Return the positions of owned unknowns, with zeros beyond @p dim.
     std::vector<std::array<int, 3>>
     unknown_positions() const;
 
@@ -100,10 +92,7 @@ namespace greville
     const std::vector<unsigned int> &
     unknown_functions() const;
 
-    /**
-     * Initialize a vector of @p width columns, with the ghosts that multiply()
-     * needs.
-     */
+    /// Initialize a vector of @p width columns with the ghosts of multiply().
     void
     initialize_vector(VectorType &vector, const unsigned int width) const;
 
@@ -204,11 +193,9 @@ namespace greville
       double       weight;
     };
 
-    /**
-     * Collective. Compute rows = E^T b for @p columns b, which belong to the @p
-     * component and the following ones: ..., dim - 1, 0, ...; write_columns()
-     * sets columns = E x except at constrained functions.
-     */
+    /// Collective. Compute rows = E^T b for @p columns b, which belong to the
+    /// @p component and the following ones: ..., dim - 1, 0, ...;
+    /// write_columns() sets columns = E x except at constrained functions.
     void
     restrict_columns(VectorType                            &rows,
                      const std::vector<const VectorType *> &columns,
@@ -236,18 +223,14 @@ namespace greville
     void
     zero_held(double *values, const unsigned int width) const;
 
-    /**
-     * Call visit(f, place) for the first @p n_functions local functions if they
-     * are active.
-     */
+    /// Call visit(f, place) for the first @p n_functions local functions if
+    /// they are active.
     template <typename Visit>
     void
     for_each_active(const unsigned int n_functions, const Visit &visit) const;
 
-    /**
-     * Call visit(f, place) for all places of all active local functions, images
-     * last.
-     */
+    /// Call visit(f, place) for all places of all active local functions,
+    /// images last.
     template <typename Visit>
     void
     for_each_active_place(const Visit &visit) const;
@@ -259,11 +242,9 @@ namespace greville
     bool
     is_held(const unsigned int function, const unsigned int column) const;
 
-    /**
-     * Return whether the function at a place is an extended one that depends on
-     * unknowns that are constrained in a column or that are not stored on this
-     * process.
-     */
+    /// Return whether the function at a place is an extended one that depends
+    /// on unknowns that are constrained in a column or that are not stored on
+    /// this process.
     bool
     may_extend_held(const unsigned int place, const unsigned int column) const;
 
@@ -291,10 +272,8 @@ namespace greville
     void
     number_unknowns();
 
-    /**
-     * Return the components (bits) in which a constrained extended function
-     * depends on functions that are not constrained.
-     */
+    /// Return the components (bits) in which a constrained extended function
+    /// depends on functions that are not constrained.
     unsigned int
     changes_extension(const unsigned int  place,
                       const unsigned char components) const;

@@ -62,24 +62,16 @@ namespace greville
     declare(dealii::ParameterHandler &prm) override
     {
       HenckyPlasticity<DruckerPrager>::declare(prm);
-      prm.add_parameter("Friction angle",
-                        friction_angle,
-                        "Angle of internal friction. Unit: degrees.",
-                        dealii::Patterns::Double(0., 89.));
-      prm.add_parameter(
-        "Dilatancy angle",
-        dilatancy_angle,
-        "Angle of dilatancy, at most the friction angle. Unit: degrees.",
-        dealii::Patterns::Double(0., 89.));
-      prm.add_parameter("Cohesion",
-                        cohesion,
-                        "Cohesion, Kirchhoff stress. Unit: Pa.",
-                        dealii::Patterns::Double(0.));
-      prm.add_parameter("Tension cut-off",
-                        tension_cut_off,
-                        "Largest mean stress, Kirchhoff stress; negative: the "
-                        "apex of the cone. Unit: Pa.",
-                        dealii::Patterns::Double());
+      using dealii::Patterns::Double;
+      add_parameter(prm, "Friction angle", friction_angle, Double(0., 89.))(
+        "Angle of internal friction. Unit: degrees.");
+      add_parameter(prm, "Dilatancy angle", dilatancy_angle, Double(0., 89.))(
+        "Angle of dilatancy, at most the friction angle. Unit: degrees.");
+      add_parameter(prm, "Cohesion", cohesion, Double(0.))(
+        "Cohesion, Kirchhoff stress. Unit: Pa.");
+      add_parameter(prm, "Tension cut-off", tension_cut_off, Double())(
+        "Largest mean stress, Kirchhoff stress; negative: the apex of the "
+        "cone. Unit: Pa.");
       add_choice<Cone>(prm,
                        "Cone",
                        cone,

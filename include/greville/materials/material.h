@@ -86,10 +86,7 @@ namespace greville
       return {};
     }
 
-    /**
-     * Return the unit of a history variable that is missing in the list of
-     * run_notes.cc.
-     */
+    /// Return the unit of a history variable that run_notes.cc does not list.
     virtual std::string
     state_unit(const std::string & /*name*/) const
     {

@@ -87,7 +87,7 @@ namespace greville
     std::map<std::string, ContactParameters>               contacts;
 
     /**
-     * Whether bodies have grids of their own, see CoupledSimulations.
+     * Return whether bodies have grids of their own, see CoupledSimulations.
      */
     bool
     has_body_grids() const;
@@ -251,9 +251,9 @@ namespace greville
     check_water_of_stage() const;
 
     /**
-     * What "auto" stands for: lumped mass where bodies spread into thin layers,
-     * with friction walls and with APIC; the consistent one otherwise, and with
-     * total Lagrangian steps.
+     * Return the mass of "auto": lumped if bodies spread into thin layers, with
+     * friction walls and with APIC; consistent otherwise, and in total
+     * Lagrangian steps.
      */
     std::string
     default_mass(const SchemeParameters &scheme,

@@ -79,8 +79,7 @@ namespace greville
     finish(State<dim> &state) override;
 
   protected:
-    /// Whether w comes from the velocities of the points by the inverse of the
-    /// mass, and not from v'.
+    /// Return whether w is the mapped velocity of the points in place of v'.
     virtual bool
     deforms_by_mapped_velocity() const = 0;
 

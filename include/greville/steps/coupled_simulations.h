@@ -130,7 +130,7 @@ namespace greville
 
     /**
      * Collective. Go on from tables() of others with the same parameters.
-     * What follows has the same bits on the same number of processes.
+     * Later steps have the same bits on the same number of processes.
      */
     void
     set_from_tables(const TablesFile &content);

@@ -11,8 +11,8 @@ namespace greville
   /// The properties of a time step on which its stability depends.
   struct StepScheme
   {
-    /// Whether the velocity whose gradient deforms the points comes from
-    /// theirs by the inverse of the mass (MUSL), or is the new one (USL).
+    /// True if points are deformed by their velocity, mapped to the grid
+    /// (MUSL), false if by the new velocity of the grid (USL).
     bool deforms_by_mapped_velocity = false;
     /// 1: FLIP, 0: PIC.
     double flip = 1.;

@@ -90,7 +90,6 @@ namespace greville
     friend class CoupledSteps<dim>;
     friend class TrialContacts<dim>;
 
-    /// The one velocity field of the grid.
     GridField<dim> &
     field() const
     {
@@ -101,49 +100,45 @@ namespace greville
     check_parameters(const std::string          &name,
                      const IntegratorParts<dim> &parts) const;
 
-    /// Where neither walls nor springs hold a static body.
+    /// Throw if neither walls nor springs support a static body.
     void
     check_support(const State<dim> &state) const;
 
-    /// The loads at a time, as forces on the functions; with those that depend
-    /// on the position of points where they are at the start, or without.
+    /// Sum the loads at time t, with or without loads that depend on the
+    /// position of points, taken at the start.
     void
     sum_loads(State<dim>       &state,
               const double      t,
               const bool        with_following,
               VectorField<dim> &loads);
 
-    /// The acceleration of the grid at the start, without contacts: from that
-    /// which the scheme has kept, or else, as in its first step, from the
-    /// forces. Held coefficients are given.
+    /// Find the acceleration of the grid at the start, without contacts: the
+    /// one that the scheme has kept, or in its first step from the forces.
     void
     find_acceleration(State<dim> &state);
 
-    /// Collective. The acceleration by contact_load. Returns whether there is
-    /// any.
+    /// Collective. Find the acceleration by contact_load. Returns whether
+    /// there is any.
     bool
     find_contact_acceleration();
 
-    /// a' of the ImplicitScheme.
+    /// Compute a' of the ImplicitScheme.
     void
     find_new_acceleration(VectorField<dim> &result, const double dt) const;
 
-    /// Hand the new acceleration to the next step: as the history of the
-    /// state, and in updated Lagrangian steps as the field "acceleration" of
-    /// points.
+    /// Store the new acceleration in the state, and in updated Lagrangian
+    /// steps in the field "acceleration" of points.
     void
     keep_acceleration(State<dim> &state, const double dt);
 
     void
     solve_mass(VectorField<dim> &x, const VectorField<dim> &b);
 
-    /// Begin to try a step: compute all that is known at its start, and the
-    /// guess of the displacement.
+    /// Compute all that is known at the start of a step, and guess u.
     void
     begin_trial(State<dim> &state, const double dt);
 
-    /// Set the bodies of TangentSystem, with the strength of their materials
-    /// at the end of the step.
+    /// Set the bodies, with their strength at the end of the step.
     void
     take_bodies(const State<dim> &state, const double dt);
 
@@ -164,21 +159,21 @@ namespace greville
     void
     set_contact_impulses_apart(const State<dim> &state);
 
-    /// The times at the start and at the end of a step with times around them,
-    /// at a small fraction of the step, for velocities of walls.
+    /// Return the start and the end of a step, each with a time before and
+    /// after it for velocities of walls.
     std::array<WallTime, 2>
     wall_times(const double t, const double dt) const;
 
-    /// The velocity of the grid at the start: M v = P.
+    /// Solve M v = P at the start.
     void
     map_velocity(const State<dim> &state, const double dt);
 
-    /// The acceleration of the grid at the start, and the velocity of surfaces
-    /// that follows from it.
+    /// Find the acceleration of the grid at the start, and the velocity of
+    /// surfaces that follows from it.
     void
     map_acceleration(State<dim> &state, const double dt);
 
-    /// Guess that the velocity goes on; walls have their displacement.
+    /// Guess the displacement from the velocity, with the motion of walls.
     void
     guess_displacement(const State<dim> &state, const double dt);
 
@@ -188,34 +183,32 @@ namespace greville
     std::string
     evaluate(const VectorType &x, const double dt, const bool with_stiffness);
 
-    /// The residual of the last evaluate(), with the force of contacts times
-    /// their weight, which is kept and may be null.
+    /// Return the residual of the last evaluate(), with the weighted contact
+    /// force, which is kept and may be null.
     void
     find_residual(VectorType             &r,
                   const double            dt,
                   const VectorField<dim> *of_contacts);
 
-    /// The sum of the norms of the terms of inertia that are known at the
-    /// start.
+    /// Return the sum of the norms of inertia terms known at the start.
     double
     find_inertia_at_begin(const double dt);
 
-    /// What round-off may make of the residual of a solution: the sum of the
-    /// norms of terms that cancel, times some units of round-off.
+    /// Estimate the round-off of the residual: the sum of the norms of the
+    /// terms that cancel, times some units of round-off.
     double
     find_round_off() const;
 
-    /// The loads on surfaces at the start, and what find_residual() needs for
-    /// those in the step, and for loads on points that depend on their
-    /// position.
+    /// Find surface loads at the start, and prepare find_residual() for loads
+    /// that depend on the displacement.
     void
     start_surfaces(const State<dim> &state, const double dt);
 
-    /// Why steps that have been cut to the smallest one still fail.
+    /// Return the reason why the smallest step fails.
     std::string
     describe_failure(const State<dim> &state) const;
 
-    /// Where the last residual is largest.
+    /// Return the place of the largest entry of the last residual.
     std::string
     describe_residual() const;
 
@@ -234,8 +227,8 @@ namespace greville
     void
     find_reactions(State<dim> &state, const double dt);
 
-    /// Take that of contacts, which the balance has with their weight, from
-    /// the @p reaction, and count its work. Returns it.
+    /// Subtract the weighted contact force from the @p reaction, and count its
+    /// work. Returns this force.
     VectorField<dim>
     split_reaction(State<dim> &state, VectorField<dim> &reaction) const;
 
@@ -245,8 +238,8 @@ namespace greville
              const VectorField<dim> &reaction,
              const double            dt);
 
-    /// Points shall not keep what the held velocity leaves out of theirs: take
-    /// it from them with the kick, and count it as momentum of walls.
+    /// Remove the momentum that constrained velocities do not represent from
+    /// the points with their kick, and count it as momentum of walls.
     void
     take_held_momentum(State<dim> &state, const double dt);
 
@@ -258,8 +251,8 @@ namespace greville
     void
     advance_water(State<dim> &state, const double dt);
 
-    /// Kick the points by the acceleration of the state, and move them by the
-    /// displacement, which is divided by dt then.
+    /// Kick the points, and move them by the displacement, which has been
+    /// divided by dt.
     void
     move_points(State<dim> &state, const double dt);
 

@@ -151,7 +151,7 @@ namespace greville
 
     FieldState<dim> field;
 
-    /// Those of GeneralParameters::rigid_bodies, the same in all simulations of
+    /// The states of GeneralParameters::rigid_bodies, the same in all parts of
     /// CoupledSimulations.
     std::vector<RigidBodyState<dim>> rigid_bodies;
 
