@@ -17,7 +17,7 @@ FullMatrix<double>
 dense(const SplineSpace<dim>                         &space,
       const DensityWeights<dim>                      &weights,
       const Extension<dim>                           &extension,
-      const std::function<bool(const std::uint64_t)> &is_held)
+      const std::function<bool(const std::uint64_t)> &is_constrained)
 {
   const unsigned int           n = space.n_dofs();
   const CrossMassOperator<dim> cross(space, space, weights);
@@ -47,7 +47,7 @@ dense(const SplineSpace<dim>                         &space,
   std::vector<std::uint64_t> positions;
   std::vector<double>        row;
   for (unsigned int i = 0; i < n; ++i)
-    if (is_held(i))
+    if (is_constrained(i))
       continue;
     else if (extension[i] != Extension<dim>::extended)
       E(i, i) = 1.;
@@ -55,7 +55,7 @@ dense(const SplineSpace<dim>                         &space,
       {
         extension.row(i, positions, row);
         for (unsigned int k = 0; k < row.size(); ++k)
-          if (!is_held(positions[k]))
+          if (!is_constrained(positions[k]))
             E(i, positions[k]) = row[k];
       }
   lumped.mmult(product, E);

@@ -22,7 +22,7 @@ struct ShippedFile
   /// Whether it is one of greville_benchmark.
   bool is_benchmark = false;
   /// The whole file, and what makes it small: later lines win.
-  std::string content, small;
+  std::string content, overrides;
 };
 
 
@@ -88,16 +88,16 @@ shipped_files(const std::string &source,
                                               std::regex(R"(\.\./\.\./)"),
                                               root.string() + "/");
             if (file.is_benchmark)
-              file.small = section_text("Benchmark",
-                                        {"Cells = 4",
-                                         "Orders = 2",
-                                         "Repetitions = 1",
-                                         "Print times = false",
-                                         "Output directory = " + results});
+              file.overrides = section_text("Benchmark",
+                                            {"Cells = 4",
+                                             "Orders = 2",
+                                             "Repetitions = 1",
+                                             "Print times = false",
+                                             "Output directory = " + results});
             else
               {
                 const auto found = cells.find(file.name);
-                file.small =
+                file.overrides =
                   section_text("Time", {"Maximum steps = 3"}) +
                   section_text(
                     "Sweep",
@@ -107,7 +107,7 @@ shipped_files(const std::string &source,
                                 "Statistics every = 0",
                                 "Directory = " + results});
                 if (found != cells.end())
-                  file.small +=
+                  file.overrides +=
                     section_text("Grid", {"Cells = " + found->second});
               }
             result.push_back(file);

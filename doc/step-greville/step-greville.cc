@@ -91,7 +91,7 @@ namespace StepGreville
       const Point<dim> lower, upper(1., 1.);
       create_box_mesh<dim>(mesh, lower, upper, {{n_cells, n_cells}});
       orders.reinit(mesh, degree, "one by one");
-      const TangentSystem<dim>::HeldFunctions nothing;
+      const TangentSystem<dim>::ConstrainedFunctions nothing;
       system = std::make_unique<TangentSystem<dim>>(
         orders, nothing, parameters, 0.5, false);
 

@@ -91,11 +91,11 @@ namespace greville
 
 
   bool
-  CsvWriter::go_on(const std::string              &name,
-                   const std::vector<std::string> &names,
-                   const unsigned int              precision,
-                   const std::uint64_t             n_bytes,
-                   const MPI_Comm                  communicator)
+  CsvWriter::resume(const std::string              &name,
+                    const std::vector<std::string> &names,
+                    const unsigned int              precision,
+                    const std::uint64_t             n_bytes,
+                    const MPI_Comm                  communicator)
   {
     file = name;
     comm = communicator;

@@ -78,14 +78,15 @@ namespace greville
   did_you_mean(const std::string &word, const std::vector<std::string> &known)
   {
     std::string  nearest;
-    unsigned int least = std::max<std::size_t>(1, word.size() / 3) + 1;
+    unsigned int smallest_distance =
+      std::max<std::size_t>(1, word.size() / 3) + 1;
     for (const std::string &other : known)
       {
         const unsigned int d = distance(word, other);
-        if (d < least && d < other.size())
+        if (d < smallest_distance && d < other.size())
           {
-            least   = d;
-            nearest = other;
+            smallest_distance = d;
+            nearest           = other;
           }
       }
     return nearest.empty() ? "" : " Did you mean <" + nearest + ">?";

@@ -79,7 +79,7 @@ namespace greville
     timer_t       clock_of_calls;
     double        clock_period = 0.;
     unsigned int  n_looks      = 0;
-    std::uint64_t seen_call    = 0;
+    std::uint64_t watched_call = 0;
 
     // The limits of the clock's period, s.
     constexpr double shortest_period = 1e-3, longest_period = 1e6;
@@ -214,9 +214,9 @@ extern "C"
     using namespace greville;
     if (call_under_way == nullptr)
       return;
-    if (call_under_way->stamp != seen_call)
+    if (call_under_way->call_number != watched_call)
       n_looks = 0;
-    seen_call          = call_under_way->stamp;
+    watched_call       = call_under_way->call_number;
     const double limit = call_under_way->time_limit;
     if (limit > 0. && n_looks++ * clock_period >= limit)
       end_process(call_under_way->text_of_limit());
@@ -369,7 +369,7 @@ namespace greville
 
   ForeignCall::ForeignCall(const double time_limit)
     : time_limit(time_limit)
-    , stamp(++n_calls)
+    , call_number(++n_calls)
   {
     std::atomic_signal_fence(std::memory_order_seq_cst);
     call_under_way = this;

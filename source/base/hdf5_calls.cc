@@ -15,7 +15,7 @@ namespace greville
   {
     // The largest number of elements per HDF5 call, since MPI-IO counts bytes
     // by int.
-    constexpr hsize_t most_elements = 1u << 27;
+    constexpr hsize_t max_elements_of_call = 1u << 27;
 
 
 
@@ -178,7 +178,8 @@ namespace greville
     const HDF5Handle space(H5Dget_space(data_set), H5Sclose);
     const HDF5Handle list(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
     check_hdf5(H5Pset_dxpl_mpio(list, H5FD_MPIO_COLLECTIVE));
-    const hsize_t chunk = std::max<hsize_t>(1, most_elements / n_columns);
+    const hsize_t chunk =
+      std::max<hsize_t>(1, max_elements_of_call / n_columns);
     const hsize_t n_chunks =
       Utilities::MPI::max<std::uint64_t>((n_rows + chunk - 1) / chunk, comm);
     bool has_failed = false;

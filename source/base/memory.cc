@@ -23,7 +23,7 @@ namespace greville
     constexpr double bytes_per_cell_2d = 900., bytes_per_cell_3d = 1400.;
 
     // deal.II counts the cells of a process with 32 bits.
-    constexpr double most_cells = 4e9;
+    constexpr double max_cells_of_process = 4e9;
 
 
 
@@ -82,7 +82,7 @@ namespace greville
       n_cells * (dim == 2 ? bytes_per_cell_2d : bytes_per_cell_3d);
     const double       available = free_memory();
     std::ostringstream message;
-    if (part * bytes > available || n_cells > most_cells)
+    if (part * bytes > available || n_cells > max_cells_of_process)
       message << parameter << ": " << n_cells << " cells would take at least "
               << gigabytes(bytes) << " of memory, and " << gigabytes(available)
               << " are free on a machine for " << 100. * part

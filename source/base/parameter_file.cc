@@ -362,7 +362,7 @@ namespace greville
     hint_for_section(const std::string              &section,
                      const std::vector<std::string> &known)
     {
-      const auto small = [](std::string text) {
+      const auto in_lower_case = [](std::string text) {
         std::transform(text.begin(), text.end(), text.begin(), ::tolower);
         return text;
       };
@@ -371,8 +371,9 @@ namespace greville
         if (name.size() > end.size() &&
             name.compare(name.size() - end.size(), end.size(), end) == 0)
           {
-            const std::string kind = small(name.substr(0, name.size() - 4));
-            if (small(section + " ").compare(0, kind.size(), kind) == 0)
+            const std::string kind =
+              in_lower_case(name.substr(0, name.size() - 4));
+            if (in_lower_case(section + " ").compare(0, kind.size(), kind) == 0)
               return " Did you mean <" + name + ">?";
           }
       return did_you_mean(section, known);

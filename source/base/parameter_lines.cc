@@ -83,11 +83,11 @@ namespace greville
           // Comments may contain any bytes.
           check_utf8(text,
                      "Line " + std::to_string(number) + " of <" + file + ">");
-          const bool goes_on = !text.empty() && text.back() == '\\';
-          if (goes_on)
+          const bool continues = !text.empty() && text.back() == '\\';
+          if (continues)
             text.pop_back();
           line += text;
-          if (goes_on)
+          if (continues)
             continue;
           std::string words;
           words.swap(line);

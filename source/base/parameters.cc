@@ -128,7 +128,7 @@ namespace greville
 
     /// Return whether the reference describes two parameters identically.
     bool
-    are_alike(const boost::property_tree::ptree &a,
+    are_equal(const boost::property_tree::ptree &a,
               const boost::property_tree::ptree &b)
     {
       for (const char *key :
@@ -166,7 +166,7 @@ namespace greville
                             [&](const auto *section) {
                               const auto found = section->find(entry.first);
                               return found != section->not_found() &&
-                                     are_alike(found->second, entry.second);
+                                     are_equal(found->second, entry.second);
                             }))
               {
                 child.second.push_back(entry);

@@ -55,7 +55,7 @@ namespace greville
         , system(
             orders,
             [&](const SplineSpace<dim> &space) {
-              return held_components_at_walls(space, walls);
+              return constrained_components_at_walls(space, walls);
             },
             this->tangent,
             filling,

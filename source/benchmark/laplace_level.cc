@@ -98,12 +98,12 @@ namespace greville
 
   template <int dim>
   LaplaceLevel<dim>::LaplaceLevel(const SplineSpace<dim>           &space,
-                                  const std::vector<unsigned char> &held)
+                                  const std::vector<unsigned char> &constrained)
     : spline_space(space)
   {
-    AssertThrow(held.size() == space.owned_functions().size() +
-                                 space.ghost_functions().size(),
-                ExcDimensionMismatch(held.size(),
+    AssertThrow(constrained.size() == space.owned_functions().size() +
+                                        space.ghost_functions().size(),
+                ExcDimensionMismatch(constrained.size(),
                                      space.owned_functions().size() +
                                        space.ghost_functions().size()));
     // All functions are unknowns.
@@ -114,12 +114,12 @@ namespace greville
     ExtendedMass<dim> stencil;
     stencil.reinit(space);
     stencil.begin(all_stable, true);
-    stencil.unknowns().hold(held);
+    stencil.unknowns().constrain(constrained);
     add_laplace_matrix(stencil.matrix());
     stencil.finish();
     for (unsigned int f = 0; f < space.owned_functions().size(); ++f)
-      if (held[f] != 0)
-        held_functions.push_back(f);
+      if (constrained[f] != 0)
+        constrained_functions.push_back(f);
 
     const LowerTriangle local   = stencil.local_entries(1);
     double              largest = 0.;
@@ -128,7 +128,7 @@ namespace greville
     largest = Utilities::MPI::max(largest, space.communicator());
     entries = std::make_unique<MassMatrix<dim>>(stencil,
                                                 local,
-                                                held_functions,
+                                                constrained_functions,
                                                 largest);
     space.initialize_vector(matrix_diagonal);
     PetscVectorView view(space.communicator(), space.n_locally_owned_dofs());
@@ -154,12 +154,12 @@ namespace greville
   {
     const unsigned int n_functions = this->space().owned_functions().size();
     std::vector<unsigned int>  functions(n_functions);
-    std::vector<unsigned char> held(n_functions, 0);
+    std::vector<unsigned char> constrained(n_functions, 0);
     std::iota(functions.begin(), functions.end(), 0u);
     for (const unsigned int f : this->inactive())
-      held[f] = 1;
+      constrained[f] = 1;
     const LatticeLevels<dim> lattice(
-      matrix(), this->space(), functions, 1, held);
+      matrix(), this->space(), functions, 1, constrained);
     return std::make_unique<PetscPreconditioner>(
       matrix(), lattice.options(), [&](PC pc) { lattice.apply_to(pc); });
   }

@@ -38,7 +38,7 @@ namespace greville
         for (unsigned int l = 0; l < orders.n_levels(); ++l)
           {
             levels.push_back(std::make_unique<LaplaceLevel<dim>>(
-              orders[l], held_components_at_walls(orders[l], walls)));
+              orders[l], constrained_components_at_walls(orders[l], walls)));
             operators.push_back(levels.back().get());
           }
       }

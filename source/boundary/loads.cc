@@ -12,7 +12,7 @@ namespace greville
   {
     // Loads that move a point by more than this fraction of a cell in a step
     // are a possible reason for a failed step.
-    constexpr double large_move = 0.1;
+    constexpr double suspicious_move = 0.1;
 
 
 
@@ -100,17 +100,19 @@ namespace greville
 
   template <int dim>
   std::string
-  Loads<dim>::what_is_large(const double   t,
-                            const double   dt,
-                            const double   h,
-                            const MPI_Comm comm) const
+  Loads<dim>::describe_large_loads(const double   t,
+                                   const double   dt,
+                                   const double   h,
+                                   const MPI_Comm comm) const
   {
-    const double most = Utilities::MPI::max(largest, comm) + gravity(t).norm();
-    if (!(most * dt * dt > large_move * h))
+    const double largest_acceleration =
+      Utilities::MPI::max(largest, comm) + gravity(t).norm();
+    if (!(largest_acceleration * dt * dt > suspicious_move * h))
       return "";
     std::ostringstream message;
-    message << "Loads alone accelerate points by up to " << most
-            << " m / s^2, which moves them by " << most * dt * dt / h
+    message << "Loads alone accelerate points by up to " << largest_acceleration
+            << " m / s^2, which moves them by "
+            << largest_acceleration * dt * dt / h
             << " cells in a step: " << names(true) << ". ";
     return message.str();
   }

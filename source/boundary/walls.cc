@@ -114,9 +114,9 @@ namespace greville
     for (unsigned int w = 0; w < 2 * dim; ++w)
       {
         coefficients[w] = coefficients_at(space, w);
-        places[w].clear();
+        abscissae[w].clear();
         for (const unsigned int i : coefficients[w])
-          places[w].push_back(space.greville_point(i));
+          abscissae[w].push_back(space.greville_point(i));
       }
     // If several walls constrain a coefficient, the last one gives its value.
     std::vector<unsigned char> others(space.owned_functions().size(), 0);
@@ -125,8 +125,8 @@ namespace greville
         counted[w].clear();
         for (const unsigned int i : coefficients[w])
           {
-            counted[w].push_back(held_components(w) & ~others[i]);
-            others[i] |= held_components(w);
+            counted[w].push_back(constrained_components(w) & ~others[i]);
+            others[i] |= constrained_components(w);
           }
       }
   }
@@ -206,7 +206,8 @@ namespace greville
 
   template <int dim>
   bool
-  Walls<dim>::holds(const unsigned int wall, const unsigned int component) const
+  Walls<dim>::constrains(const unsigned int wall,
+                         const unsigned int component) const
   {
     return type[wall] == WallType::fixed || type[wall] == WallType::moving ||
            (type[wall] == WallType::sliding && wall / 2 == component);
@@ -216,12 +217,12 @@ namespace greville
 
   template <int dim>
   std::vector<unsigned int>
-  Walls<dim>::held_functions(const SplineSpace<dim> &space,
-                             const unsigned int      component) const
+  Walls<dim>::constrained_functions(const SplineSpace<dim> &space,
+                                    const unsigned int      component) const
   {
     std::vector<unsigned int> result;
     for (unsigned int w = 0; w < 2 * dim; ++w)
-      if (holds(w, component))
+      if (constrains(w, component))
         for (const unsigned int i : coefficients_at(space, w))
           result.push_back(i);
     return result;
@@ -254,17 +255,17 @@ namespace greville
   template <int dim>
   template <typename Value>
   void
-  Walls<dim>::hold(VectorField<dim> &field, const Value &value_at) const
+  Walls<dim>::impose(VectorField<dim> &field, const Value &value_at) const
   {
     if (have_moving())
       fail_with(
         [&]() {
-          run_on_all([&]() { set_held(field, value_at); },
+          run_on_all([&]() { set_constrained(field, value_at); },
                      field[0].get_mpi_communicator());
         },
         false);
     else
-      set_held(field, value_at);
+      set_constrained(field, value_at);
   }
 
 
@@ -272,20 +273,21 @@ namespace greville
   template <int dim>
   template <typename Value>
   void
-  Walls<dim>::set_held(VectorField<dim> &field, const Value &value_at) const
+  Walls<dim>::set_constrained(VectorField<dim> &field,
+                              const Value      &value_at) const
   {
     for (unsigned int w = 0; w < 2 * dim; ++w)
       {
-        std::array<bool, dim> is_held;
+        std::array<bool, dim> is_constrained;
         for (unsigned int c = 0; c < dim; ++c)
-          is_held[c] = holds(w, c);
-        if (!is_held[w / 2])
+          is_constrained[c] = constrains(w, c);
+        if (!is_constrained[w / 2])
           continue;
         for (unsigned int k = 0; k < coefficients[w].size(); ++k)
           {
-            const Tensor<1, dim> value = value_at(w, places[w][k]);
+            const Tensor<1, dim> value = value_at(w, abscissae[w][k]);
             for (unsigned int c = 0; c < dim; ++c)
-              if (is_held[c])
+              if (is_constrained[c])
                 field[c].local_element(coefficients[w][k]) = value[c];
           }
       }
@@ -295,9 +297,10 @@ namespace greville
 
   template <int dim>
   void
-  Walls<dim>::hold_velocity(VectorField<dim> &field, const WallTime &time) const
+  Walls<dim>::impose_velocity(VectorField<dim> &field,
+                              const WallTime   &time) const
   {
-    hold(field, [&](const unsigned int w, const Point<dim> &x) {
+    impose(field, [&](const unsigned int w, const Point<dim> &x) {
       return velocity_at(w, x, time);
     });
   }
@@ -306,12 +309,12 @@ namespace greville
 
   template <int dim>
   void
-  Walls<dim>::hold_acceleration(VectorField<dim> &field,
-                                const WallTime   &before,
-                                const WallTime   &after,
-                                const double      dt) const
+  Walls<dim>::impose_acceleration(VectorField<dim> &field,
+                                  const WallTime   &before,
+                                  const WallTime   &after,
+                                  const double      dt) const
   {
-    hold(field, [&](const unsigned int w, const Point<dim> &x) {
+    impose(field, [&](const unsigned int w, const Point<dim> &x) {
       return dt > 0.
                ? (velocity_at(w, x, after) - velocity_at(w, x, before)) / dt
                : Tensor<1, dim>();
@@ -322,11 +325,11 @@ namespace greville
 
   template <int dim>
   unsigned char
-  Walls<dim>::held_components(const unsigned int wall) const
+  Walls<dim>::constrained_components(const unsigned int wall) const
   {
     unsigned char result = 0;
     for (unsigned int c = 0; c < dim; ++c)
-      result |= holds(wall, c) << c;
+      result |= constrains(wall, c) << c;
     return result;
   }
 
@@ -336,17 +339,17 @@ namespace greville
   unsigned char
   Walls<dim>::components_with_force(const unsigned int wall) const
   {
-    return is_friction(wall) ? (1 << dim) - 1 : held_components(wall);
+    return is_friction(wall) ? (1 << dim) - 1 : constrained_components(wall);
   }
 
 
 
   template <int dim>
   WallSums<dim>
-  Walls<dim>::sums_of_held(const VectorField<dim> &field) const
+  Walls<dim>::constrained_sums(const VectorField<dim> &field) const
   {
     WallSums<dim> sums;
-    add_held(sums, [&](const unsigned int c, const unsigned int i) {
+    add_constrained(sums, [&](const unsigned int c, const unsigned int i) {
       return field[c].local_element(i);
     });
     return sums;

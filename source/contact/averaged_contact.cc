@@ -127,8 +127,8 @@ namespace greville
       // The gaps at both ends of the step.
       const double change = du * n / share;
       const double first = gap - share * change, last = first + change;
-      const double least = share < 1. ? std::min(first, last) : gap;
-      if (least >= law.touching && given_pressure == 0.)
+      const double smallest_gap = share < 1. ? std::min(first, last) : gap;
+      if (smallest_gap >= law.touching && given_pressure == 0.)
         return result;
       double pressure =
         given_pressure - law.stiffness * gap - law.viscosity * rate * (du * n);
@@ -143,7 +143,7 @@ namespace greville
             last < 0. ? 2. * inside * (1. - 0.5 * inside) : inside * inside;
         }
       pressure = std::max(0., pressure);
-      if (least >= 0. && pressure == 0.)
+      if (smallest_gap >= 0. && pressure == 0.)
         {
           // At this kink, the derivative for imminent pressure is used.
           if (gap >= law.touching)
@@ -163,8 +163,8 @@ namespace greville
       Tensor<1, dim>       slip = tangential(mean) + step;
       Tensor<1, dim>       shear =
         -law.shear_stiffness * slip - law.viscosity * rate * step;
-      const double speed = rate * step.norm();
-      double       most  = pressure > 0. ? law.adhesion : 0.;
+      const double speed         = rate * step.norm();
+      double       largest_shear = pressure > 0. ? law.adhesion : 0.;
       // Suction is limited by the contact pressure, so that the strength is
       // continuous as the pressure vanishes.
       const double mean_pore = pores > 0. ? sums.pore_pressure / pores : 0.;
@@ -172,10 +172,10 @@ namespace greville
       const double effective =
         is_capped ? 2. * pressure : std::max(0., pressure - mean_pore);
       if (pressure > 0. && law.friction)
-        most += law.friction->strength(effective, speed);
+        largest_shear += law.friction->strength(effective, speed);
       Tensor<2, dim> stiffness =
         (law.shear_stiffness + law.viscosity * rate) * plane;
-      const bool slides = shear.norm() > most;
+      const bool slides = shear.norm() > largest_shear;
       if (slides)
         {
           const Tensor<1, dim> direction = shear / shear.norm();
@@ -183,8 +183,8 @@ namespace greville
           result.sticking = stiffness + normal_stiffness * outer_product(n, n);
           stiffness -= (law.shear_stiffness + law.viscosity * rate) *
                        outer_product(direction, direction);
-          stiffness *= most / shear.norm();
-          shear *= most / shear.norm();
+          stiffness *= largest_shear / shear.norm();
+          shear *= largest_shear / shear.norm();
           if (with_tangent && pressure > 0. && effective > 0. && law.friction)
             {
               const FrictionLaw::Slopes slopes =
@@ -200,13 +200,14 @@ namespace greville
             }
           slip = -shear / law.shear_stiffness;
         }
-      else if (most == 0.)
+      else if (largest_shear == 0.)
         stiffness = Tensor<2, dim>();
       if (pressure > 0.)
         {
           stiffness += normal_stiffness * outer_product(n, n);
-          result.state = double(slides || most == 0. ? ContactState::slip
-                                                     : ContactState::stick);
+          result.state =
+            double(slides || largest_shear == 0. ? ContactState::slip
+                                                 : ContactState::stick);
         }
       const Tensor<1, dim> force = weight * (pressure * n + shear);
       result.force[0]            = force / w[0];
@@ -523,7 +524,7 @@ namespace greville
         {
           if (contact_law.measures(point.side))
             result.gap = std::min(result.gap, point.gap);
-          hats.emplace_back(point.x - point.since_hats,
+          hats.emplace_back(point.x - point.offset_from_hats,
                             oriented_normal(point),
                             corner,
                             cell_size);

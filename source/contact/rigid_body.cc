@@ -31,7 +31,7 @@ namespace greville
     // The number of places per direction at which a shape of unknown extent is
     // sampled.
     template <int dim>
-    constexpr unsigned int n_places = dim == 2 ? 16 : 8;
+    constexpr unsigned int n_samples_per_direction = dim == 2 ? 16 : 8;
 
     // The number of lattice cells per direction for integrals over a shape.
     constexpr unsigned int n_cells_of_mass = 24;
@@ -293,10 +293,10 @@ namespace greville
 
   template <int dim>
   bool
-  RigidBody<dim>::lets_through(const ContactPoint<dim>  &point,
-                               const double              reach,
-                               const RigidPosition<dim> &now,
-                               const RigidPosition<dim> &before) const
+  RigidBody<dim>::is_crossed_by(const ContactPoint<dim>  &point,
+                                const double              reach,
+                                const RigidPosition<dim> &now,
+                                const RigidPosition<dim> &before) const
   {
     const Point<dim> start = initial_position(before, point.x - point.motion);
     const Point<dim> end   = initial_position(now, point.x);
@@ -341,13 +341,15 @@ namespace greville
       }
     Tensor<1, dim>  size;
     MultiIndex<dim> n;
-    n.fill(n_places<dim>);
+    n.fill(n_samples_per_direction<dim>);
     for (unsigned int d = 0; d < dim; ++d)
       size[d] = region.side_length(d) / n[d];
     const double within = 0.5 * size.norm() + margin;
     try
       {
-        for (unsigned int k = 0; k < Utilities::pow(n_places<dim>, dim); ++k)
+        for (unsigned int k = 0;
+             k < Utilities::pow(n_samples_per_direction<dim>, dim);
+             ++k)
           {
             const auto index = multi_index<dim>(k, n);
             Point<dim> x;

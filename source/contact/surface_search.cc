@@ -21,11 +21,12 @@ namespace greville
     // Surfaces face one another if the cosine of the angle between the normals
     // is below the first number; points belong to one surface if it is above
     // the second.
-    constexpr double largest_cosine = -0.7, least_alike = 0.5;
+    constexpr double largest_cosine_of_facing = -0.7,
+                     smallest_cosine_of_side  = 0.5;
 
     // The least cover, relative to a plane full of points: less indicates the
     // end of the surface.
-    constexpr double least_cover = 0.4;
+    constexpr double smallest_cover = 0.4;
 
     constexpr unsigned int n_projections = 3;
 
@@ -88,7 +89,8 @@ namespace greville
         const Sample *nearest    = nullptr;
         double        square     = std::numeric_limits<double>::max();
         for (const Sample &sample : samples)
-          if ((!has_normal || sample.normal * normal < largest_cosine) &&
+          if ((!has_normal ||
+               sample.normal * normal < largest_cosine_of_facing) &&
               sample.x.distance_square(x) < square)
             {
               nearest = &sample;
@@ -110,7 +112,7 @@ namespace greville
               {
                 const double s =
                   sample.x.distance_square(y) / (radius * radius);
-                if (s >= 1. || sample.normal * first < least_alike)
+                if (s >= 1. || sample.normal * first < smallest_cosine_of_side)
                   continue;
                 const double w = sample.area * (1. - s) * (1. - s);
                 cover += w;
@@ -129,8 +131,8 @@ namespace greville
           dim == 2 ? 16. / 15. * radius : numbers::PI / 3. * radius * radius;
         gap           = (x - y) * n;
         target_normal = n;
-        return cover >= least_cover * full && std::abs(gap) < reach &&
-               (!has_normal || n * normal < largest_cosine);
+        return cover >= smallest_cover * full && std::abs(gap) < reach &&
+               (!has_normal || n * normal < largest_cosine_of_facing);
       }
     };
 

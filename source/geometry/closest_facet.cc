@@ -53,7 +53,7 @@ namespace greville
       const auto &corners  = facet.corners;
       bool        is_above = true;
       Point<3>    result;
-      double      least = std::numeric_limits<double>::max();
+      double      smallest_square = std::numeric_limits<double>::max();
       for (unsigned int k = 0; k < 3; ++k)
         {
           const Point<3> &a  = corners[k];
@@ -66,10 +66,10 @@ namespace greville
                                   : t >= 1. ? corners[(k + 1) % 3]
                                             : a + t * ab;
           const double   square = (x - y).norm_square();
-          if (square < least)
+          if (square < smallest_square)
             {
-              least  = square;
-              result = y;
+              smallest_square = square;
+              result          = y;
             }
         }
       if (is_above)
@@ -201,8 +201,8 @@ namespace greville
         if (std::max(extent.lower_bound(d) - x[d],
                      x[d] - extent.upper_bound(d)) > within)
           return std::nullopt;
-      const double tolerance = same_closest_point * (x.norm() + size);
-      double       least     = within + tolerance;
+      const double tolerance         = same_closest_point * (x.norm() + size);
+      double       smallest_distance = within + tolerance;
       // Some facets with near boxes bound the distance; if facets are not much
       // smaller than the search distance, there are only a few.
       for (const bool is_last : {false, true})
@@ -213,8 +213,8 @@ namespace greville
           Point<dim> low = x, high = x;
           for (unsigned int d = 0; d < dim; ++d)
             {
-              low[d] -= least + tolerance;
-              high[d] += least + tolerance;
+              low[d] -= smallest_distance + tolerance;
+              high[d] += smallest_distance + tolerance;
             }
           const BoundingBox<dim> around({low, high});
           found.clear();
@@ -227,17 +227,17 @@ namespace greville
             {
               const Point<dim> y        = closest_of(facets[entry.second], x);
               const double     distance = x.distance(y);
-              if (distance > least + tolerance)
+              if (distance > smallest_distance + tolerance)
                 continue;
-              least = std::min(least, distance);
+              smallest_distance = std::min(smallest_distance, distance);
               nearest.emplace_back(entry.second, y);
             }
         }
       const Point<dim> *point = nullptr;
       for (const auto &[facet, y] : nearest)
-        if (x.distance(y) == least)
+        if (x.distance(y) == smallest_distance)
           point = &y;
-      if (point == nullptr || least > within)
+      if (point == nullptr || smallest_distance > within)
         return std::nullopt;
 
       ClosestPoint<dim> result;
@@ -260,11 +260,11 @@ namespace greville
           }
       const Tensor<1, dim> towards = x - *point;
       const double         side    = towards * sum < 0. ? -1. : 1.;
-      result.distance              = side * least;
+      result.distance              = side * smallest_distance;
       if (largest == 1.)
         result.normal = facets[widest].normal;
-      else if (least > 10. * tolerance)
-        result.normal = side / least * towards;
+      else if (smallest_distance > 10. * tolerance)
+        result.normal = side / smallest_distance * towards;
       else
         result.normal = sum / sum.norm();
       return result;

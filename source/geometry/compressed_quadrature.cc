@@ -168,10 +168,10 @@ namespace greville
             for (std::size_t k = 0; k < m; ++k)
               moments[k][i] = values[k];
           }
-        auto unseen = orthogonal_complement(moments);
-        for (std::size_t l = 0; l < unseen.size(); ++l)
+        auto complement = orthogonal_complement(moments);
+        for (std::size_t l = 0; l < complement.size(); ++l)
           {
-            const auto &direction = unseen[l];
+            const auto &direction = complement[l];
             std::size_t next      = n;
             double      smallest  = 0.;
             for (std::size_t i = 0; i < n; ++i)
@@ -192,11 +192,11 @@ namespace greville
               points[first + i].weight =
                 std::max(0., points[first + i].weight - step * direction[i]);
             points[first + next].weight = 0.;
-            for (std::size_t other = l + 1; other < unseen.size(); ++other)
+            for (std::size_t other = l + 1; other < complement.size(); ++other)
               {
-                const double factor = unseen[other][next] / direction[next];
-                add(unseen[other], -factor, direction);
-                unseen[other][next] = 0.;
+                const double factor = complement[other][next] / direction[next];
+                add(complement[other], -factor, direction);
+                complement[other][next] = 0.;
               }
           }
         points.erase(std::remove_if(points.begin() + first,

@@ -177,11 +177,11 @@ namespace greville
             further.push_back(name);
         for (const auto &group : wanted)
           {
-            const auto places = find_group(line, group);
+            const auto column_numbers = find_group(line, group);
             columns.further.insert(columns.further.end(),
-                                   places.begin(),
-                                   places.end());
-            if (!places.empty())
+                                   column_numbers.begin(),
+                                   column_numbers.end());
+            if (!column_numbers.empty())
               further.insert(further.end(), group.begin(), group.end());
           }
       }
@@ -202,18 +202,18 @@ namespace greville
       find_group(const CsvLine                  &line,
                  const std::vector<std::string> &group) const
       {
-        std::vector<int> places;
+        std::vector<int> column_numbers;
         std::string      there, missing;
         for (const std::string &name : group)
           {
-            places.push_back(place_of(header, name));
-            (places.back() < 0 ? missing : there) = name;
+            column_numbers.push_back(place_of(header, name));
+            (column_numbers.back() < 0 ? missing : there) = name;
           }
         AssertThrow(there.empty() || missing.empty(),
                     ExcMessage(line.where + "there is a column '" + there +
                                "', but no '" + missing + "' in <" + line.text +
                                ">."));
-        return missing.empty() ? places : std::vector<int>();
+        return missing.empty() ? column_numbers : std::vector<int>();
       }
 
       bool

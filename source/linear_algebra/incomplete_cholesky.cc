@@ -241,9 +241,9 @@ namespace greville
 
 
   void
-  IncompleteCholesky::solve(double            *x,
-                            const unsigned int width,
-                            const HeldRows    &held) const
+  IncompleteCholesky::solve(double                *x,
+                            const unsigned int     width,
+                            const ConstrainedRows &constrained) const
   {
     // Solve in single precision, with numbers of order 1.
     const std::size_t n       = std::size_t(size()) * width;
@@ -256,8 +256,8 @@ namespace greville
     const double scale = 1. / largest;
     for (std::size_t k = 0; k < n; ++k)
       single[k] = scale * x[k];
-    forward(single.data(), width, held);
-    backward(single.data(), width, held);
+    forward(single.data(), width, constrained);
+    backward(single.data(), width, constrained);
     for (std::size_t k = 0; k < n; ++k)
       x[k] = largest / largest_diagonal * single[k];
   }
@@ -297,24 +297,24 @@ namespace greville
 
 
   void
-  IncompleteCholesky::forward(float             *x,
-                              const unsigned int width,
-                              const HeldRows    &held) const
+  IncompleteCholesky::forward(float                 *x,
+                              const unsigned int     width,
+                              const ConstrainedRows &constrained) const
   {
     with_width(width, [&](const auto w) {
-      forward_interleaved<decltype(w)::value>(x, held);
+      forward_interleaved<decltype(w)::value>(x, constrained);
     });
   }
 
 
 
   void
-  IncompleteCholesky::backward(float             *x,
-                               const unsigned int width,
-                               const HeldRows    &held) const
+  IncompleteCholesky::backward(float                 *x,
+                               const unsigned int     width,
+                               const ConstrainedRows &constrained) const
   {
     with_width(width, [&](const auto w) {
-      backward_interleaved<decltype(w)::value>(x, held);
+      backward_interleaved<decltype(w)::value>(x, constrained);
     });
   }
 
@@ -322,7 +322,8 @@ namespace greville
 
   template <int width>
   void
-  IncompleteCholesky::forward_interleaved(float *x, const HeldRows &held) const
+  IncompleteCholesky::forward_interleaved(
+    float *x, const ConstrainedRows &constrained) const
   {
     const unsigned int *c      = columns.data();
     const float        *l      = entries.data();
@@ -342,13 +343,12 @@ namespace greville
       return sum + other_sum;
     };
     std::size_t i = 0;
-    for (const auto &row : held.rows)
+    for (const auto &row : constrained.rows)
       {
         for (; i < row.first; ++i)
           put<width>(x, i, reduce(i));
-        put<width>(x,
-                   i,
-                   mask<width>(row.second, held.n_components) * reduce(i));
+        put<width>(
+          x, i, mask<width>(row.second, constrained.n_components) * reduce(i));
         ++i;
       }
     for (; i < size(); ++i)
@@ -359,7 +359,8 @@ namespace greville
 
   template <int width>
   void
-  IncompleteCholesky::backward_interleaved(float *x, const HeldRows &held) const
+  IncompleteCholesky::backward_interleaved(
+    float *x, const ConstrainedRows &constrained) const
   {
     const unsigned int *c          = columns.data();
     const float        *l          = entries.data();
@@ -371,12 +372,13 @@ namespace greville
     for (std::size_t i = 0; i < inverse_pivots.size(); ++i)
       put<width>(x, i, at<width>(x, i) * inverse_pivots[i]);
     std::size_t i = size();
-    for (auto row = held.rows.rbegin(); row != held.rows.rend(); ++row)
+    for (auto row = constrained.rows.rbegin(); row != constrained.rows.rend();
+         ++row)
       {
         while (--i > row->first)
           substitute(i, at<width>(x, i));
         const Columns<width> value =
-          mask<width>(row->second, held.n_components) * at<width>(x, i);
+          mask<width>(row->second, constrained.n_components) * at<width>(x, i);
         put<width>(x, i, value);
         substitute(i, value);
       }

@@ -15,14 +15,14 @@ namespace greville
     auto &result = partitioners[width];
     if (result)
       return result;
-    constexpr std::uint64_t most = types::global_dof_index(-1);
-    AssertThrow(std::uint64_t(n_all) * width < most,
+    constexpr std::uint64_t largest_index = types::global_dof_index(-1);
+    AssertThrow(std::uint64_t(n_all) * width < largest_index,
                 ExcMessage(
                   std::to_string(n_all) + " functions with " +
                   std::to_string(width) +
                   " values each are more than this deal.II can number, "
                   "which is " +
-                  std::to_string(most) +
+                  std::to_string(largest_index) +
                   ": use a coarser grid, a 'Scheme/Mass' other than exact "
                   "mass, or a deal.II with 64-bit indices."));
     // deal.II divides by the size, even if no process owns anything.

@@ -109,15 +109,15 @@ namespace greville
 
     LowerTriangle             result;
     std::vector<double>       values(n, 0.);
-    std::vector<unsigned int> seen_by(n, static_cast<unsigned int>(-1));
+    std::vector<unsigned int> last_row_with(n, static_cast<unsigned int>(-1));
     std::vector<unsigned int> row;
     for (unsigned int i = 0; i < n; ++i)
       {
         row.clear();
         const auto see = [&](const unsigned int j) {
-          if (seen_by[j] != i)
+          if (last_row_with[j] != i)
             {
-              seen_by[j] = i;
+              last_row_with[j] = i;
               row.push_back(j);
             }
         };

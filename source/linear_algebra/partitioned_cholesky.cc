@@ -104,7 +104,7 @@ namespace greville
     add_ghosts(positions, may_leave_out);
     find_interface();
     find_order(positions, may_leave_out, reach);
-    held_interior.rows.clear();
+    constrained_interior.rows.clear();
 
     const bool has_interface =
       Utilities::MPI::max<unsigned int>(interface_unknowns.size(),
@@ -361,28 +361,30 @@ namespace greville
 
 
   void
-  PartitionedCholesky::hold(const std::vector<unsigned char> &held,
-                            const unsigned int                n_components)
+  PartitionedCholesky::constrain(const std::vector<unsigned char> &constrained,
+                                 const unsigned int                n_components)
   {
-    AssertThrow(held.size() == layout->n_owned(),
-                ExcDimensionMismatch(held.size(), layout->n_owned()));
-    held_interior.n_components = n_components;
-    held_interior.rows.clear();
+    AssertThrow(constrained.size() == layout->n_owned(),
+                ExcDimensionMismatch(constrained.size(), layout->n_owned()));
+    constrained_interior.n_components = n_components;
+    constrained_interior.rows.clear();
     for (unsigned int k = 0; k < n_interior; ++k)
-      if (held[order[k]] != 0)
-        held_interior.rows.emplace_back(k, held[order[k]]);
+      if (constrained[order[k]] != 0)
+        constrained_interior.rows.emplace_back(k, constrained[order[k]]);
     if (!next)
       return;
     // Managers need not own the unknowns that they manage.
     Vector &bits = vector_at_interface(1);
     for (unsigned int k = 0; k < interface_unknowns.size(); ++k)
-      bits.local_element(k) =
-        interface_unknowns[k] < held.size() ? held[interface_unknowns[k]] : 0.;
+      bits.local_element(k) = interface_unknowns[k] < constrained.size()
+                                ? constrained[interface_unknowns[k]]
+                                : 0.;
     bits.compress(VectorOperation::add);
-    std::vector<unsigned char> next_held;
+    std::vector<unsigned char> next_constrained;
     for (unsigned int k = 0; k < interface_layout->n_owned(); ++k)
-      next_held.push_back(static_cast<unsigned char>(bits.local_element(k)));
-    next->hold(next_held, n_components);
+      next_constrained.push_back(
+        static_cast<unsigned char>(bits.local_element(k)));
+    next->constrain(next_constrained, n_components);
   }
 
 
@@ -407,10 +409,10 @@ namespace greville
     std::fill(values.begin() + std::size_t(n_interior) * width,
               values.end(),
               0.f);
-    interior.forward(values.data(), width, held_interior);
+    interior.forward(values.data(), width, constrained_interior);
     if (next)
       solve_interface(x, width, largest);
-    interior.backward(values.data(), width, held_interior);
+    interior.backward(values.data(), width, constrained_interior);
     const double back = (largest > 0. ? largest : 1.) / interior.unit();
     for (unsigned int k = 0; k < n_interior; ++k)
       for (unsigned int c = 0; c < width; ++c)

@@ -49,7 +49,7 @@ namespace greville
         return;
       }
     std::vector<unsigned int> active;
-    E->for_each_active(E->held_functions.size(),
+    E->for_each_active(E->constrained_functions.size(),
                        [&](const unsigned int f, const std::size_t) {
                          active.push_back(f);
                        });
@@ -92,21 +92,22 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedMass<dim>::subtract_held(
+  ExtendedMass<dim>::subtract_constrained(
     VectorType                            &rows,
     const std::vector<VectorField<dim> *> &fields,
     const unsigned int                     width) const
   {
-    const auto columns  = columns_of<VectorType>(fields);
-    const auto for_held = [&](const bool everywhere, const auto &visit) {
+    const auto columns              = columns_of<VectorType>(fields);
+    const auto for_each_constrained = [&](const bool  everywhere,
+                                          const auto &visit) {
       const auto at = [&](const unsigned int f, const std::size_t place) {
-        if (E->held_functions[f] != 0)
+        if (E->constrained_functions[f] != 0)
           for (unsigned int c = 0; c < columns.size(); ++c)
-            if (E->is_held(f, c))
+            if (E->is_constrained(f, c))
               visit(c, place, columns[c]->local_element(f));
       };
-      if (std::count(E->component_has_held.begin(),
-                     E->component_has_held.end(),
+      if (std::count(E->component_has_constrained.begin(),
+                     E->component_has_constrained.end(),
                      true) == 0)
         return;
       if (everywhere)
@@ -117,14 +118,13 @@ namespace greville
     VectorType x, y;
     E->initialize_vector(x, width);
     bool any = false;
-    for_held(false,
-             [&](const unsigned int c,
-                 const std::size_t  place,
-                 const double       value) {
-               any = any || value != 0.;
-               if (E->roles[place] > 0)
-                 x.local_element((E->roles[place] - 1) * width + c) = value;
-             });
+    for_each_constrained(
+      false,
+      [&](const unsigned int c, const std::size_t place, const double value) {
+        any = any || value != 0.;
+        if (E->signed_numbers[place] > 0)
+          x.local_element((E->signed_numbers[place] - 1) * width + c) = value;
+      });
     // Walls at rest contribute nothing.
     if (Utilities::MPI::max<unsigned int>(any, E->communicator()) == 0)
       return;
@@ -133,21 +133,21 @@ namespace greville
     E->expand(x.begin(), width);
     for (const VectorType *column : columns)
       column->update_ghost_values();
-    for_held(true,
-             [&](const unsigned int c,
-                 const std::size_t  place,
-                 const double       value) {
-               E->place_x[place * width + c] = value;
-             });
+    for_each_constrained(true,
+                         [&](const unsigned int c,
+                             const std::size_t  place,
+                             const double       value) {
+                           E->place_x[place * width + c] = value;
+                         });
     for (VectorType *column : columns)
       column->zero_out_ghost_values();
     points_mass.vmult(E->place_y.data(), E->place_x.data(), width);
-    E->zero_held(E->place_y.data(), width);
+    E->zero_constrained(E->place_y.data(), width);
     E->initialize_vector(y, width);
     E->collect(y.begin(), width);
     y.compress(VectorOperation::add);
     rows.add(-1., y);
-    E->zero_held_unknowns(rows, width);
+    E->zero_constrained_unknowns(rows, width);
   }
 
 
@@ -163,7 +163,7 @@ namespace greville
       {
         E->to_places(field[c]);
         points_mass.vmult(E->place_y.data(), E->place_x.data(), 1);
-        for (const auto &[place, components] : E->held_places)
+        for (const auto &[place, components] : E->constrained_places)
           if ((components >> c) & 1)
             E->place_y[place] = 0.;
         E->collect(y.begin(), 1);
@@ -193,18 +193,18 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedMass<dim>::multiply_at_held(VectorField<dim>       &rows,
-                                      const VectorField<dim> &field) const
+  ExtendedMass<dim>::multiply_constrained_rows(
+    VectorField<dim> &rows, const VectorField<dim> &field) const
   {
     for (unsigned int c = 0; c < dim; ++c)
       {
         rows[c] = 0.;
-        if (!E->component_has_held[c])
+        if (!E->component_has_constrained[c])
           continue;
         E->to_places(field[c]);
         E->for_each_active_place(
           [&](const unsigned int f, const std::size_t place) {
-            if (E->is_held(f, c))
+            if (E->is_constrained(f, c))
               rows[c].local_element(f) += row(place);
           });
         rows[c].compress(VectorOperation::add);
@@ -215,25 +215,25 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedMass<dim>::rows_of_held(VectorField<dim>       &rows,
-                                  const VectorField<dim> &field,
-                                  const VectorField<dim> &b) const
+  ExtendedMass<dim>::constrained_rows(VectorField<dim>       &rows,
+                                      const VectorField<dim> &field,
+                                      const VectorField<dim> &b) const
   {
     VectorType y;
     E->initialize_vector(y, 1);
     for (unsigned int c = 0; c < dim; ++c)
       {
         rows[c] = 0.;
-        if (!E->component_has_held[c])
+        if (!E->component_has_constrained[c])
           continue;
         y = 0.;
         E->to_places(field[c]);
         const auto add = [&](const unsigned int f,
                              const std::size_t  place,
                              const double       known) {
-          if (E->is_held(f, c))
+          if (E->is_constrained(f, c))
             rows[c].local_element(f) += row(place) - known;
-          else if (E->may_extend_held(place, c))
+          else if (E->may_extend_constrained(place, c))
             {
               const double value = row(place) - known;
               E->for_each_unknown(place,
@@ -243,7 +243,7 @@ namespace greville
                                   });
             }
         };
-        E->for_each_active(E->held_functions.size(),
+        E->for_each_active(E->constrained_functions.size(),
                            [&](const unsigned int f, const std::size_t place) {
                              add(f,
                                  place,
@@ -260,7 +260,7 @@ namespace greville
         for (unsigned int u = 0; u < E->n_owned; ++u)
           {
             const unsigned int f = E->owned_unknown_functions[u];
-            if (E->is_held(f, c))
+            if (E->is_constrained(f, c))
               rows[c].local_element(f) += y.local_element(u);
           }
       }
@@ -301,16 +301,16 @@ namespace greville
 
     // Leave out unknowns and extended functions that are constrained in all
     // components.
-    std::vector<unsigned char> is_held(n, 0);
-    std::vector<unsigned char> is_held_extended(E->extended.size(), 0);
-    for (const auto &entry : E->held_places)
+    std::vector<unsigned char> is_constrained(n, 0);
+    std::vector<unsigned char> is_constrained_extended(E->extended.size(), 0);
+    for (const auto &entry : E->constrained_places)
       if ((entry.second & components) == components)
         {
-          const int role = E->roles[entry.first];
-          if (role > 0)
-            is_held[role - 1] = 1;
-          else if (role < 0)
-            is_held_extended[-role - 1] = 1;
+          const int signed_number = E->signed_numbers[entry.first];
+          if (signed_number > 0)
+            is_constrained[signed_number - 1] = 1;
+          else if (signed_number < 0)
+            is_constrained_extended[-signed_number - 1] = 1;
         }
 
     // A row that is being summed up, its end, and bits that mark its entries.
@@ -319,7 +319,7 @@ namespace greville
     std::vector<std::uint64_t> touched(n / n_bits + 1, 0);
     unsigned int               lowest = n, highest = 0;
     const auto add_entry = [&](const unsigned int unknown, const double value) {
-      if (is_held[unknown])
+      if (is_constrained[unknown])
         return;
       touched[unknown / n_bits] |= std::uint64_t(1) << (unknown % n_bits);
       lowest  = std::min(lowest, unknown);
@@ -345,15 +345,16 @@ namespace greville
                                      const unsigned int last) {
       points_mass.for_each_entry(
         place, [&](const unsigned int j, const double value) {
-          const int role = E->roles[j];
-          if (role > 0)
+          const int signed_number = E->signed_numbers[j];
+          if (signed_number > 0)
             {
-              if (unsigned(role - 1) <= last)
-                add_entry(role - 1, value);
+              if (unsigned(signed_number - 1) <= last)
+                add_entry(signed_number - 1, value);
             }
-          else if (role < 0 && !is_held_extended[-role - 1])
-            for (std::size_t e = E->extended_begin[-role - 1];
-                 e < E->extended_begin[-role];
+          else if (signed_number < 0 &&
+                   !is_constrained_extended[-signed_number - 1])
+            for (std::size_t e = E->extended_begin[-signed_number - 1];
+                 e < E->extended_begin[-signed_number];
                  ++e)
               if (E->extended_entries[e].unknown <= last)
                 add_entry(E->extended_entries[e].unknown,
@@ -366,7 +367,7 @@ namespace greville
     std::vector<Entry>       B;
     for (unsigned int k = 0; k < E->extended.size(); ++k)
       {
-        if (!is_held_extended[k])
+        if (!is_constrained_extended[k])
           add_row_times_E(E->extended[k], n);
         take_row([&](const unsigned int j, const double value) {
           B.push_back({j, value});
@@ -400,8 +401,8 @@ namespace greville
     for (const unsigned int place : E->extended)
       points_mass.for_each_entry(place,
                                  [&](const unsigned int j, const double) {
-                                   if (E->roles[j] > 0)
-                                     is_plain[E->roles[j] - 1] = false;
+                                   if (E->signed_numbers[j] > 0)
+                                     is_plain[E->signed_numbers[j] - 1] = false;
                                  });
 
     // Compute the lower part of A = E^T B with the rows of B = M E.
@@ -414,7 +415,7 @@ namespace greville
     result.values.reserve(n_entries);
     for (unsigned int i = 0; i < n; ++i)
       {
-        if (is_held[i])
+        if (is_constrained[i])
           {
             const bool has_place =
               E->unknowns[i] != numbers::invalid_unsigned_int;
@@ -432,10 +433,11 @@ namespace greville
               E->unknowns[i], [&](const unsigned int j, const double value) {
                 // The entries of ghosts, which come last, are in the rows of
                 // the ghosts.
-                const int role = E->roles[j];
-                if (role <= 0 || unsigned(role - 1) > i || is_held[role - 1])
+                const int signed_number = E->signed_numbers[j];
+                if (signed_number <= 0 || unsigned(signed_number - 1) > i ||
+                    is_constrained[signed_number - 1])
                   return;
-                result.columns.push_back(role - 1);
+                result.columns.push_back(signed_number - 1);
                 result.values.push_back(value);
               });
             // All points of the unknown belong to other processes.

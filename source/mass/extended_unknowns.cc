@@ -13,27 +13,27 @@ namespace greville
 
   template <int dim>
   const std::array<unsigned int, dim> &
-  ExtendedUnknowns<dim>::alike() const
+  ExtendedUnknowns<dim>::first_equal_components() const
   {
-    return first_alike;
+    return first_equal;
   }
 
 
 
   template <int dim>
   unsigned int
-  ExtendedUnknowns<dim>::n_holds() const
+  ExtendedUnknowns<dim>::n_constrain_calls() const
   {
-    return hold_counter;
+    return constrain_counter;
   }
 
 
 
   template <int dim>
   const std::array<bool, dim> &
-  ExtendedUnknowns<dim>::has_held() const
+  ExtendedUnknowns<dim>::has_constrained() const
   {
-    return component_has_held;
+    return component_has_constrained;
   }
 
 
@@ -51,7 +51,7 @@ namespace greville
   MPI_Comm
   ExtendedUnknowns<dim>::communicator() const
   {
-    return places->space().communicator();
+    return stencil->space().communicator();
   }
 
 
@@ -97,16 +97,16 @@ namespace greville
   void
   ExtendedUnknowns<dim>::reinit(const StencilMatrix<dim> &matrix)
   {
-    places      = &matrix;
-    place_x     = ZeroedArray<double>(matrix.size() * max_width);
-    place_y     = ZeroedArray<double>(matrix.size() * max_width);
-    roles       = ZeroedArray<int>(matrix.size());
-    is_numbered = false;
+    stencil        = &matrix;
+    place_x        = ZeroedArray<double>(matrix.size() * max_width);
+    place_y        = ZeroedArray<double>(matrix.size() * max_width);
+    signed_numbers = ZeroedArray<int>(matrix.size());
+    is_numbered    = false;
     unknowns.clear();
     extended.clear();
-    held_functions.assign(n_owned_functions() +
-                            matrix.space().ghost_functions().size(),
-                          0);
+    constrained_functions.assign(n_owned_functions() +
+                                   matrix.space().ghost_functions().size(),
+                                 0);
   }
 
 
@@ -130,7 +130,7 @@ namespace greville
   ExtendedUnknowns<dim>::number_unknowns()
   {
     using Kind                          = Extension<dim>;
-    const SplineSpace<dim> &space       = places->space();
+    const SplineSpace<dim> &space       = stencil->space();
     const unsigned int      n_functions = space.owned_functions().size();
     const unsigned int n_all = n_functions + space.ghost_functions().size();
     const MPI_Comm     comm  = communicator();
@@ -139,7 +139,7 @@ namespace greville
     for (const auto *old : {&unknowns, &extended})
       for (const unsigned int place : *old)
         if (place != numbers::invalid_unsigned_int)
-          roles[place] = 0;
+          signed_numbers[place] = 0;
     unknowns.clear();
     owned_unknown_functions.clear();
     lumped.clear();
@@ -151,13 +151,13 @@ namespace greville
     for (unsigned int f = 0; f < n_functions; ++f)
       if ((*extension)[f] == Kind::stable || (*extension)[f] == Kind::lumped)
         {
-          unknowns.push_back(places->place(f));
+          unknowns.push_back(stencil->place(f));
           owned_unknown_functions.push_back(f);
         }
     n_owned = unknowns.size();
     for (unsigned int f = 0; f < n_all; ++f)
       if ((*extension)[f] == Kind::lumped)
-        lumped.push_back(places->place(f));
+        lumped.push_back(stencil->place(f));
     for_each_active_image([&](const unsigned int f, const std::size_t place) {
       if ((*extension)[f] == Kind::lumped)
         lumped.push_back(place);
@@ -169,7 +169,7 @@ namespace greville
     extended_begin.assign(1, 0);
     for (const unsigned int f : extended_functions)
       {
-        extended.push_back(places->place(f));
+        extended.push_back(stencil->place(f));
         extension->row(f, positions, weights);
         all_positions.insert(all_positions.end(),
                              positions.begin(),
@@ -222,7 +222,7 @@ namespace greville
             found                    = unknowns.size();
             unknowns.push_back(f == numbers::invalid_unsigned_int
                                  ? numbers::invalid_unsigned_int
-                                 : places->place(f));
+                                 : stencil->place(f));
             ghost_unknowns.push_back(entry.first);
           }
       }
@@ -232,10 +232,10 @@ namespace greville
                                                        comm);
     for (unsigned int u = 0; u < unknowns.size(); ++u)
       if (unknowns[u] != numbers::invalid_unsigned_int)
-        roles[unknowns[u]] = 1 + int(u);
+        signed_numbers[unknowns[u]] = 1 + int(u);
 
     for (unsigned int k = 0; k < extended.size(); ++k)
-      roles[extended[k]] = -1 - int(k);
+      signed_numbers[extended[k]] = -1 - int(k);
     extended_entries.clear();
     const auto &owned = space.owned_functions();
     for (std::size_t e = 0; e < all_positions.size(); ++e)
@@ -245,19 +245,19 @@ namespace greville
         const bool is_owned =
           place != owned.end() && *place == all_positions[e];
         const unsigned int unknown =
-          is_owned ? roles[places->place(place - owned.begin())] - 1
+          is_owned ? signed_numbers[stencil->place(place - owned.begin())] - 1
                    : ghost_of.at(all_positions[e]);
         extended_entries.push_back({unknown, all_weights[e]});
       }
 
     // Images have the rows of E of their functions.
     for_each_active_image([&](const unsigned int f, const std::size_t place) {
-      const int role = roles[places->place(f)];
-      if (role > 0)
-        extended_entries.push_back({unsigned(role - 1), 1.});
-      else if (role < 0)
-        for (std::size_t e = extended_begin[-role - 1];
-             e < extended_begin[-role];
+      const int signed_number = signed_numbers[stencil->place(f)];
+      if (signed_number > 0)
+        extended_entries.push_back({unsigned(signed_number - 1), 1.});
+      else if (signed_number < 0)
+        for (std::size_t e = extended_begin[-signed_number - 1];
+             e < extended_begin[-signed_number];
              ++e)
           {
             const Entry entry = extended_entries[e];
@@ -265,7 +265,7 @@ namespace greville
           }
       extended.push_back(place);
       extended_begin.push_back(extended_entries.size());
-      roles[place] = -int(extended.size());
+      signed_numbers[place] = -int(extended.size());
     });
   }
 
@@ -273,25 +273,27 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedUnknowns<dim>::hold(const std::vector<unsigned char> &held)
+  ExtendedUnknowns<dim>::constrain(
+    const std::vector<unsigned char> &constrained)
   {
-    held_functions = held;
-    held_places.clear();
-    for (unsigned int f = 0; f < held.size(); ++f)
-      if (held[f] != 0 && (*extension)[f] != Extension<dim>::inactive)
-        held_places.emplace_back(places->place(f), held[f]);
+    constrained_functions = constrained;
+    constrained_places.clear();
+    for (unsigned int f = 0; f < constrained.size(); ++f)
+      if (constrained[f] != 0 && (*extension)[f] != Extension<dim>::inactive)
+        constrained_places.emplace_back(stencil->place(f), constrained[f]);
 
-    const std::size_t n_held = held_places.size(); // without images
+    const std::size_t n_constrained =
+      constrained_places.size(); // without images
     for_each_active_image([&](const unsigned int f, const std::size_t place) {
-      if (held[f] != 0)
-        held_places.emplace_back(place, held[f]);
+      if (constrained[f] != 0)
+        constrained_places.emplace_back(place, constrained[f]);
     });
 
     // Components with constraints, and pairs of components that differ in E.
     std::vector<unsigned int> found(dim * dim);
-    for (std::size_t k = 0; k < n_held; ++k)
+    for (std::size_t k = 0; k < n_constrained; ++k)
       {
-        const auto        &entry = held_places[k];
+        const auto        &entry = constrained_places[k];
         const unsigned int changes =
           changes_extension(entry.first, entry.second);
         for (unsigned int c = 0; c < dim; ++c)
@@ -304,12 +306,12 @@ namespace greville
     Utilities::MPI::max(found, communicator(), found);
     for (unsigned int c = 0; c < dim; ++c)
       {
-        component_has_held[c] = found[c * dim + c] != 0;
-        first_alike[c]        = 0;
-        while (first_alike[c] < c && found[c * dim + first_alike[c]] != 0)
-          ++first_alike[c];
+        component_has_constrained[c] = found[c * dim + c] != 0;
+        first_equal[c]               = 0;
+        while (first_equal[c] < c && found[c * dim + first_equal[c]] != 0)
+          ++first_equal[c];
       }
-    ++hold_counter;
+    ++constrain_counter;
   }
 
 
@@ -320,19 +322,21 @@ namespace greville
                                            const unsigned char components) const
   {
     // Weights below this are round-off.
-    constexpr double negligible = 1e-10;
-    const int        role       = roles[place];
-    if (role >= 0)
+    constexpr double negligible    = 1e-10;
+    const int        signed_number = signed_numbers[place];
+    if (signed_number >= 0)
       return 0;
     unsigned int result = 0;
-    for (std::size_t e = extended_begin[-role - 1]; e < extended_begin[-role];
+    for (std::size_t e = extended_begin[-signed_number - 1];
+         e < extended_begin[-signed_number];
          ++e)
       if (std::abs(extended_entries[e].weight) > negligible)
         {
           const unsigned int u = extended_entries[e].unknown;
-          result |= u < n_owned
-                      ? components & ~held_functions[owned_unknown_functions[u]]
-                      : components;
+          result |=
+            u < n_owned
+              ? components & ~constrained_functions[owned_unknown_functions[u]]
+              : components;
         }
     return result;
   }
@@ -341,12 +345,12 @@ namespace greville
 
   template <int dim>
   std::vector<unsigned char>
-  ExtendedUnknowns<dim>::held_unknowns() const
+  ExtendedUnknowns<dim>::constrained_unknowns() const
   {
     std::vector<unsigned char> result;
     result.reserve(n_owned);
     for (const unsigned int f : owned_unknown_functions)
-      result.push_back(held_functions[f]);
+      result.push_back(constrained_functions[f]);
     return result;
   }
 
@@ -356,7 +360,7 @@ namespace greville
   std::vector<std::array<int, 3>>
   ExtendedUnknowns<dim>::unknown_positions() const
   {
-    const SplineSpace<dim>         &space = places->space();
+    const SplineSpace<dim>         &space = stencil->space();
     std::vector<std::array<int, 3>> result(n_owned);
     for (unsigned int u = 0; u < n_owned; ++u)
       {
@@ -398,10 +402,10 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedUnknowns<dim>::zero_held(double            *values,
-                                   const unsigned int width) const
+  ExtendedUnknowns<dim>::zero_constrained(double            *values,
+                                          const unsigned int width) const
   {
-    for (const auto &entry : held_places)
+    for (const auto &entry : constrained_places)
       for (unsigned int c = 0; c < width; ++c)
         if ((entry.second >> (c % dim)) & 1)
           values[std::size_t(entry.first) * width + c] = 0.;
@@ -461,17 +465,17 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedUnknowns<dim>::zero_held_unknowns(VectorType        &x,
-                                            const unsigned int width) const
+  ExtendedUnknowns<dim>::zero_constrained_unknowns(
+    VectorType &x, const unsigned int width) const
   {
-    for (const auto &entry : held_places)
+    for (const auto &entry : constrained_places)
       {
-        const int role = roles[entry.first];
-        if (role <= 0 || role > int(n_owned))
+        const int signed_number = signed_numbers[entry.first];
+        if (signed_number <= 0 || signed_number > int(n_owned))
           continue;
         for (unsigned int c = 0; c < width; ++c)
           if ((entry.second >> (c % dim)) & 1)
-            x.local_element((role - 1) * width + c) = 0.;
+            x.local_element((signed_number - 1) * width + c) = 0.;
       }
   }
 
@@ -487,12 +491,12 @@ namespace greville
   {
     x.update_ghost_values();
     expand(x.begin(), width);
-    zero_held(place_x.data(), width);
+    zero_constrained(place_x.data(), width);
     product(place_y.data(), place_x.data());
-    zero_held(place_y.data(), width);
+    zero_constrained(place_y.data(), width);
     collect(y.begin(), width);
     y.compress(VectorOperation::add);
-    zero_held_unknowns(y, width);
+    zero_constrained_unknowns(y, width);
     x.zero_out_ghost_values();
   }
 

@@ -28,14 +28,15 @@ namespace greville
         from[c] = columns[c]->begin();
         bit[c]  = (component + c) % dim;
       }
-    for_each_active(held_functions.size(),
+    for_each_active(constrained_functions.size(),
                     [&](const unsigned int f, const std::size_t place) {
-                      double        *to       = &place_y[place * width];
-                      const bool     is_owned = f < n_owned_functions();
-                      const unsigned held     = held_functions[f];
+                      double        *to          = &place_y[place * width];
+                      const bool     is_owned    = f < n_owned_functions();
+                      const unsigned constrained = constrained_functions[f];
                       for (unsigned int c = 0; c < n; ++c)
-                        to[c] =
-                          is_owned && !((held >> bit[c]) & 1) ? from[c][f] : 0.;
+                        to[c] = is_owned && !((constrained >> bit[c]) & 1)
+                                  ? from[c][f]
+                                  : 0.;
                     });
     for_each_active_image([&](const unsigned int, const std::size_t place) {
       std::fill_n(&place_y[place * width], width, 0.);
@@ -45,7 +46,7 @@ namespace greville
     rows.compress(VectorOperation::add);
     for (unsigned int u = 0; u < n_owned; ++u)
       for (unsigned int c = 0; c < columns.size(); ++c)
-        if (is_held(owned_unknown_functions[u], component + c))
+        if (is_constrained(owned_unknown_functions[u], component + c))
           rows.local_element(u * width + c) = 0.;
   }
 
@@ -71,11 +72,11 @@ namespace greville
       }
     for (unsigned int f = 0; f < n_owned_functions(); ++f)
       {
-        const bool     is_active = (*extension)[f] != Extension<dim>::inactive;
-        const double  *values = &place_x[std::size_t(places->place(f)) * width];
-        const unsigned held   = held_functions[f];
+        const bool    is_active = (*extension)[f] != Extension<dim>::inactive;
+        const double *values = &place_x[std::size_t(stencil->place(f)) * width];
+        const unsigned constrained = constrained_functions[f];
         for (unsigned int c = 0; c < n; ++c)
-          if (!((held >> bit[c]) & 1))
+          if (!((constrained >> bit[c]) & 1))
             to[c][f] = is_active ? values[c] : 0.;
       }
   }
@@ -106,7 +107,7 @@ namespace greville
       for (unsigned int c = 0; c < columns.size(); ++c)
         x.local_element(u * width + c) =
           columns[c]->local_element(owned_unknown_functions[u]);
-    zero_held_unknowns(x, width);
+    zero_constrained_unknowns(x, width);
   }
 
 
@@ -118,11 +119,11 @@ namespace greville
     VectorType                            &x,
     const unsigned int                     width) const
   {
-    // Extended functions depend on held unknowns, too.
+    // Extended functions depend on constrained unknowns, too.
     const auto columns = columns_of<VectorType>(fields);
     for (unsigned int u = 0; u < n_owned; ++u)
       for (unsigned int c = 0; c < columns.size(); ++c)
-        if (is_held(owned_unknown_functions[u], c))
+        if (is_constrained(owned_unknown_functions[u], c))
           x.local_element(u * width + c) =
             columns[c]->local_element(owned_unknown_functions[u]);
     write_columns(columns, x, width);
@@ -198,7 +199,7 @@ namespace greville
       for (unsigned int c = 0; c < width; ++c)
         unknown_values.local_element(u * width + c) =
           x.local_element(owned_unknown_functions[u] * width + c);
-    zero_held_unknowns(unknown_values, width);
+    zero_constrained_unknowns(unknown_values, width);
   }
 
 
@@ -229,7 +230,7 @@ namespace greville
       {
         const unsigned int f = owned_unknown_functions[u];
         column.local_element(u) =
-          is_held(f, component) ? 0. : x.local_element(f);
+          is_constrained(f, component) ? 0. : x.local_element(f);
       }
     x = 0.;
     write_columns({&x}, column, 1, component);
@@ -249,7 +250,7 @@ namespace greville
     for (unsigned int u = 0; u < n_owned; ++u)
       {
         const unsigned int f = owned_unknown_functions[u];
-        if (!is_held(f, component))
+        if (!is_constrained(f, component))
           x.local_element(f) = column.local_element(u);
       }
   }

@@ -108,7 +108,7 @@ namespace greville
                                  "integer can count."));
         }
 
-    places.resize(n);
+    place_of.resize(n);
     lines.resize(n);
     image_places.clear();
     image_lines.clear();
@@ -118,8 +118,8 @@ namespace greville
         const unsigned int place = line_begin[line] + entries[k].index[0];
         if (k < n)
           {
-            places[k] = place;
-            lines[k]  = line;
+            place_of[k] = place;
+            lines[k]    = line;
           }
         else
           {
@@ -142,10 +142,10 @@ namespace greville
     std::vector<std::pair<unsigned int, unsigned int>> rows;
     rows.reserve(functions.size());
     for (const unsigned int f : functions)
-      rows.emplace_back(places[f], lines[f]);
+      rows.emplace_back(place_of[f], lines[f]);
     if (!image_places.empty())
       {
-        std::vector<bool> has_row(places.size(), false);
+        std::vector<bool> has_row(place_of.size(), false);
         for (const unsigned int f : functions)
           has_row[f] = true;
         for (unsigned int k = 0; k < image_places.size(); ++k)

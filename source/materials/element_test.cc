@@ -214,20 +214,20 @@ namespace greville
                     ExcMessage(where(strain) +
                                " gives a stress that is not finite."));
         AssertThrow(is_done,
-                    ExcMessage(where(strain) + " has not converged: the " +
-                               (is_shear ? "axial" : "lateral") +
-                               " stress is " +
-                               text_of(-residual(ended) - held_stress()) +
-                               " Pa and has to be " + text_of(-held_stress()) +
-                               " Pa, positive in compression. Larger 'Element "
-                               "test/Steps' make smaller steps."));
+                    ExcMessage(
+                      where(strain) + " has not converged: the " +
+                      (is_shear ? "axial" : "lateral") + " stress is " +
+                      text_of(-residual(ended) - prescribed_stress()) +
+                      " Pa and has to be " + text_of(-prescribed_stress()) +
+                      " Pa, positive in compression. Larger 'Element "
+                      "test/Steps' make smaller steps."));
         point   = ended;
         stretch = stretch_of(strain, unknown);
         time += dt;
       }
 
       double
-      held_stress() const
+      prescribed_stress() const
       {
         return is_shear ? stress_start[z][z] : stress_start[x][x];
       }

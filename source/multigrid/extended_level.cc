@@ -54,7 +54,7 @@ namespace greville
         const unsigned int n = level.n_components();
         level.extended().unknowns().read(from, src, n);
         petsc.vmult(to, from);
-        level.extended().unknowns().zero_held_unknowns(to, n);
+        level.extended().unknowns().zero_constrained_unknowns(to, n);
         level.extended().unknowns().write(dst, to, n);
       }
 
@@ -69,16 +69,17 @@ namespace greville
 
 
   template <int dim>
-  ExtendedLevel<dim>::ExtendedLevel(const SplineSpace<dim> &space,
-                                    const unsigned int      n_components,
-                                    const std::vector<unsigned char> &held,
-                                    const unsigned int                n_weights)
+  ExtendedLevel<dim>::ExtendedLevel(
+    const SplineSpace<dim>           &space,
+    const unsigned int                n_components,
+    const std::vector<unsigned char> &constrained,
+    const unsigned int                n_weights)
     : spline_space(space)
     , components(n_components)
-    , held(held.empty()
-             ? std::vector<unsigned char>(space.owned_functions().size() +
+    , constrained(constrained.empty() ? std::vector<unsigned char>(
+                                          space.owned_functions().size() +
                                           space.ghost_functions().size())
-             : held)
+                                      : constrained)
     , mass_weights(space, n_weights)
   {
     extended_mass.reinit(space);
@@ -98,7 +99,7 @@ namespace greville
     mass_factors.reset();
     if (!changed)
       return;
-    extended_mass.unknowns().hold(held);
+    extended_mass.unknowns().constrain(constrained);
     for (VectorType *vector : {&source, &result})
       extended_mass.unknowns().initialize_vector(*vector, components);
     std::vector<bool> is_unknown(spline_space.owned_functions().size(), false);
@@ -127,7 +128,7 @@ namespace greville
     const auto &functions = extended_mass.unknowns().unknown_functions();
     for (unsigned int u = 0; u < functions.size(); ++u)
       for (unsigned int c = 0; c < components; ++c)
-        if (!((held[functions[u]] >> c) & 1) &&
+        if (!((constrained[functions[u]] >> c) & 1) &&
             result.local_element(u * components + c) > 1e-12 * largest)
           all_diagonal.local_element(functions[u] * components + c) =
             result.local_element(u * components + c);
@@ -150,9 +151,9 @@ namespace greville
           all_diagonal.local_element(f * components + c) *
           src.local_element(f * components + c);
     for (const unsigned int f : extended_mass.unknowns().unknown_functions())
-      if (held[f] != 0)
+      if (constrained[f] != 0)
         for (unsigned int c = 0; c < components; ++c)
-          if ((held[f] >> c) & 1)
+          if ((constrained[f] >> c) & 1)
             dst.local_element(f * components + c) =
               all_diagonal.local_element(f * components + c) *
               src.local_element(f * components + c);
@@ -167,19 +168,20 @@ namespace greville
                                 const unsigned int       of_components,
                                 PartitionedCholesky     &factors) const
   {
-    const auto        of_unknowns = matrix.unknowns().held_unknowns();
-    std::vector<bool> is_held_in_some(of_unknowns.size());
+    const auto        of_unknowns = matrix.unknowns().constrained_unknowns();
+    std::vector<bool> is_constrained_in_some(of_unknowns.size());
     for (unsigned int u = 0; u < of_unknowns.size(); ++u)
-      is_held_in_some[u] = (of_unknowns[u] & of_components) != 0 &&
-                           (of_unknowns[u] & of_components) != of_components;
+      is_constrained_in_some[u] =
+        (of_unknowns[u] & of_components) != 0 &&
+        (of_unknowns[u] & of_components) != of_components;
     factors.factorize(matrix.local_entries(of_components),
                       matrix.unknowns().unknown_layout(),
                       matrix.unknowns().unknown_positions(),
-                      is_held_in_some,
+                      is_constrained_in_some,
                       spline_space.degree(),
                       shift);
     if (of_components == all_components(components))
-      factors.hold(of_unknowns, factor_width(components));
+      factors.constrain(of_unknowns, factor_width(components));
   }
 
 
@@ -197,7 +199,7 @@ namespace greville
     const auto         for_free  = [&](const auto &visit) {
       for (unsigned int u = 0; u < functions.size(); ++u)
         for (unsigned int c = 0; c < n; ++c)
-          if (!((held[functions[u]] >> (component + c)) & 1))
+          if (!((constrained[functions[u]] >> (component + c)) & 1))
             visit(u * width + c, functions[u] * components + component + c);
     };
     work.assign(functions.size() * width, 0.);
@@ -296,7 +298,7 @@ namespace greville
       spline_space,
       extended_mass.unknowns().unknown_functions(),
       components,
-      extended_mass.unknowns().held_unknowns());
+      extended_mass.unknowns().constrained_unknowns());
     return std::make_unique<UnknownsPreconditioner<dim>>(*this,
                                                          std::move(matrix),
                                                          lattice.options(),

@@ -46,10 +46,12 @@ namespace greville
     total_mass = new_total_mass;
     if (other_preconditioner)
       return;
-    const auto &alike = mass.unknowns().alike();
+    const auto &first_equal = mass.unknowns().first_equal_components();
     if (is_due || smoother_parameters.reuse == 0 ||
-        !std::equal(
-          alike.begin(), alike.end(), factor_alike.begin(), factor_alike.end()))
+        !std::equal(first_equal.begin(),
+                    first_equal.end(),
+                    factor_components.begin(),
+                    factor_components.end()))
       factorize();
     else if (unknowns_changed)
       {
@@ -69,35 +71,36 @@ namespace greville
                          mass.unknowns().unknown_places().begin() +
                            mass.unknowns().n_owned_unknowns());
     factor_rows.clear();
-    factor_alike.assign(mass.unknowns().alike().begin(),
-                        mass.unknowns().alike().end());
+    factor_components.assign(mass.unknowns().first_equal_components().begin(),
+                             mass.unknowns().first_equal_components().end());
     factors.clear();
-    const auto held      = mass.unknowns().held_unknowns();
-    const auto positions = mass.unknowns().unknown_positions();
+    const auto constrained = mass.unknowns().constrained_unknowns();
+    const auto positions   = mass.unknowns().unknown_positions();
     for (unsigned int c = 0; c < dim; ++c)
       {
-        if (factor_alike[c] < c)
+        if (factor_components[c] < c)
           continue;
         Factors     &part       = factors.emplace_back();
         unsigned int components = 0;
         for (unsigned int d = c; d < dim; ++d)
-          if (factor_alike[d] == c)
+          if (factor_components[d] == c)
             {
-              part.alike.push_back(d);
+              part.components.push_back(d);
               components |= 1 << d;
             }
-        std::vector<bool> is_held_in_some(held.size());
-        for (unsigned int u = 0; u < held.size(); ++u)
-          is_held_in_some[u] =
-            (held[u] & components) != 0 && (held[u] & components) != components;
+        std::vector<bool> is_constrained_in_some(constrained.size());
+        for (unsigned int u = 0; u < constrained.size(); ++u)
+          is_constrained_in_some[u] =
+            (constrained[u] & components) != 0 &&
+            (constrained[u] & components) != components;
         part.cholesky.factorize(mass.local_entries(components),
                                 mass.unknowns().unknown_layout(),
                                 positions,
-                                is_held_in_some,
+                                is_constrained_in_some,
                                 mass.matrix().space().degree(),
                                 smoother_parameters.shift);
       }
-    hold();
+    constrain();
     ++factorizations;
     is_due   = false;
     is_fresh = true;
@@ -127,28 +130,29 @@ namespace greville
     const unsigned int n_changes = n + factor_places.size() - 2 * n_matches;
     is_due = Utilities::MPI::sum(n_changes, mass.unknowns().communicator()) >
              smoother_parameters.reuse;
-    n_holds = 0;
+    n_constrain_calls = 0;
   }
 
 
 
   template <int dim>
   void
-  ExtendedMassSolver<dim>::hold()
+  ExtendedMassSolver<dim>::constrain()
   {
-    n_holds         = mass.unknowns().n_holds();
-    const auto held = mass.unknowns().held_unknowns();
+    n_constrain_calls      = mass.unknowns().n_constrain_calls();
+    const auto constrained = mass.unknowns().constrained_unknowns();
     for (Factors &part : factors)
       {
-        const unsigned int         n = part.alike.size();
+        const unsigned int         n = part.components.size();
         std::vector<unsigned char> of_factors(factor_places.size(), 0);
-        for (unsigned int u = 0; u < held.size(); ++u)
+        for (unsigned int u = 0; u < constrained.size(); ++u)
           {
             const int row = factor_rows.empty() ? int(u) : factor_rows[u];
             for (unsigned int k = 0; k < n && row >= 0; ++k)
-              of_factors[row] |= ((held[u] >> part.alike[k]) & 1) << k;
+              of_factors[row] |= ((constrained[u] >> part.components[k]) & 1)
+                                 << k;
           }
-        part.cholesky.hold(of_factors, n);
+        part.cholesky.constrain(of_factors, n);
       }
   }
 
@@ -164,7 +168,7 @@ namespace greville
     if (other_preconditioner)
       {
         other_preconditioner(z, r, width, n_columns);
-        mass.unknowns().zero_held_unknowns(z, width);
+        mass.unknowns().zero_constrained_unknowns(z, width);
         return;
       }
     if (factors.size() == 1 && factor_rows.empty())
@@ -177,7 +181,7 @@ namespace greville
       {
         std::vector<unsigned int> columns;
         for (unsigned int first = 0; first < n_columns; first += dim)
-          for (const unsigned int c : part.alike)
+          for (const unsigned int c : part.components)
             columns.push_back(first + c);
         precondition(part, z, r, width, columns);
       }
@@ -186,7 +190,7 @@ namespace greville
         for (unsigned int c = 0; c < width; ++c)
           z.local_element(u * width + c) =
             r.local_element(u * width + c) / diagonal.local_element(u);
-    mass.unknowns().zero_held_unknowns(z, width);
+    mass.unknowns().zero_constrained_unknowns(z, width);
   }
 
 
@@ -283,7 +287,7 @@ namespace greville
     mass.unknowns().initialize_vector(rows, width);
     const auto run = [&](const unsigned int max_iterations) {
       mass.unknowns().restrict_fields(rows, b, width);
-      mass.subtract_held(rows, x, width);
+      mass.subtract_constrained(rows, x, width);
       return width == 2
                ? iterate<2>(unknowns, rows, x.size(), shares, max_iterations)
              : width == 4
@@ -294,8 +298,9 @@ namespace greville
                                 std::vector<const VectorField<dim> *>(x.begin(),
                                                                       x.end()),
                                 width);
-    if (n_holds != mass.unknowns().n_holds() && !other_preconditioner)
-      hold();
+    if (n_constrain_calls != mass.unknowns().n_constrain_calls() &&
+        !other_preconditioner)
+      constrain();
     const bool  was_fresh = is_fresh || other_preconditioner;
     SolveResult result =
       run(was_fresh ? parameters.max_iterations
@@ -430,7 +435,7 @@ namespace greville
       }
 
     // Make the remaining residual orthogonal to constants.
-    const auto    &is_held = mass.unknowns().has_held();
+    const auto    &is_constrained = mass.unknowns().has_constrained();
     Columns<width> sums{};
     for (unsigned int i = 0; i < r.locally_owned_size(); i += width)
       for (int c = 0; c < width; ++c)
@@ -439,7 +444,7 @@ namespace greville
                         comm,
                         ArrayView<double>(sums.data(), width));
     for (unsigned int c = 0; c < n_fields * dim; ++c)
-      if (!is_held[c % dim] && total_mass > 0.)
+      if (!is_constrained[c % dim] && total_mass > 0.)
         for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
           x.local_element(i + c) += sums[c] / total_mass;
 

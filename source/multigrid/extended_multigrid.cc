@@ -10,14 +10,14 @@ namespace greville
   ExtendedMultigrid<dim>::ExtendedMultigrid(
     const OrderHierarchy<dim>  &orders,
     const ExtendedMass<dim>    &mass,
-    const HeldFunctions        &held,
+    const ConstrainedFunctions &constrained,
     const PMultigridParameters &parameters,
     const SmootherParameters   &smoother_parameters)
     : orders(orders)
     , mass(mass)
     , parameters(parameters)
     , smoother_parameters(smoother_parameters)
-    , held(held)
+    , constrained(constrained)
   {
     orders.finest().initialize_vector(to);
     orders.finest().initialize_vector(from);
@@ -25,8 +25,8 @@ namespace greville
       {
         const auto differs = [&](const Group &group) {
           return Utilities::MPI::max<unsigned int>(
-                   held(orders.finest(), c) !=
-                     held(orders.finest(), group.component),
+                   constrained(orders.finest(), c) !=
+                     constrained(orders.finest(), group.component),
                    orders.finest().communicator()) == 1;
         };
         group_of[c] = 0;
@@ -62,7 +62,7 @@ namespace greville
             operators.push_back(&level);
             if (unknowns_changed)
               level.extend(Extension<dim>(orders[l], filling),
-                           held(orders[l], group.component));
+                           constrained(orders[l], group.component));
             if (&group == &groups[0])
               fill(level.weights());
             else

@@ -14,7 +14,7 @@ namespace greville
   namespace
   {
     // The largest number of rows for which a level is solved directly.
-    constexpr PetscInt small_size = 400;
+    constexpr PetscInt direct_solver_size = 400;
 
     // Coarse unknowns at the edge of a body may be linearly dependent: a
     // fraction of the diagonal keeps matrices regular.
@@ -37,11 +37,12 @@ namespace greville
 
 
   template <int dim>
-  LatticeLevels<dim>::LatticeLevels(const Mat                        matrix,
-                                    const SplineSpace<dim>          &space,
-                                    const std::vector<unsigned int> &functions,
-                                    const unsigned int n_components,
-                                    const std::vector<unsigned char> &held)
+  LatticeLevels<dim>::LatticeLevels(
+    const Mat                         matrix,
+    const SplineSpace<dim>           &space,
+    const std::vector<unsigned int>  &functions,
+    const unsigned int                n_components,
+    const std::vector<unsigned char> &constrained)
   {
     AssertThrow(space.degree() == 1, ExcInternalError());
     std::vector<Unknown> unknowns;
@@ -52,7 +53,7 @@ namespace greville
           multi_index<dim>(space.owned_functions()[functions[i]],
                            space.n_functions());
         for (unsigned int c = 0; c < n_components; ++c)
-          unknowns.push_back({position, c, ((held[i] >> c) & 1) != 0});
+          unknowns.push_back({position, c, ((constrained[i] >> c) & 1) != 0});
       }
     MultiIndex<dim>       size = space.n_functions();
     std::array<bool, dim> periodic;
@@ -66,7 +67,7 @@ namespace greville
     MatType type;
     check_petsc(MatGetType(matrix, &type));
     check_petsc(MatGetSize(matrix, &n_rows, nullptr));
-    while (n_rows > small_size &&
+    while (n_rows > direct_solver_size &&
            *std::max_element(size.begin(), size.end()) > 2)
       {
         PetscMatrix P = coarsen(
@@ -109,11 +110,11 @@ namespace greville
     checked_index<types::global_dof_index>(n_keys, "functions of a level");
     // The coarse functions of an unknown, one or two in each direction, with
     // equal weights. Keys are positions in the lattice with components.
-    constexpr unsigned int most = 1 << dim;
-    const auto with_keys        = [&](const Unknown &u, const auto &visit) {
-      std::uint64_t keys[most] = {u.component};
-      unsigned int  n          = 1;
-      std::uint64_t stride     = n_components;
+    constexpr unsigned int max_coarse_functions = 1 << dim;
+    const auto with_keys = [&](const Unknown &u, const auto &visit) {
+      std::uint64_t keys[max_coarse_functions] = {u.component};
+      unsigned int  n                          = 1;
+      std::uint64_t stride                     = n_components;
       for (unsigned int d = 0; d < dim; ++d)
         {
           const unsigned int lower = u.position[d] / 2;
@@ -132,7 +133,7 @@ namespace greville
     };
     std::vector<std::uint64_t> wanted;
     for (const Unknown &u : unknowns)
-      if (!u.is_held)
+      if (!u.is_constrained)
         with_keys(u, [&](const std::uint64_t *keys, const unsigned int n) {
           wanted.insert(wanted.end(), keys, keys + n);
         });
@@ -175,17 +176,18 @@ namespace greville
     check_petsc(MatSetSizes(
       handle, unknowns.size(), n_owned, PETSC_DETERMINE, PETSC_DETERMINE));
     check_petsc(MatSetType(handle, type));
-    check_petsc(MatSeqAIJSetPreallocation(handle, most, nullptr));
     check_petsc(
-      MatMPIAIJSetPreallocation(handle, most, nullptr, most, nullptr));
+      MatSeqAIJSetPreallocation(handle, max_coarse_functions, nullptr));
+    check_petsc(MatMPIAIJSetPreallocation(
+      handle, max_coarse_functions, nullptr, max_coarse_functions, nullptr));
     PetscInt row;
     check_petsc(MatGetOwnershipRange(handle, &row, nullptr));
     for (const Unknown &u : unknowns)
       {
-        if (!u.is_held)
+        if (!u.is_constrained)
           with_keys(u, [&](const std::uint64_t *keys, const unsigned int n) {
-            PetscInt    columns[most];
-            PetscScalar weights[most];
+            PetscInt    columns[max_coarse_functions];
+            PetscScalar weights[max_coarse_functions];
             for (unsigned int k = 0; k < n; ++k)
               {
                 columns[k] = static_cast<PetscInt>(list(keys[k]));

@@ -48,10 +48,10 @@ namespace greville
         entries->reinit(space);
       }
     entries->begin(is_extended() ? *given_extension : all_stable, true);
-    held_functions.resize(space.owned_functions().size() +
-                            space.ghost_functions().size(),
-                          0);
-    entries->unknowns().hold(held_functions);
+    constrained_functions.resize(space.owned_functions().size() +
+                                   space.ghost_functions().size(),
+                                 0);
+    entries->unknowns().constrain(constrained_functions);
     add_mass_matrix(entries->matrix(), density_weights);
     entries->finish();
     for (VectorType *vector : {&unknown_source, &unknown_result})
@@ -72,7 +72,7 @@ namespace greville
     spline_space->initialize_vector(extended_diagonal);
     entries->unknowns().write(extended_diagonal, unknown_result, 1);
     for (unsigned int f = 0; f < spline_space->owned_functions().size(); ++f)
-      if (held_functions[f] != 0)
+      if (constrained_functions[f] != 0)
         extended_diagonal.local_element(f) = 0.;
     extended_inactive = fill_inactive(extended_diagonal).second;
   }

@@ -122,7 +122,7 @@ namespace greville
     add_parameter(prm, "Statistics every", statistics_every)(
       "Time between two rows of statistics.csv. auto: 1 / 400 of the time of "
       "the run; 0: each step. Unit: s.");
-    add_parameter(prm, "Front above", front_above)(
+    add_parameter(prm, "Front above", runout_above)(
       "Smallest y of the points that count for the columns front, front_99 and "
       "front_BODY (the run-out), for flows over a layer that reaches the far "
       "wall. Without such points these columns are 0. Unit: m.");

@@ -52,7 +52,10 @@ namespace greville
       "order) or its end (symplectic Euler, first order).");
     add_parameter(prm, "Maximum steps", max_steps, Integer(0))(
       "Largest number of steps of the run; 0: no limit. Unit: steps.");
-    add_parameter(prm, "Largest displacement", most_displacement, Double(0.))(
+    add_parameter(prm,
+                  "Largest displacement",
+                  largest_displacement,
+                  Double(0.))(
       "The run ends after the step in which a material point is further than "
       "this from its initial position (with 'Stage/Reset displacements': its "
       "position at the start of the stage). 0: no limit. Unit: m.");

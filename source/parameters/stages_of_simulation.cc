@@ -83,8 +83,8 @@ namespace greville
 
 
   bool
-  SimulationParameters::is_there(const std::string &body,
-                                 const unsigned int stage) const
+  SimulationParameters::is_in_stage(const std::string &body,
+                                    const unsigned int stage) const
   {
     return stages.empty() || stages[stage].has_all_bodies() ||
            contains(stages[stage].bodies, body);
@@ -101,8 +101,8 @@ namespace greville
            std::any_of(general.bodies.begin(),
                        general.bodies.end(),
                        [&](const std::string &name) {
-                         return is_there(name, stage) !=
-                                is_there(name, stage - 1);
+                         return is_in_stage(name, stage) !=
+                                is_in_stage(name, stage - 1);
                        });
   }
 
@@ -167,7 +167,7 @@ namespace greville
       {
         unsigned int n = 0, last = 0;
         for (unsigned int k = 0; k < stages.size(); ++k)
-          if (is_there(name, k))
+          if (is_in_stage(name, k))
             {
               AssertThrow(n == 0 || last + 1 == k,
                           ExcMessage(
@@ -207,7 +207,7 @@ namespace greville
           AssertThrow(std::any_of(group.begin(),
                                   group.end(),
                                   [&](const std::string &name) {
-                                    return is_there(name, k);
+                                    return is_in_stage(name, k);
                                   }),
                       ExcMessage(stage_text(k) + "none of the bodies <" +
                                  boost::algorithm::join(group, ", ") +

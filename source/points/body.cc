@@ -398,7 +398,7 @@ namespace greville
 
       // Avoid steep gradients if the velocity jumps.
       std::array<double, dim>       steps;
-      const std::array<double, dim> small_steps =
+      const std::array<double, dim> difference_steps =
         displacement_steps<dim>(space);
       for (unsigned int d = 0; d < dim; ++d)
         steps[d] = 0.1 * space.cell_size(d);
@@ -445,7 +445,7 @@ namespace greville
                             state,
                             material,
                             displacement,
-                            small_steps,
+                            difference_steps,
                             layout.is_axisymmetric());
             }
           catch (const std::exception &error)

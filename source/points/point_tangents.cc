@@ -170,7 +170,7 @@ namespace greville
   void
   PointTangents<dim>::multiply(double                   *y,
                                const double             *x,
-                               const StencilMatrix<dim> &places) const
+                               const StencilMatrix<dim> &stencil) const
   {
     constexpr int     n_lines  = dim == 3 ? n * n : n;
     constexpr int     n_values = n_lines * n * dim;
@@ -184,7 +184,7 @@ namespace greville
         for (int line = 0; line < n_lines; ++line)
           {
             lines[line] =
-              std::size_t(places.cell_place(points.cell, 0, line)) * dim;
+              std::size_t(stencil.cell_place(points.cell, 0, line)) * dim;
             std::copy_n(x + lines[line], n * dim, u + line * n * dim);
           }
         Simd sums[n_padded];
@@ -221,17 +221,17 @@ namespace greville
   void
   PointTangents<dim>::add_product(double                   *y,
                                   const double             *x,
-                                  const StencilMatrix<dim> &places) const
+                                  const StencilMatrix<dim> &stencil) const
   {
     with_order(tables.space->degree(), [&](const auto size) {
       constexpr int n = decltype(size)::value;
       if constexpr (dim == 2)
         if (axisymmetric)
           {
-            multiply<n, true>(y, x, places);
+            multiply<n, true>(y, x, stencil);
             return;
           }
-      multiply<n, false>(y, x, places);
+      multiply<n, false>(y, x, stencil);
     });
   }
 

@@ -316,8 +316,8 @@ namespace greville
                                     VectorField<dim>          &k,
                                     const bool                 overwrite)
   {
-    const CellWindows<dim> *seen          = windows_of(points, windows);
-    std::vector<double>     window_target = read_windows(seen, u);
+    const CellWindows<dim> *used_windows  = windows_of(points, windows);
+    std::vector<double>     window_target = read_windows(used_windows, u);
     multiply_fields<dim>(
       *tables.space,
       buffer,
@@ -328,14 +328,14 @@ namespace greville
         multiply_stiffness<dim, decltype(size)::value>(points,
                                                        tables,
                                                        stiffness,
-                                                       seen,
+                                                       used_windows,
                                                        source,
                                                        target,
                                                        window_buffer.data(),
                                                        window_target.data());
       });
-    if (seen)
-      seen->add_to(k, window_target);
+    if (used_windows)
+      used_windows->add_to(k, window_target);
   }
 
 
@@ -415,9 +415,9 @@ namespace greville
     const VectorField<dim>                         &x,
     VectorField<dim>                               &y)
   {
-    const CellWindows<dim> *seen =
+    const CellWindows<dim> *used_windows =
       windows && windows->averages_values() ? windows : nullptr;
-    std::vector<double> window_target = read_windows(seen, x);
+    std::vector<double> window_target = read_windows(used_windows, x);
     multiply_fields<dim>(*tables.space,
                          buffer,
                          x,
@@ -430,26 +430,26 @@ namespace greville
                              multiply_mass_matrix<dim, decltype(size)::value>(
                                *points,
                                tables,
-                               windows_of(*points, seen),
+                               windows_of(*points, used_windows),
                                source,
                                target,
                                window_buffer.data(),
                                window_target.data());
                          });
-    if (seen)
-      seen->add_to(y, window_target);
+    if (used_windows)
+      used_windows->add_to(y, window_target);
   }
 
 
 
   template <int dim>
   std::vector<double>
-  PointTransfer<dim>::read_windows(const CellWindows<dim> *seen,
+  PointTransfer<dim>::read_windows(const CellWindows<dim> *used_windows,
                                    const VectorField<dim> &field)
   {
-    if (!seen)
+    if (!used_windows)
       return {};
-    seen->read(field, window_buffer);
+    used_windows->read(field, window_buffer);
     return std::vector<double>(window_buffer.size());
   }
 

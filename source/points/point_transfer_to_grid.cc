@@ -2,7 +2,7 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
-#include "seen_functions.h"
+#include "window_functions.h"
 
 namespace greville
 {
@@ -67,7 +67,7 @@ namespace greville
       const unsigned int initial_F       = points.layout().initial_F;
       using OfWindow = Sums<int(with_momentum) + int(with_force),
                             with_force ? int(with_momentum) : -1>;
-      SeenFunctions<dim, n> functions(points, tables, windows, with_force);
+      WindowFunctions<dim, n> functions(points, tables, windows, with_force);
 
       // Numbers that lie in front of those that no pass needs.
       const unsigned int n_read =

@@ -4,7 +4,7 @@
 #include <greville/points/volume_projection.h>
 
 #include "group_lanes.h"
-#include "seen_functions.h"
+#include "window_functions.h"
 #include <cmath>
 #include <sstream>
 
@@ -200,7 +200,7 @@ namespace greville
       using OfWindow =
         Sums<n_field_vectors<dim>(n_fields / dim),
              derivatives ? first_gradient / dim * stride / 4 : -1>;
-      SeenFunctions<dim, n> functions(points, tables, windows);
+      WindowFunctions<dim, n> functions(points, tables, windows);
 
       const std::vector<unsigned int> &cells = points.cells();
       for (std::size_t c = 0; c < cells.size(); ++c)

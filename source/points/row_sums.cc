@@ -53,10 +53,10 @@ namespace greville
 
   template <int dim>
   RowSums<dim>::RowSums(const Material *material,
-                        const double    front_above,
+                        const double    runout_above,
                         const double    outer_mass)
     : material(material)
-    , front_above(front_above)
+    , runout_above(runout_above)
     , has_outer(outer_mass > 0.)
     , outer(outer_mass)
   {}
@@ -112,20 +112,20 @@ namespace greville
       return dim == 2 ? double(half[lane]) : 0.5 * std::cbrt(double(V[lane]));
     };
     const Lanes right = x[0] + half, top = x[1] + half;
-    const auto  is_above = used > 0. && x[1] > front_above;
+    const auto  is_above = used > 0. && x[1] > runout_above;
     if (!none_of(is_above))
       {
         Lanes above             = m;
         where(!is_above, above) = 0.;
         mass_above += reduce(above);
-        const double least =
-          has_outer ? std::min(front.value, outer.smallest()) : front.value;
-        if (!none_of(is_above && !(right <= least)))
+        const double smallest_counted_edge =
+          has_outer ? std::min(runout.value, outer.smallest()) : runout.value;
+        if (!none_of(is_above && !(right <= smallest_counted_edge)))
           for (unsigned int lane = 0; lane < count; ++lane)
-            if (is_above[lane] && !(right[lane] <= least))
+            if (is_above[lane] && !(right[lane] <= smallest_counted_edge))
               {
                 const double edge = x[0][lane] + exact_half(lane);
-                front.add(edge);
+                runout.add(edge);
                 if (has_outer && edge >= outer.smallest())
                   outer.add(edge, m[lane]);
               }

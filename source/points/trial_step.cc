@@ -422,15 +422,15 @@ namespace greville
       (space.owned_functions().size() + space.ghost_functions().size()) * dim);
     for (unsigned int d = 0; d < dim; ++d)
       put_into_buffer(u[d], dim, d, buffer);
-    const CellWindows<dim> *seen = windows_of(points, windows);
-    if (seen)
-      seen->read(u, window_buffer);
+    const CellWindows<dim> *used_windows = windows_of(points, windows);
+    if (used_windows)
+      used_windows->read(u, window_buffer);
     PointReport report;
     with_order(space.degree(), [&](const auto size) {
       evaluate_points<dim, decltype(size)::value>(points,
                                                   material,
                                                   tables,
-                                                  seen,
+                                                  used_windows,
                                                   buffer.data(),
                                                   window_buffer.data(),
                                                   dt,

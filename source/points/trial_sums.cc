@@ -373,10 +373,10 @@ namespace greville
 
   template <int dim>
   void
-  TrialSums<dim>::add_product(double                                    *y,
-                              const double                              *x,
-                              const StencilMatrix<dim>                  &places,
-                              const unsigned int                         cell,
+  TrialSums<dim>::add_product(double                   *y,
+                              const double             *x,
+                              const StencilMatrix<dim> &stencil,
+                              const unsigned int        cell,
                               const std::vector<TrialSurfacePoint<dim>> &points)
   {
     with_order(tables.space->degree(), [&](const auto size) {
@@ -384,7 +384,7 @@ namespace greville
       const CellGeometry<dim, n>             geometry(tables, cell);
       std::array<std::size_t, power(n, dim)> of_cell;
       for (int a = 0; a < power(n, dim); ++a)
-        of_cell[a] = places.cell_place(cell, a % n, a / n);
+        of_cell[a] = stencil.cell_place(cell, a % n, a / n);
       add_product_of_surface<dim, n>(geometry, points, of_cell, x, y);
     });
   }

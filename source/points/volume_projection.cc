@@ -134,14 +134,16 @@ namespace greville
     const MPI_Comm     comm        = space.communicator();
     const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
     const unsigned int me          = Utilities::MPI::this_mpi_process(comm);
-    IndexSet           owned(n_functions), seen(n_functions);
+    IndexSet           owned(n_functions), relevant(n_functions);
     owned.add_range(n_functions * me / n_processes,
                     n_functions * (me + 1) / n_processes);
     std::vector<types::global_dof_index> sorted = numbers;
     std::sort(sorted.begin(), sorted.end());
-    seen.add_indices(sorted.begin(), sorted.end());
+    relevant.add_indices(sorted.begin(), sorted.end());
     const auto partition =
-      std::make_shared<const Utilities::MPI::Partitioner>(owned, seen, comm);
+      std::make_shared<const Utilities::MPI::Partitioner>(owned,
+                                                          relevant,
+                                                          comm);
     for (const types::global_dof_index number : numbers)
       functions.push_back(partition->global_to_local(number));
     weight.reinit(partition);

@@ -22,12 +22,14 @@ namespace greville
   namespace
   {
     // Bounds of input_notes(). Friction is the sine of its angle.
-    constexpr double least_density = 500., most_weight = 0.2,
-                     least_strength = 1e-3, least_friction = 0.0017,
-                     most_friction = 0.016;
+    constexpr double smallest_likely_density       = 500.,
+                     largest_weight_over_stiffness = 0.2,
+                     smallest_strength_over_weight = 1e-3,
+                     smallest_unlikely_friction    = 0.0017,
+                     largest_unlikely_friction     = 0.016;
 
     // Of the mass of a body: what of others may lie above it without a note.
-    constexpr double least_load = 1e-3;
+    constexpr double negligible_load = 1e-3;
 
 
 
@@ -156,12 +158,12 @@ namespace greville
   double
   shear_strength(const Material &material, const double pressure)
   {
-    const double most = 0.5 * material.moduli().shear;
-    if (!(most > 0.))
+    const double largest_stress = 0.5 * material.moduli().shear;
+    if (!(largest_stress > 0.))
       return 0.;
-    if (has_shear_stress(material, most, pressure))
+    if (has_shear_stress(material, largest_stress, pressure))
       return std::numeric_limits<double>::infinity();
-    double lower = 1e-12 * most, upper = most;
+    double lower = 1e-12 * largest_stress, upper = largest_stress;
     if (!has_shear_stress(material, lower, pressure))
       return 0.;
     while (upper > 1.001 * lower)
@@ -314,10 +316,10 @@ namespace greville
     const double             g       = gravity.norm();
     const bool               is_real = g > 9. && g < 11.;
     std::vector<std::string> notes;
-    double                   least = 0.;
+    double                   smallest_component = 0.;
     for (unsigned int d = 0; d < dim; ++d)
-      least = std::min(least, gravity[d]);
-    if (is_real && least == 0.)
+      smallest_component = std::min(smallest_component, gravity[d]);
+    if (is_real && smallest_component == 0.)
       notes.push_back("'Loads/Gravity' is (" + text_of(gravity) +
                       ") m / s^2, without a negative component: bodies fall "
                       "towards larger coordinates.");
@@ -333,12 +335,13 @@ namespace greville
         };
         if (names.insert(name).second)
           {
-            if (is_real && material.density < least_density)
+            if (is_real && material.density < smallest_likely_density)
               note("has a density of " + rounded(material.density) +
                    " kg / m^3, and water has 1000. Is it a weight in kN / m^3? "
                    "Divide it by 0.00981.");
             const double friction = friction_of(material);
-            if (friction > least_friction && friction < most_friction)
+            if (friction > smallest_unlikely_friction &&
+                friction < largest_unlikely_friction)
               note("has a shear strength that grows by " + rounded(friction) +
                    " of the pressure, as by a friction angle of " +
                    rounded(std::asin(friction) * 180. / numbers::PI) +
@@ -365,7 +368,7 @@ namespace greville
                                      !other.parameters->shape.empty()))
               {
                 const auto above = mass_above(body, other, first_gravity, comm);
-                if (above.second > least_load * above.first)
+                if (above.second > negligible_load * above.first)
                   notes.push_back(
                     "'Body " + other.name + "' lies on the 'Surface' of '" +
                     "Body " + body.name +
@@ -383,12 +386,12 @@ namespace greville
           material.density * g * height_of(body, gravity, comm);
         const double stiffness = moduli.bulk + 4. / 3. * moduli.shear;
         const double strength  = shear_strength(material);
-        if (weight > most_weight * stiffness)
+        if (weight > largest_weight_over_stiffness * stiffness)
           note("is soft: its weight over the height of 'Body " + body.name +
                "', rho g H = " + rounded(weight) +
                " Pa, is more than a fifth of K + 4 G / 3 = " +
                rounded(stiffness) + " Pa. Is the stiffness in Pa?");
-        if (strength > 0. && strength < least_strength * weight)
+        if (strength > 0. && strength < smallest_strength_over_weight * weight)
           note("is weak: its shear strength without pressure is less than a "
                "thousandth of its weight over the height of 'Body " +
                body.name + "', rho g H = " + rounded(weight) +

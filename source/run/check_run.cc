@@ -29,7 +29,7 @@ namespace greville
   {
     // Trial steps: so many at the most, and no further one after this time, s.
     constexpr unsigned int most_trial_steps = 20;
-    constexpr double       longest          = 2.;
+    constexpr double       longest_trial    = 2.;
 
 
 
@@ -317,7 +317,7 @@ namespace greville
         unsigned int          n     = 0;
         const auto            start = Clock::now();
         while (!trial.is_finished() && n < most_trial_steps &&
-               (n == 0 || seconds_since(start, comm) < longest) &&
+               (n == 0 || seconds_since(start, comm) < longest_trial) &&
                !(n > 0 && trial.first().is_stage_finished()))
           {
             const auto before = Clock::now();

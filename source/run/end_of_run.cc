@@ -213,7 +213,7 @@ namespace greville
           std::find(names.begin(), names.end(), columns[k]) == names.end())
         {
           names.push_back(columns[k]);
-          places.push_back(k);
+          column_numbers.push_back(k);
         }
     for (unsigned int k = 0; k < parameters.n_stages(); ++k)
       {
@@ -232,8 +232,8 @@ namespace greville
   EndOfRun::values_of(const std::vector<double> &row) const
   {
     std::vector<double> values;
-    for (const unsigned int place : places)
-      values.push_back(row[place]);
+    for (const unsigned int number : column_numbers)
+      values.push_back(row[number]);
     return values;
   }
 

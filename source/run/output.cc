@@ -462,7 +462,7 @@ namespace greville
 
   template <int dim>
   void
-  FieldOutput<dim>::go_on(const std::string &record, const MPI_Comm comm)
+  FieldOutput<dim>::resume(const std::string &record, const MPI_Comm comm)
   {
     times_and_names.clear();
     std::istringstream lines(record);

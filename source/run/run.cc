@@ -316,13 +316,13 @@ namespace greville
       }
     if (largest > 0.)
       summary.relative_loss = summary.numerical_loss / largest;
-    summary.errors   = exact.errors(simulations.bodies(),
+    summary.errors    = exact.errors(simulations.bodies(),
                                   common().time,
                                   common().velocity_time,
                                   comm);
-    summary.ramp     = ramp_result;
-    summary.front    = largest_front;
-    summary.front_99 = largest_front_99;
+    summary.ramp      = ramp_result;
+    summary.runout    = largest_runout;
+    summary.runout_99 = largest_runout_99;
     return summary;
   }
 

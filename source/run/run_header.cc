@@ -17,7 +17,7 @@ namespace greville
   namespace
   {
     // Of the weight: bodies without stresses have 1.
-    constexpr double most_imbalance = 1.5;
+    constexpr double largest_imbalance = 1.5;
 
 
 
@@ -192,7 +192,7 @@ namespace greville
         VectorField<dim> sums = part.grid_force();
         for (unsigned int d = 0; d < dim; ++d)
           for (const unsigned int i :
-               part.grid().walls().held_functions(part.space(), d))
+               part.grid().walls().constrained_functions(part.space(), d))
             sums[d].local_element(i) = 0.;
         for (unsigned int i = 0; i < sums[0].locally_owned_size(); ++i)
           {
@@ -215,7 +215,7 @@ namespace greville
     if (weight > 0.)
       out << ", " << 100. * force / weight << " % of the weight";
     out << "\n\n";
-    if (weight == 0. || force < most_imbalance * weight)
+    if (weight == 0. || force < largest_imbalance * weight)
       return "";
     return "At the start " + rounded(force / weight, 3) +
            " times the weight of all bodies is not in balance, so that "

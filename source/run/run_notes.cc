@@ -231,7 +231,7 @@ namespace greville
 
 
   void
-  RunNotes::go_on(const unsigned int n_steps)
+  RunNotes::resume(const unsigned int n_steps)
   {
     last_step = n_steps;
     append("Note",
@@ -299,9 +299,9 @@ namespace greville
                 }
             },
             comm);
-        const bool goes_on = Utilities::MPI::max(double(n_bytes), comm) > 0.;
-        if (goes_on)
-          newton.go_on(file, newton_columns, 8, n_bytes, comm);
+        const bool has_rows = Utilities::MPI::max(double(n_bytes), comm) > 0.;
+        if (has_rows)
+          newton.resume(file, newton_columns, 8, n_bytes, comm);
         else
           newton.open(file, newton_columns, 8, comm);
         newton_is_open = true;

@@ -316,8 +316,8 @@ namespace greville
           json.add("to", summary.ramp->to);
         json.end();
       }
-    json.add("front", summary.front)
-      .add("front_99", summary.front_99)
+    json.add("front", summary.runout)
+      .add("front_99", summary.runout_99)
       .begin("energy")
       .add("numerical_loss", summary.numerical_loss)
       .add("relative_loss", summary.relative_loss)

@@ -170,7 +170,7 @@ namespace greville
   {
     if (options.resumes)
       {
-        go_on(read_checkpoint(directory, comm));
+        resume(read_checkpoint(directory, comm));
         if (options.prepare_folder)
           options.prepare_folder();
       }
@@ -232,7 +232,7 @@ namespace greville
 
   template <int dim>
   void
-  SimulationRun<dim>::go_on(const Checkpoint &checkpoint)
+  SimulationRun<dim>::resume(const Checkpoint &checkpoint)
   {
     for (const auto &refused : checkpoint.refused)
       {
@@ -253,8 +253,8 @@ namespace greville
         const auto numbers = content.table(run_name).gather(comm);
         AssertThrow(numbers.size() == run_columns.size(),
                     ExcMessage("its table of the run is another one"));
-        largest_front    = numbers[2];
-        largest_front_99 = numbers[3];
+        largest_runout    = numbers[2];
+        largest_runout_99 = numbers[3];
         if (!parameters.contacts.empty())
           simulations.set_contact_intervals(
             intervals_of<dim>(content.table(intervals_name).gather(comm)));
@@ -266,15 +266,15 @@ namespace greville
                        "with the next row, without those before it.");
         };
         warn_if_new(statistics_file_in(directory),
-                    statistics_file.go_on(statistics_file_in(directory),
-                                          columns_of(parameters),
-                                          14,
-                                          std::uint64_t(numbers[0]),
-                                          comm));
+                    statistics_file.resume(statistics_file_in(directory),
+                                           columns_of(parameters),
+                                           14,
+                                           std::uint64_t(numbers[0]),
+                                           comm));
         warn_if_new(probes_file_in(directory),
-                    probes.go_on(probes_file_in(directory),
-                                 std::uint64_t(numbers[1])));
-        fields.go_on(content.text("written"), comm);
+                    probes.resume(probes_file_in(directory),
+                                  std::uint64_t(numbers[1])));
+        fields.resume(content.text("written"), comm);
         if (numbers[4] != 0.)
           ask_for_late(numbers[4] != 2., numbers[4] >= 2.);
         // With other criteria an ended run goes on.
@@ -296,7 +296,7 @@ namespace greville
     is_resumed      = true;
     checkpoint_file = checkpoint.file;
     checkpoint_step = common().n_steps;
-    notes.go_on(common().n_steps);
+    notes.resume(common().n_steps);
     const double t = rounded_up_time();
     next_statistics =
       next_time(parameters.output.rows_every(parameters.end_of_run() -
@@ -316,8 +316,8 @@ namespace greville
     return {common().n_steps,
             statistics_file.n_bytes(),
             probes.n_bytes(),
-            largest_front,
-            largest_front_99,
+            largest_runout,
+            largest_runout_99,
             late_row.has_value(),
             !late_fields.empty(),
             fields.record(),
@@ -340,8 +340,8 @@ namespace greville
     if (is_first)
       run.values = {double(at.bytes_of_statistics),
                     double(at.bytes_of_probes),
-                    at.front.value,
-                    at.front_99.value,
+                    at.runout.value,
+                    at.runout_99.value,
                     double(at.row_is_due + 2 * at.fields_are_due),
                     double(ends),
                     double(ramp_result.has_value()),

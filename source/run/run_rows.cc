@@ -51,15 +51,15 @@ namespace greville
     const bool is_row_due =
       is_stage_end || now >= next_statistics || is_in_ramp();
     // The next stage may have other bodies.
-    const bool goes_on_in_stage = !simulations.first().is_stage_finished() ||
-                                  common().stage + 1 == parameters.n_stages();
-    if (is_last && goes_on_in_stage && simulations.rows_lag())
+    const bool stage_continues = !simulations.first().is_stage_finished() ||
+                                 common().stage + 1 == parameters.n_stages();
+    if (is_last && stage_continues && simulations.rows_are_late())
       {
         before_last                 = make_mark();
         before_last->row_is_due     = now >= next_statistics;
         before_last->fields_are_due = now >= next_fields;
       }
-    const bool is_late        = !is_stage_end && simulations.rows_lag();
+    const bool is_late        = !is_stage_end && simulations.rows_are_late();
     const bool are_fields_due = is_stage_end || now >= next_fields;
     if (are_fields_due)
       next_fields = next_time_of_fields(now);
@@ -93,7 +93,7 @@ namespace greville
   SimulationRun<dim>::at_end_of_step(const std::function<void()> &write)
   {
     std::vector<State<dim>> kept;
-    if (simulations.rows_lag())
+    if (simulations.rows_are_late())
       kept = simulations.state();
     simulations.finish();
     write();
@@ -250,8 +250,8 @@ namespace greville
                            " s the strain energy or the dissipation of the "
                            "bodies is infinite or NaN, but not their stress: a "
                            "material law gives such a value."));
-    largest_front.add(statistics.front);
-    largest_front_99.add(statistics.front_99);
+    largest_runout.add(statistics.runout);
+    largest_runout_99.add(statistics.runout_99);
     const double last_time = last_row.empty() ? row.time : last_row[0];
     last_row               = values_of(row, statistics);
     statistics_file.write(last_row);

@@ -17,14 +17,14 @@ namespace greville
     lattice = space.lattice();
     n_owned = cells.size();
     numbers.clear();
-    places.clear();
+    buffer_places.clear();
     if (Utilities::MPI::n_mpi_processes(space.communicator()) == 1)
       return;
 
     const auto &tria       = space.triangulation();
     const auto partitioner = tria.global_active_cell_index_partitioner().lock();
     buffer.reinit(partitioner);
-    places.resize(n_owned);
+    buffer_places.resize(n_owned);
     of_children.clear();
     std::map<std::uint64_t, unsigned int> ghosts; // any child of a parent
     for (const auto &cell : tria.active_cell_iterators())
@@ -35,7 +35,7 @@ namespace greville
           partitioner->global_to_local(cell->global_active_cell_index());
         if (cell->is_locally_owned())
           {
-            places[space.cell_number(cell)] = place;
+            buffer_places[space.cell_number(cell)] = place;
             of_children.emplace_back(space.cell_number(cell), place);
           }
         else
@@ -44,7 +44,7 @@ namespace greville
     for (const auto &ghost : ghosts)
       {
         cells.push_back(ghost.first);
-        places.push_back(ghost.second);
+        buffer_places.push_back(ghost.second);
       }
     for (unsigned int c = 0; c < cells.size(); ++c)
       numbers.emplace_back(cells[c], c);
@@ -96,7 +96,7 @@ namespace greville
       buffer.local_element(child.second) = values[child.first];
     buffer.update_ghost_values();
     for (unsigned int c = n_owned; c < cells.size(); ++c)
-      values[c] = buffer.local_element(places[c]);
+      values[c] = buffer.local_element(buffer_places[c]);
   }
 
 

@@ -73,14 +73,15 @@ namespace greville
                                                           space.communicator());
     buffer_vector.reinit(partitioner);
 
-    places.resize(positions.size());
+    buffer_places.resize(positions.size());
     for (std::size_t k = 0; k < positions.size(); ++k)
-      places[k] = positions[k] == not_there
-                    ? n_places() - 1
-                    : partitioner->global_to_local(
-                        numbers[std::lower_bound(
-                                  others.begin(), others.end(), positions[k]) -
-                                others.begin()]);
+      buffer_places[k] =
+        positions[k] == not_there
+          ? n_places() - 1
+          : partitioner->global_to_local(
+              numbers[std::lower_bound(
+                        others.begin(), others.end(), positions[k]) -
+                      others.begin()]);
     reaching.assign(space.owned_cells().size(), 0);
   }
 

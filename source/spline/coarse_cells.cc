@@ -10,7 +10,7 @@ namespace greville
   namespace
   {
     // Numbers of coarse cells without a noticeable cost.
-    constexpr double many = 1e4, few = 1000.;
+    constexpr double accepted_cells = 1e4, proposed_cells = 1000.;
 
 
 
@@ -71,11 +71,13 @@ namespace greville
                              const unsigned int     n_processes)
   {
     const double n_coarse = CoarseCells<dim>(n_cells).n_all();
-    if (n_coarse <= many || n_coarse * n_processes <= product<dim>(n_cells))
+    if (n_coarse <= accepted_cells ||
+        n_coarse * n_processes <= product<dim>(n_cells))
       return "";
     // Round up to multiples of a power of two.
     MultiIndex<dim> better = n_cells;
-    for (unsigned int unit = 2; CoarseCells<dim>(better).n_all() > few;
+    for (unsigned int unit = 2;
+         CoarseCells<dim>(better).n_all() > proposed_cells;
          unit *= 2)
       for (unsigned int d = 0; d < dim; ++d)
         better[d] = (n_cells[d] + unit - 1) / unit * unit;

@@ -34,33 +34,33 @@ namespace greville
   {
     is_constant = constant;
     if (spline_space != &space)
-      space.initialize_vector(seen);
+      space.initialize_vector(support_weights);
     spline_space = &space;
     cell_filling = &filling;
     const unsigned int n_local =
       space.owned_functions().size() + space.ghost_functions().size();
 
-    seen.zero_out_ghost_values();
-    seen = 0.;
+    support_weights.zero_out_ghost_values();
+    support_weights = 0.;
     for (const unsigned int cell : filling.filled_cells())
       {
         const double add = filling.is_host(cell)        ? with_host
                            : filling.holds_points(cell) ? 1.
                                                         : 0.;
         for (const unsigned int f : space.cell_functions(cell))
-          seen.local_element(f) += add;
+          support_weights.local_element(f) += add;
       }
     if (Utilities::MPI::n_mpi_processes(space.communicator()) > 1)
       {
-        seen.compress(VectorOperation::add);
-        seen.update_ghost_values();
+        support_weights.compress(VectorOperation::add);
+        support_weights.update_ghost_values();
       }
 
     find_hosts();
     classes.resize(n_local);
     for (unsigned int f = 0; f < n_local; ++f)
       {
-        const double n = seen.local_element(f);
+        const double n = support_weights.local_element(f);
         classes[f]     = n == 0. ? inactive : n >= with_host ? stable : lumped;
       }
     for (const unsigned int f : extended_numbers)
@@ -80,7 +80,7 @@ namespace greville
     std::vector<HostOfFunction> found;
     for (const auto &entry : cell_filling->hosts())
       for (const unsigned int f : space.cell_functions(entry.first))
-        if (seen.local_element(f) < with_host &&
+        if (support_weights.local_element(f) < with_host &&
             !cell_filling->is_at_contact_wall(
               multi_index<dim>(space.function_position(f), space.n_functions()),
               space.n_functions()))

@@ -251,17 +251,17 @@ namespace greville
   SplineSpace<dim>::n_dofs() const
   {
     // Each factor has 32 bits, the product of two of them fits into 64.
-    constexpr std::uint64_t most = types::global_dof_index(-1);
-    std::uint64_t           n    = components;
+    constexpr std::uint64_t largest_index = types::global_dof_index(-1);
+    std::uint64_t           n             = components;
     for (unsigned int d = 0; d < dim; ++d)
       {
         n *= extents[d];
         AssertThrow(
-          n < most,
+          n < largest_index,
           ExcMessage(
             "The grid has more functions than this deal.II can number, "
             "which is " +
-            std::to_string(most) +
+            std::to_string(largest_index) +
             ": use a coarser grid, or a deal.II with 64-bit indices "
             "(DEAL_II_WITH_64BIT_INDICES)."));
       }

@@ -135,7 +135,7 @@ namespace greville
     for (Simulation<dim> *part : parts)
       {
         part->current.rigid_bodies = positions;
-        part->good.take(part->current);
+        part->last_good.take(part->current);
       }
     passing = std::make_unique<PassingBodies<dim>>(parameters,
                                                    parts,
@@ -390,11 +390,11 @@ namespace greville
   void
   BodyContacts<dim>::act()
   {
-    std::vector<std::uint64_t> stamps_now;
+    std::vector<std::uint64_t> new_versions;
     for (const Simulation<dim> *part : parts)
-      stamps_now.push_back(part->current.points_stamp);
+      new_versions.push_back(part->current.points_version);
     set_laws();
-    if (stamps_now == stamps)
+    if (new_versions == points_versions)
       return;
     const State<dim> &state = parts.front()->current;
     const PartTimer   timer(parts.front()->log, "contact");
@@ -435,8 +435,8 @@ namespace greville
           give(contact, points);
       }
     for (unsigned int k = 0; k < parts.size(); ++k)
-      stamps_now[k] = parts[k]->current.points_stamp;
-    stamps = stamps_now;
+      new_versions[k] = parts[k]->current.points_version;
+    points_versions = new_versions;
   }
 
 
@@ -452,7 +452,7 @@ namespace greville
         search.find_gaps(points, reach);
         for (ContactPoint<dim> &point : points)
           if (point.is_facing)
-            point.since_hats = -0.5 * point.gap * point.normal;
+            point.offset_from_hats = -0.5 * point.gap * point.normal;
         return;
       }
     const RigidBodyState<dim> &body =
@@ -615,7 +615,7 @@ namespace greville
       }
     passing->check();
     for (unsigned int k = 0; k < parts.size(); ++k)
-      stamps[k] = parts[k]->current.points_stamp;
+      points_versions[k] = parts[k]->current.points_version;
   }
 
 

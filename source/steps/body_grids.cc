@@ -170,7 +170,7 @@ namespace greville
      * The pressure of pore water has cells of twice the size.
      */
     unsigned int
-    least_factor(const SimulationParameters &part)
+    smallest_factor(const SimulationParameters &part)
     {
       return part.general.pore_water ? 2 : 1;
     }
@@ -192,7 +192,7 @@ namespace greville
       for (unsigned int d = 0; d < dim; ++d)
         thinnest = std::min(thinnest, body.end[d] - body.first[d]);
       const unsigned int multiple =
-        std::max(common_factor(thinnest), least_factor(part));
+        std::max(common_factor(thinnest), smallest_factor(part));
       for (unsigned int d = 0; d < dim; ++d)
         {
           Range range{body.first[d], body.end[d]};
@@ -208,10 +208,10 @@ namespace greville
             part.grid.upper[d] = body.lattice.box(corner).lower[d];
           part.grid.cells[d] = range.end - range.first;
 
-          const double small = 1e-10 * (whole.upper[d] - whole.lower[d]);
+          const double tolerance = 1e-10 * (whole.upper[d] - whole.lower[d]);
           const bool   is_at_wall[2] = {
-              std::abs(part.grid.lower[d] - whole.lower[d]) <= small,
-              std::abs(part.grid.upper[d] - whole.upper[d]) <= small};
+              std::abs(part.grid.lower[d] - whole.lower[d]) <= tolerance,
+              std::abs(part.grid.upper[d] - whole.upper[d]) <= tolerance};
           for (unsigned int side = 0; side < 2; ++side)
             if (!is_at_wall[side])
               set_free(part, 2 * d + side);

@@ -144,7 +144,7 @@ namespace greville
     ContactStep<dim> step = contact_step(state);
     for (const auto &contact : contacts)
       contact->constrain(step);
-    field.mass->hold(field.constraints);
+    field.mass->constrain(field.constraints);
   }
 
 
@@ -202,11 +202,11 @@ namespace greville
     trial.momentum.add(field.momentum, 1.);
     field.velocity = state.field.velocity;
     std::swap(field.acceleration, state.field.acceleration);
-    walls.hold_velocity(field.velocity, before);
-    walls.hold_acceleration(field.acceleration,
-                            before,
-                            after,
-                            trial.velocity_step);
+    walls.impose_velocity(field.velocity, before);
+    walls.impose_acceleration(field.acceleration,
+                              before,
+                              after,
+                              trial.velocity_step);
   }
 
 
@@ -286,16 +286,16 @@ namespace greville
                  trial.step);
     field.mass->extend(correction);
     // Without walls it keeps the momentum.
-    walls.add_held(field.momentum_of_walls,
-                   [&](const unsigned int c, const unsigned int i) {
-                     return -lumped.local_element(i) *
-                            correction[c].local_element(i);
-                   });
+    walls.add_constrained(field.momentum_of_walls,
+                          [&](const unsigned int c, const unsigned int i) {
+                            return -lumped.local_element(i) *
+                                   correction[c].local_element(i);
+                          });
     for (unsigned int d = 0; d < dim; ++d)
       {
         VectorType &z = correction[d];
         for (unsigned int i = 0; i < z.locally_owned_size(); ++i)
-          if ((field.mass->held_components(i) >> d) & 1)
+          if ((field.mass->constrained_components(i) >> d) & 1)
             z.local_element(i) = 0.;
         field.new_velocity[d] += z;
         field.acceleration[d].add(1. / trial.velocity_step, z);
@@ -327,19 +327,21 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::take_held_residual(const State<dim> &state)
+  CentralDifferences<dim>::take_constrained_residual(const State<dim> &state)
   {
     if (!parameters.scheme.is_flip() || !(trial.velocity_step > 0.))
       return;
-    field.mass->held_residual(work_field, field.momentum, field.velocity);
+    field.mass->constrained_residual(work_field,
+                                     field.momentum,
+                                     field.velocity);
     for (unsigned int d = 0; d < dim; ++d)
       field.acceleration[d].add(-1. / trial.velocity_step, work_field[d]);
     const double share = kept_share(state);
-    walls.add_held(field.momentum_of_walls,
-                   [&](const unsigned int c, const unsigned int i) {
-                     return -share * field.lumped_mass.local_element(i) *
-                            work_field[c].local_element(i);
-                   });
+    walls.add_constrained(field.momentum_of_walls,
+                          [&](const unsigned int c, const unsigned int i) {
+                            return -share * field.lumped_mass.local_element(i) *
+                                   work_field[c].local_element(i);
+                          });
   }
 
 
@@ -357,7 +359,7 @@ namespace greville
     add_contact(state);
     if (trial.step == 0.)
       state.field.acceleration = field.acceleration;
-    take_held_residual(state);
+    take_constrained_residual(state);
     for (unsigned int w = 0; w < 2 * dim && trial.velocity_step > 0.; ++w)
       state.reactions[w] = field.momentum_of_walls[w] / trial.velocity_step;
     add_work(state);
@@ -381,7 +383,7 @@ namespace greville
   CentralDifferences<dim>::finish(State<dim> &state)
   {
     // Nothing moves: what is left of the kick acts where the points are.
-    if (!velocities_lag(state))
+    if (!velocities_are_late(state))
       return;
     const auto reactions = state.reactions;
     row                  = nullptr; // of a step that has failed
@@ -406,7 +408,7 @@ namespace greville
 
   template <int dim>
   double
-  CentralDifferences<dim>::swing(const State<dim> &state) const
+  CentralDifferences<dim>::energy_swing(const State<dim> &state) const
   {
     // Steps that map velocities with lumped mass before they deform points damp
     // high modes, and keep another energy.
@@ -446,9 +448,9 @@ namespace greville
   {
     if (!row)
       return;
-    row->swing    = swing(state);
-    row->is_known = true;
-    row           = nullptr;
+    row->energy_swing = energy_swing(state);
+    row->is_known     = true;
+    row               = nullptr;
   }
 
 
@@ -466,7 +468,7 @@ namespace greville
   void
   CentralDifferences<dim>::try_step(State<dim> &state, const double dt)
   {
-    const double last   = velocities_lag(state) ? state.step : 0.;
+    const double last   = velocities_are_late(state) ? state.step : 0.;
     trial.step          = dt;
     trial.velocity_step = half_steps ? 0.5 * (last + dt) : dt;
     trial.motion        = PointMotion();
@@ -479,7 +481,7 @@ namespace greville
     // One that has been rejected before is taken.
     const bool is_too_long =
       state.n_rejections == 0 &&
-      step_size.shows_faster_mode(state, kept, field, dt);
+      step_size.has_unstable_mode(state, kept, field, dt);
     if (is_too_long)
       {
         kept.mode.is_known = true;
@@ -507,7 +509,7 @@ namespace greville
     add_work_of_point_loads(state, true);
     end_row(state);
     transport(state);
-    tell_guard();
+    inform_guard();
     count_step(state, dt);
   }
 

@@ -40,9 +40,10 @@ namespace greville
   void
   CommonStep<dim>::for_each(const Action &action)
   {
-    for (at_hand = 0; at_hand < simulations.size(); ++at_hand)
-      action(*simulations[at_hand]);
-    at_hand = simulations.size() - 1;
+    for (current_simulation = 0; current_simulation < simulations.size();
+         ++current_simulation)
+      action(*simulations[current_simulation]);
+    current_simulation = simulations.size() - 1;
   }
 
 
@@ -59,7 +60,7 @@ namespace greville
         simulation->remember();
         // All of them keep the state of the same step.
         if (is_shared)
-          simulation->good.take(simulation->current);
+          simulation->last_good.take(simulation->current);
       }
     dt = simulations.front()->current.step;
   }
@@ -81,7 +82,7 @@ namespace greville
     // All of them, or none.
     if (enters_stage)
       for_each([](Simulation<dim> &simulation) {
-        simulation.good.take(simulation.current);
+        simulation.last_good.take(simulation.current);
       });
   }
 
@@ -91,11 +92,11 @@ namespace greville
   void
   CommonStep<dim>::propose()
   {
-    Simulation<dim> &simulation = *simulations[at_hand];
+    Simulation<dim> &simulation = *simulations[current_simulation];
     // It depends on what all processes know.
     try
       {
-        proposed[at_hand] =
+        proposed[current_simulation] =
           simulation.integrator->propose_step(simulation.current);
       }
     catch (const ExcMessage &error)
@@ -110,7 +111,7 @@ namespace greville
   void
   CommonStep<dim>::propose_again(const StepRejected &rejection)
   {
-    State<dim> &state = simulations[at_hand]->current;
+    State<dim> &state = simulations[current_simulation]->current;
     ++state.n_all_rejections;
     if (state.n_rejections == most_rejections)
       throw StepFailed("the step has been shortened " +
@@ -134,7 +135,7 @@ namespace greville
           dt = contacts->bounded_step(dt);
         try
           {
-            at_hand = 0;
+            current_simulation = 0;
             if (contacts && simulations.front()->is_implicit())
               try_implicit();
             else
@@ -210,7 +211,7 @@ namespace greville
       }
     catch (const StepFailed &failure)
       {
-        Simulation<dim> *const failed = simulations[at_hand];
+        Simulation<dim> *const failed = simulations[current_simulation];
         restore_others(failed);
         failed->go_back(failure, dt);
       }

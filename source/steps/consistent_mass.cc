@@ -41,7 +41,7 @@ namespace greville
             this->orders,
             extended_mass,
             [this](const SplineSpace<dim> &space, const unsigned int c) {
-              return held_at_walls(space, walls, c);
+              return constrained_at_walls(space, walls, c);
             },
             parameters.multigrid,
             parameters.smoother);
@@ -107,7 +107,7 @@ namespace greville
     has_matrix = true;
     extended_mass.begin(spline_extension, has_new_unknowns);
     if (has_new_unknowns)
-      extended_mass.unknowns().hold(this->held);
+      extended_mass.unknowns().constrain(this->constrained);
     transfer->add_mass_matrix(*bodies, extended_mass.matrix());
     extended_mass.finish();
     total_mass = 0.;

@@ -11,7 +11,7 @@ namespace greville
 
   template <int dim>
   std::vector<ConstrainedDirections<dim>>
-  Constraints<dim>::reduce(const std::vector<unsigned char> &held)
+  Constraints<dim>::reduce(const std::vector<unsigned char> &constrained)
   {
     // What is left of a unit vector that others span, and what an axis lacks
     // of a component of 1.
@@ -20,7 +20,7 @@ namespace greville
     for (const auto &[i, direction] : directions)
       {
         unsigned char      &bits  = components[i];
-        const unsigned char all   = bits | held[i];
+        const unsigned char all   = bits | constrained[i];
         const auto          found = result.find(i);
         Tensor<1, dim>      rest  = direction;
         for (unsigned int c = 0; c < dim; ++c)

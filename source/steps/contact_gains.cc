@@ -106,9 +106,9 @@ namespace greville
         Contact           &contact = contacts[k];
         const std::string &name    = contact.name;
         // A run that was resumed does not know what was stored at its start.
-        if (!contact.is_judged && parts.front()->current.n_steps > 1)
+        if (!contact.is_start_counted && parts.front()->current.n_steps > 1)
           contact.stored_energy += std::max(*given[k], 0.);
-        contact.is_judged = true;
+        contact.is_start_counted = true;
         const double gain = (*given[k] - contact.stored_energy) / largest;
         if (!(gain > std::max(accepted_gain, 2. * contact.warned_gain)))
           continue;

@@ -32,7 +32,7 @@ namespace greville
 
     // The critical step is estimated anew where more than this part of the
     // contactors joins them in a step.
-    constexpr double most_joined = 0.1;
+    constexpr double largest_joined_fraction = 0.1;
 
     // One that is initially so little inside, by the spacing, touches.
     constexpr double deepest_initially = 0.25;
@@ -223,7 +223,9 @@ namespace greville
           }
       combine_by_key(
         lowest,
-        [](double &least, const double gap) { least = std::min(least, gap); },
+        [](double &lowest_gap, const double gap) {
+          lowest_gap = std::min(lowest_gap, gap);
+        },
         comm);
       std::vector<double> result;
       for (const ContactPoint<dim> &point : points)
@@ -398,7 +400,7 @@ namespace greville
                                          unsigned(left.size())};
     Utilities::MPI::sum(numbers, comm, numbers);
     // The critical step is that with the stiffness of all contactors.
-    if (numbers[0] > most_joined * numbers[1])
+    if (numbers[0] > largest_joined_fraction * numbers[1])
       part.current.estimates.next = part.current.n_steps;
     if (numbers[2] == 0)
       return;

@@ -16,7 +16,7 @@ namespace greville
   CoupledSimulations<dim>::CoupledSimulations(
     const SimulationParameters &parameters, const MPI_Comm comm)
     : comm(comm)
-    , front_above(parameters.output.front_above)
+    , runout_above(parameters.output.runout_above)
     , load_names(parameters.general.surface_loads)
   {
     for (const auto &part : split_by_grids<dim>(parameters, comm))
@@ -245,7 +245,7 @@ namespace greville
     for (unsigned int k = 1; k < parts.size(); ++k)
       result.add(part(k).statistics());
     if (parts.size() > 1)
-      result.front_99 = front_quantile(bodies(), comm, front_above);
+      result.runout_99 = runout_quantile(bodies(), comm, runout_above);
     sort_loads(result);
     if (contacts)
       contacts->add_to(result, false);
@@ -272,7 +272,7 @@ namespace greville
       &watch)
   {
     const double outer_mass =
-      1.01 * beyond_front *
+      1.01 * mass_beyond_runout *
       sum([](const Simulation<dim> &part) { return part.state().mass; });
     for (unsigned int k = 0; k < parts.size(); ++k)
       if (watch)
@@ -305,7 +305,7 @@ namespace greville
         for (const auto &part : parts)
           for (const RowSums<dim> &own : part->late_row().sums)
             sums.push_back(&own);
-        result.front_99 = front_quantile(sums, comm);
+        result.runout_99 = runout_quantile(sums, comm);
       }
     sort_loads(result);
     if (contacts)

@@ -133,8 +133,8 @@ namespace greville
     x.reinit(layout);
     write(x, blocks);
 
-    ImplicitSteps<dim>     &front        = *parts[0].steps;
-    const NewtonParameters &newton       = front.parameters.newton;
+    ImplicitSteps<dim>     &first_steps  = *parts[0].steps;
+    const NewtonParameters &newton       = first_steps.parameters.newton;
     NewtonResult            result       = solve_newton(x, *this, newton);
     const unsigned int      n_iterations = result.n_iterations();
     // Pressures of augmented contacts, in rounds.
@@ -147,8 +147,8 @@ namespace greville
                                  next.iterations.begin(),
                                  next.iterations.end());
       }
-    front.print(*parts[0].state, dt, result, parts.size() > 1);
-    front.log.newton.push_back(
+    first_steps.print(*parts[0].state, dt, result, parts.size() > 1);
+    first_steps.log.newton.push_back(
       {parts[0].state->n_steps + 1, 1, parts[0].state->time, dt, result});
     if (!result.converged)
       reject(x, result.reason, contacts ? contacts->describe_changes() : "");
@@ -171,8 +171,8 @@ namespace greville
                             const std::string &changing)
   {
     // Of the iterate that is reported, which need not be the last trial.
-    constexpr double much      = 1e4;
-    std::string      rejection = reason + changing;
+    constexpr double round_off_factor = 1e4;
+    std::string      rejection        = reason + changing;
     for (const Part &part : parts)
       part.steps->forces_vanish = false;
     VectorType r;
@@ -188,8 +188,8 @@ namespace greville
             steps.last_residual       = blocks[k];
             const double size         = blocks[k].linfty_norm();
             steps.forces_vanish =
-              changing.empty() &&
-              std::max(steps.force_scale, size) <= much * steps.round_off;
+              changing.empty() && std::max(steps.force_scale, size) <=
+                                    round_off_factor * steps.round_off;
             if (size > largest)
               {
                 worst   = &parts[k];
@@ -347,8 +347,8 @@ namespace greville
                            const VectorType &r,
                            const double      tolerance)
   {
-    ImplicitSteps<dim> &front = *parts[0].steps;
-    const PartTimer     timer(front.log, "solve");
+    ImplicitSteps<dim> &first_steps = *parts[0].steps;
+    const PartTimer     timer(first_steps.log, "solve");
     VectorType          b = r;
     b *= -1.;
     SolveResult result;
@@ -356,15 +356,16 @@ namespace greville
     result.reduction  = 1.;
     try
       {
-        result = contacts || has_water() ? solve_all(dx, b, tolerance)
-                                         : front.system.solve(dx, b, tolerance);
+        result = contacts || has_water()
+                   ? solve_all(dx, b, tolerance)
+                   : first_steps.system.solve(dx, b, tolerance);
       }
     catch (const ErrorOnAll &error)
       {
         result.reason = "fails: " + message_of(error);
       }
-    front.n_linear = std::max(front.n_linear, *result.iterations);
-    front.n_all_linear += *result.iterations;
+    first_steps.n_linear = std::max(first_steps.n_linear, *result.iterations);
+    first_steps.n_all_linear += *result.iterations;
     return result;
   }
 

@@ -60,7 +60,7 @@ namespace greville
       for (VectorType &component : *field)
         space.initialize_vector(component);
 
-    // Held coefficients stay zero.
+    // Constrained coefficients stay zero.
     const double        smallest_mass = !mass.is_exact() && space.degree() == 1
                                           ? 0.01 * lumped.linfty_norm()
                                           : 0.;
@@ -73,8 +73,8 @@ namespace greville
         for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
           {
             const double m = lumped.local_element(i);
-            if (!mass.is_seen(i) || m < smallest_mass ||
-                ((mass.held_by_walls(i) >> d) & 1))
+            if (!mass.has_points(i) || m < smallest_mass ||
+                ((mass.constrained_by_walls(i) >> d) & 1))
               continue;
             unknowns[d].push_back(i);
             const double r = noise(space.owned_functions()[i], d);

@@ -169,9 +169,9 @@ namespace greville
   Discretization<dim>::reinit()
   {
     check_parameters(parameters);
-    stamp_of_sums = 0;
-    mass_is_known = false;
-    grid_walls    = Walls<dim>(parameters.walls);
+    version_of_sums = 0;
+    mass_is_known   = false;
+    grid_walls      = Walls<dim>(parameters.walls);
     orders.reinit(mesh, parameters.grid.degree, coarsening_of(parameters));
     windows.reset();
     if (parameters.scheme.averages_over_domains())
@@ -180,7 +180,7 @@ namespace greville
         windows->reinit(space(), averages_values(parameters));
         // Lumped masses are those of all functions that domains reach.
         if (has_lumped_steps(parameters))
-          windows->reach_all();
+          windows->reach_all_neighbors();
       }
     make_field();
     grid_walls.reinit(space());
@@ -255,10 +255,10 @@ namespace greville
   Discretization<dim>::sum(const State<dim> &state, const bool with_force)
   {
     set_points(state);
-    const bool is_current = stamp_of_sums == state.points_stamp;
+    const bool is_current = version_of_sums == state.points_version;
     if (is_current && !with_force)
       return;
-    stamp_of_sums         = 0;
+    version_of_sums       = 0;
     GridField<dim> &field = grid_field;
     // The force sees the cells that reach their neighbours by the extension
     // of the mass.
@@ -295,7 +295,7 @@ namespace greville
       }
     if (!is_current)
       mass_is_known = parameters.scheme.is_total_lagrangian();
-    stamp_of_sums = state.points_stamp;
+    version_of_sums = state.points_version;
   }
 
 
@@ -374,7 +374,7 @@ namespace greville
   Discretization<dim>::sum_momentum(const State<dim> &state)
   {
     const PartTimer timer(log, "points to grid");
-    stamp_of_sums = 0;
+    version_of_sums = 0;
     set_points(state);
     point_transfer.points_to_grid(grid_field.points,
                                   &grid_field.lumped_mass,

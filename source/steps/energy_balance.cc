@@ -33,11 +33,12 @@ namespace greville
 
 
   double
-  EnergyBalance::gain(const EnergyTotals &now, const double swing)
+  EnergyBalance::gain(const EnergyTotals &now, const double energy_swing)
   {
     lowest_damping = std::min(lowest_damping, now.damping);
     remember(now);
-    return (now.energy - swing - start - now.work - lowest_damping) / largest;
+    return (now.energy - energy_swing - start - now.work - lowest_damping) /
+           largest;
   }
 
 

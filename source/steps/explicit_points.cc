@@ -67,9 +67,9 @@ namespace greville
         for (unsigned int k = 0; k < 3; ++k)
           if (*given[k])
             {
-              seen_by_surfaces[k] = **given[k];
-              field.mass->distribute(seen_by_surfaces[k]);
-              *given[k] = &seen_by_surfaces[k];
+              surface_fields[k] = **given[k];
+              field.mass->distribute(surface_fields[k]);
+              *given[k] = &surface_fields[k];
             }
       }
     if (update.acceleration)
@@ -163,7 +163,9 @@ namespace greville
     if ((walls.have_moving() || have_constraints) && trial.velocity_step > 0.)
       {
         double power_of_walls = 0.;
-        field.mass->held_residual(work_field, field.force, field.acceleration);
+        field.mass->constrained_residual(work_field,
+                                         field.force,
+                                         field.acceleration);
         for (unsigned int d = 0; d < dim; ++d)
           for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size();
                ++i)
@@ -251,18 +253,18 @@ namespace greville
   {
     if (factor == 0.)
       return;
-    field.mass->rows_of_held(work_field, x, b, k);
-    walls.add_held(field.momentum_of_walls,
-                   [&](const unsigned int c, const unsigned int i) {
-                     return factor * work_field[c].local_element(i);
-                   });
+    field.mass->constrained_rows(work_field, x, b, k);
+    walls.add_constrained(field.momentum_of_walls,
+                          [&](const unsigned int c, const unsigned int i) {
+                            return factor * work_field[c].local_element(i);
+                          });
   }
 
 
 
   template <int dim>
   void
-  CentralDifferences<dim>::tell_guard()
+  CentralDifferences<dim>::inform_guard()
   {
     guard.set(trial.motion);
     // Constraints and damping take some that nobody adds up.

@@ -31,7 +31,7 @@ namespace greville
     this->discretization.sum_momentum(state);
     VectorField<dim> &w = this->field.velocity;
     w                   = this->field.new_velocity;
-    this->walls.hold_velocity(w, this->wall_time(state));
+    this->walls.impose_velocity(w, this->wall_time(state));
     this->solve({&w}, {&this->field.momentum});
     this->stop(w);
     this->update(state,

@@ -64,11 +64,12 @@ namespace greville
             for (unsigned int c = 0; c < dim; ++c)
               if (c != normal)
                 along[c] = moved[c].local_element(i);
-            const double most =
+            const double friction_limit =
               walls.friction_coefficient(w) *
               std::max(0., sign * without_water[normal].local_element(i));
-            const double size  = along.norm();
-            const double share = most < size ? most / size : 1.; // is lost
+            const double size = along.norm();
+            const double share =
+              friction_limit < size ? friction_limit / size : 1.; // is lost
             moved[normal].local_element(i) = 0.;
             for (unsigned int c = 0; c < dim; ++c)
               if (c != normal)
@@ -140,11 +141,11 @@ namespace greville
   {
     constexpr unsigned int most_iterations = 12, n_basis_vectors = 30;
     const double           kick = step * velocity_step;
-    if (stamp == 0 || (stamp != state.points_stamp &&
-                       !parameters.scheme.is_total_lagrangian()))
+    if (points_version == 0 || (points_version != state.points_version &&
+                                !parameters.scheme.is_total_lagrangian()))
       {
         water.set_points(state.bodies, state.surfaces);
-        stamp = state.points_stamp;
+        points_version = state.points_version;
       }
     water.begin_step(
       state.bodies, state.surfaces, state.time + step, step, gravity, 0.);
@@ -232,7 +233,7 @@ namespace greville
     accelerate(field, sum_of_forces);
     for (unsigned int d = 0; d < dim; ++d)
       field.acceleration[d] -= change[d];
-    discretization.walls().add_held(
+    discretization.walls().add_constrained(
       field.momentum_of_walls, [&](const unsigned int c, const unsigned int i) {
         return velocity_step * sum_of_forces[c].local_element(i);
       });

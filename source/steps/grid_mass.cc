@@ -17,19 +17,20 @@ namespace greville
     : orders(orders)
   {
     space().initialize_vector(lumped_mass);
-    held      = held_components_at_walls(space(), walls);
-    wall_held = held;
+    constrained      = constrained_components_at_walls(space(), walls);
+    wall_constrained = constrained;
   }
 
 
 
   template <int dim>
   void
-  GridMass<dim>::set_held(std::vector<unsigned char>              &components,
-                          std::vector<ConstrainedDirections<dim>> &directions)
+  GridMass<dim>::set_constrained(
+    std::vector<unsigned char>              &components,
+    std::vector<ConstrainedDirections<dim>> &directions)
   {
     const MPI_Comm            comm = space().communicator();
-    std::vector<unsigned int> of_all{components != held ||
+    std::vector<unsigned int> of_all{components != constrained ||
                                        !(directions == oblique),
                                      !directions.empty()};
     Utilities::MPI::max(of_all, comm, of_all);
@@ -40,24 +41,24 @@ namespace greville
                            solver() + ">."));
     if (of_all[0] == 0)
       return;
-    held.swap(components);
+    constrained.swap(components);
     oblique.swap(directions);
-    change_held();
+    update_constrained();
   }
 
 
 
   template <int dim>
   void
-  GridMass<dim>::hold(const Constraints<dim> &more)
+  GridMass<dim>::constrain(const Constraints<dim> &more)
   {
     Constraints<dim>                        reduced = more;
     std::vector<ConstrainedDirections<dim>> directions =
-      reduced.reduce(wall_held);
+      reduced.reduce(wall_constrained);
     std::vector<unsigned char> now = with_ghosts(space(), reduced.components);
     for (unsigned int f = 0; f < now.size(); ++f)
-      now[f] |= wall_held[f];
-    set_held(now, directions);
+      now[f] |= wall_constrained[f];
+    set_constrained(now, directions);
   }
 
 
@@ -66,9 +67,9 @@ namespace greville
   void
   GridMass<dim>::release()
   {
-    std::vector<unsigned char>              now = wall_held;
+    std::vector<unsigned char>              now = wall_constrained;
     std::vector<ConstrainedDirections<dim>> none;
-    set_held(now, none);
+    set_constrained(now, none);
   }
 
 
@@ -78,7 +79,7 @@ namespace greville
   GridMass<dim>::free_part(const unsigned int i, Tensor<1, dim> vector) const
   {
     for (unsigned int c = 0; c < dim; ++c)
-      if ((held[i] >> c) & 1)
+      if ((constrained[i] >> c) & 1)
         vector[c] = 0.;
     if (oblique.empty())
       return vector;
@@ -98,13 +99,13 @@ namespace greville
 
   template <int dim>
   std::array<bool, dim>
-  GridMass<dim>::held_meet_mass() const
+  GridMass<dim>::constrained_components_with_mass() const
   {
     std::vector<unsigned int> found(dim, 0);
     for (unsigned int i = 0; i < lumped_mass.locally_owned_size(); ++i)
-      if (held[i] != 0 && lumped_mass.local_element(i) > 0.)
+      if (constrained[i] != 0 && lumped_mass.local_element(i) > 0.)
         for (unsigned int c = 0; c < dim; ++c)
-          found[c] |= (held[i] >> c) & 1;
+          found[c] |= (constrained[i] >> c) & 1;
     Utilities::MPI::max(found, space().communicator(), found);
     std::array<bool, dim> result;
     for (unsigned int c = 0; c < dim; ++c)
@@ -116,20 +117,20 @@ namespace greville
 
   template <int dim>
   void
-  GridMass<dim>::held_residual(VectorField<dim>       &residual,
-                               const VectorField<dim> &b,
-                               const VectorField<dim> &x) const
+  GridMass<dim>::constrained_residual(VectorField<dim>       &residual,
+                                      const VectorField<dim> &b,
+                                      const VectorField<dim> &x) const
   {
-    const auto meets_mass = held_meet_mass();
-    multiply_at_held(residual, x, meets_mass);
+    const auto meets_mass = constrained_components_with_mass();
+    multiply_constrained_rows(residual, x, meets_mass);
     for (unsigned int c = 0; c < dim; ++c)
       for (unsigned int i = 0; i < b[c].locally_owned_size(); ++i)
         {
           const double m = lumped_mass.local_element(i);
           double      &r = residual[c].local_element(i);
-          r              = meets_mass[c] && ((held[i] >> c) & 1) && m > 0.
-                             ? (b[c].local_element(i) - r) / m
-                             : 0.;
+          r = meets_mass[c] && ((constrained[i] >> c) & 1) && m > 0.
+                ? (b[c].local_element(i) - r) / m
+                : 0.;
         }
     for (const ConstrainedDirections<dim> &at : oblique)
       {
@@ -140,7 +141,7 @@ namespace greville
         const Tensor<1, dim> part =
           at.part_along(values_at<dim>(b, i) / m - values_at<dim>(x, i));
         for (unsigned int c = 0; c < dim; ++c)
-          if (!((held[i] >> c) & 1))
+          if (!((constrained[i] >> c) & 1))
             residual[c].local_element(i) = part[c];
       }
   }

@@ -220,18 +220,19 @@ namespace greville
   ImplicitSteps<dim>::describe_failure(const State<dim> &state) const
   {
     // Each function needs the strains of some points.
-    const unsigned int least = std::max(2u, system.space().degree());
+    const unsigned int n_needed_points = std::max(2u, system.space().degree());
     std::string        too_few;
     for (const Body<dim> &body : state.bodies)
       {
         const auto &n = body.parameters->points_per_direction;
         if (body.parameters->points_file.empty() &&
-            *std::min_element(n.begin(), n.end()) < least)
-          too_few =
-            "'Body " + body.name + "/Points per direction' is " +
-            text_of(*std::min_element(n.begin(), n.end())) +
-            ": with fewer than " + text_of(least) + " the stiffness of order " +
-            text_of(system.space().degree()) + " is singular, or close to it. ";
+            *std::min_element(n.begin(), n.end()) < n_needed_points)
+          too_few = "'Body " + body.name + "/Points per direction' is " +
+                    text_of(*std::min_element(n.begin(), n.end())) +
+                    ": with fewer than " + text_of(n_needed_points) +
+                    " the stiffness of order " +
+                    text_of(system.space().degree()) +
+                    " is singular, or close to it. ";
       }
     std::string text = too_few;
     if (forces_vanish && too_few.empty())
@@ -289,12 +290,13 @@ namespace greville
       if (surface.stiffness > 0.)
         return;
     static const char *names = "xyz";
-    const auto &is_held      = system.finest().extended().unknowns().has_held();
+    const auto        &is_constrained =
+      system.finest().extended().unknowns().has_constrained();
     std::string free;
     // Rings resist radial motion.
     for (unsigned int d = parameters.grid.is_axisymmetric() ? 1 : 0; d < dim;
          ++d)
-      if (!is_held[d])
+      if (!is_constrained[d])
         free += (free.empty() ? "" : ", ") + std::string(1, names[d]);
     if (!free.empty())
       throw StepFailed("the body can move freely in " + free +
@@ -395,13 +397,13 @@ namespace greville
             for (unsigned int d = 0; d < dim; ++d)
               a[d].sadd(1. - late, late, old_rows[d]);
           }
-        system.finest().extended().multiply_at_held(old_rows, a);
+        system.finest().extended().multiply_constrained_rows(old_rows, a);
       }
     const Tensor<1, dim> new_g =
       loads.gravity(state.time + scheme.load_time * dt);
-    const Tensor<1, dim> old_g     = loads.gravity(state.time);
-    const VectorType    &mass      = field().lumped_mass;
-    const auto          &held      = system.finest().held_components();
+    const Tensor<1, dim> old_g       = loads.gravity(state.time);
+    const VectorType    &mass        = field().lumped_mass;
+    const auto          &constrained = system.finest().constrained_components();
     double               on_points = 0., by_gravity = 0., by_walls = 0.;
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
@@ -417,7 +419,7 @@ namespace greville
                         (1. - share) * last_on_points) *
                          u -
                        (share * new_g[d] + (1. - share) * old_g[d]) * m_u;
-          if ((held[i] >> d) & 1)
+          if ((constrained[i] >> d) & 1)
             {
               const double old_reaction =
                 (scheme.is_static ? 0. : old_rows[d].local_element(i)) -

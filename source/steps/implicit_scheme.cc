@@ -61,10 +61,10 @@ namespace greville
     void
     set_implicit_midpoint(ImplicitScheme &scheme, const ImplicitParameters &)
     {
-      scheme.alpha_u = scheme.alpha_v = 2.;
-      scheme.stress                   = StepStress::energy_consistent;
-      scheme.keeps_held_momentum      = true;
-      scheme.load_time                = 0.5;
+      scheme.alpha_u = scheme.alpha_v   = 2.;
+      scheme.stress                     = StepStress::energy_consistent;
+      scheme.keeps_constrained_momentum = true;
+      scheme.load_time                  = 0.5;
     }
 
 

@@ -25,7 +25,7 @@ namespace greville
     , system(
         discretization.hierarchy(),
         [this](const SplineSpace<dim> &space) {
-          return held_components_at_walls(space, discretization.walls());
+          return constrained_components_at_walls(space, discretization.walls());
         },
         parameters.implicit_solver,
         parameters.scheme.filling_threshold(true),
@@ -43,7 +43,7 @@ namespace greville
     for (auto *field : {&velocity,
                         &acceleration,
                         &displacement,
-                        &held_momentum,
+                        &constrained_momentum,
                         &old_force,
                         &old_loads,
                         &new_loads,
@@ -173,15 +173,15 @@ namespace greville
   ImplicitSteps<dim>::renew_mass(const State<dim> &state)
   {
     // The mass of total Lagrangian steps never changes.
-    if (stamp != 0 && (stamp == state.points_stamp ||
-                       parameters.scheme.is_total_lagrangian()))
+    if (points_version != 0 && (points_version == state.points_version ||
+                                parameters.scheme.is_total_lagrangian()))
       return;
     const PartTimer timer(log, "mass");
     system.set_points(bodies, state.surfaces, scheme.is_static);
     if (water)
       water->set_points(state.bodies, state.surfaces);
     check_support(state);
-    stamp = state.points_stamp;
+    points_version = state.points_version;
   }
 
 
@@ -261,14 +261,14 @@ namespace greville
   ImplicitSteps<dim>::map_velocity(const State<dim> &state, const double dt)
   {
     velocity = state.field.velocity;
-    discretization.walls().hold_velocity(velocity,
-                                         wall_times(state.time, dt)[0]);
+    discretization.walls().impose_velocity(velocity,
+                                           wall_times(state.time, dt)[0]);
     if (scheme.is_static)
       return;
     solve_mass(velocity, field().momentum);
-    system.finest().extended().rows_of_held(held_momentum,
-                                            velocity,
-                                            field().momentum);
+    system.finest().extended().constrained_rows(constrained_momentum,
+                                                velocity,
+                                                field().momentum);
   }
 
 
@@ -286,10 +286,10 @@ namespace greville
         if (scheme.keeps_acceleration && state.field.history.n > 0)
           acceleration = state.field.history.accelerations[0];
         const auto times = wall_times(state.time, dt);
-        discretization.walls().hold_acceleration(acceleration,
-                                                 times[0],
-                                                 times[1],
-                                                 dt);
+        discretization.walls().impose_acceleration(acceleration,
+                                                   times[0],
+                                                   times[1],
+                                                   dt);
         find_acceleration(state);
       }
     // v + share (v' - v) without u.
@@ -314,12 +314,12 @@ namespace greville
     // Walls move by their displacement, or by their velocity in the middle.
     for (unsigned int d = 0; d < dim; ++d)
       displacement[d].equ(dt, velocity[d]);
-    discretization.walls().hold_velocity(
+    discretization.walls().impose_velocity(
       work, {state.time + 0.5 * dt, state.time, state.time + dt});
-    const auto &held = system.finest().held_components();
+    const auto &constrained = system.finest().constrained_components();
     for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim; ++i)
       for (unsigned int d = 0; d < dim; ++d)
-        if ((held[i] >> d) & 1)
+        if ((constrained[i] >> d) & 1)
           displacement[d].local_element(i) = dt * work[d].local_element(i);
   }
 
@@ -358,8 +358,8 @@ namespace greville
   void
   ImplicitSteps<dim>::find_reactions(State<dim> &state, const double dt)
   {
-    // Walls give what is left of the balance at held coefficients, in which
-    // force has f - F', and work inertia, both over 1 - alpha_f.
+    // Walls give what is left of the balance at constrained coefficients, in
+    // which force has f - F', and work inertia, both over 1 - alpha_f.
     const Walls<dim> &walls    = discretization.walls();
     VectorField<dim>  reaction = velocity, known = force;
     for (unsigned int d = 0; d < dim; ++d)
@@ -368,7 +368,7 @@ namespace greville
         if (scheme.is_static)
           work[d] = 0.;
       }
-    system.finest().extended().rows_of_held(reaction, work, known);
+    system.finest().extended().constrained_rows(reaction, work, known);
     for (VectorType &component : reaction)
       component *= 1. - scheme.alpha_f;
     const VectorField<dim> of_contacts =
@@ -376,7 +376,7 @@ namespace greville
     add_work(state, reaction, dt);
     for (unsigned int d = 0; d < dim && contact_force; ++d)
       reaction[d] += of_contacts[d];
-    state.reactions = walls.sums_of_held(reaction);
+    state.reactions = walls.constrained_sums(reaction);
   }
 
 
@@ -387,9 +387,9 @@ namespace greville
                                      VectorField<dim> &reaction) const
   {
     VectorField<dim> result = reaction;
-    system.finest().extended().rows_of_held(result,
-                                            contact_acceleration,
-                                            contact_load);
+    system.finest().extended().constrained_rows(result,
+                                                contact_acceleration,
+                                                contact_load);
     const double weight = scheme.contact_weight() * (1. - scheme.alpha_f);
     double       work   = 0.;
     for (unsigned int d = 0; d < dim; ++d)
@@ -406,28 +406,30 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::take_held_momentum(State<dim> &state, const double dt)
+  ImplicitSteps<dim>::take_constrained_momentum(State<dim>  &state,
+                                                const double dt)
   {
     if (scheme.is_static)
       return;
     // Points lose it with FLIP's kick, or take a velocity that is without it.
-    const bool   is_taken = !scheme.keeps_held_momentum;
+    const bool   is_taken = !scheme.keeps_constrained_momentum;
     const double flip     = flip_share(parameters.scheme,
                                    discretization.cell_size(),
                                    state.first_signal,
                                    dt);
-    const auto   sums     = discretization.walls().sums_of_held(held_momentum);
+    const auto   sums =
+      discretization.walls().constrained_sums(constrained_momentum);
     for (unsigned int w = 0; w < 2 * dim; ++w)
       state.reactions[w] += (is_taken ? 1. : 1. - flip) / dt * sums[w];
 
-    const VectorType &lumped = field().lumped_mass;
-    const auto       &held   = system.finest().held_components();
-    double            work   = 0.;
+    const VectorType &lumped      = field().lumped_mass;
+    const auto       &constrained = system.finest().constrained_components();
+    double            work        = 0.;
     for (unsigned int d = 0; d < dim && is_taken; ++d)
       for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
-        if (((held[i] >> d) & 1) && lumped.local_element(i) > 0.)
+        if (((constrained[i] >> d) & 1) && lumped.local_element(i) > 0.)
           {
-            const double momentum = held_momentum[d].local_element(i);
+            const double momentum = constrained_momentum[d].local_element(i);
             state.field.acceleration[d].local_element(i) +=
               momentum / (dt * lumped.local_element(i));
             work += momentum * velocity[d].local_element(i);
@@ -454,7 +456,7 @@ namespace greville
     find_reactions(state, dt);
     keep_acceleration(state, dt);
     take_new_velocity(state, dt);
-    take_held_momentum(state, dt);
+    take_constrained_momentum(state, dt);
     advance_water(state, dt);
     move_points(state, dt);
     count_step(state, dt);

@@ -181,7 +181,7 @@ namespace greville
   {
     // Volumes in both of two bodies are errors above these parts of a cell,
     // and of the smaller body.
-    constexpr double    most_of_cell = 0.4, most_of_body = 0.5;
+    constexpr double    allowed_part_of_cell = 0.4, allowed_part_of_body = 0.5;
     const std::size_t   n_bodies = bodies.size();
     const unsigned int  n_cells  = space.owned_cells().size();
     std::vector<double> common(n_bodies * n_bodies, 0.), volumes(n_bodies);
@@ -244,9 +244,10 @@ namespace greville
           const std::size_t pair = a * n_bodies + b;
           if (largest[pair] > 0. && message.empty() &&
               (largest[pair] >
-                 most_of_cell *
+                 allowed_part_of_cell *
                    cell_volume(space, cells[pair], bodies[a].points.layout()) ||
-               common[pair] > most_of_body * std::min(volumes[a], volumes[b])))
+               common[pair] >
+                 allowed_part_of_body * std::min(volumes[a], volumes[b])))
             message = overlap_message(bodies[a], bodies[b], cells[pair], space);
         }
     throw_on_all(message, space.communicator());
@@ -267,7 +268,7 @@ namespace greville
     std::vector<std::uint64_t> counts(cells.owned_cells().size(), 0);
     for (const std::string &name : parameters.general.bodies)
       {
-        if (!parameters.is_there(name, 0))
+        if (!parameters.is_in_stage(name, 0))
           continue;
         Body<dim> body = make_body<dim>(name, parameters);
         make_points(body,
@@ -311,7 +312,7 @@ namespace greville
       {
         Body<dim> body = make_body<dim>(name, parameters);
         body.points.reinit(space, layout_of<dim>(name, parameters));
-        if (parameters.is_there(name, 0))
+        if (parameters.is_in_stage(name, 0))
           add_points(body, 0, parameters, loads, discretization);
         state.n_points += body.n_points;
         state.bodies.push_back(std::move(body));
@@ -350,19 +351,20 @@ namespace greville
                    const SplineSpace<dim>       &space)
   {
     // A layer between the bodies and a wall, in cells, that is round-off.
-    constexpr double least_layer = 0.1;
+    constexpr double negligible_layer = 0.1;
     if (!parameters.general.pore_water || parameters.water.bulk_modulus > 0. ||
         is_drained(parameters))
       return;
-    const Point<dim>     &lower = space.lower_corner();
-    const Point<dim>     &upper = space.upper_corner();
-    const WallParameters &walls = parameters.walls;
-    double                box   = 1.;
-    unsigned int          most  = 1;
+    const Point<dim>     &lower           = space.lower_corner();
+    const Point<dim>     &upper           = space.upper_corner();
+    const WallParameters &walls           = parameters.walls;
+    double                box             = 1.;
+    unsigned int          largest_n_cells = 1;
     for (unsigned int d = 0; d < dim; ++d)
       {
         box *= upper[d] - lower[d];
-        most = std::max(most, space.cells_per_direction()[d]);
+        largest_n_cells =
+          std::max(largest_n_cells, space.cells_per_direction()[d]);
         for (const unsigned int w : {2 * d, 2 * d + 1})
           if (!(walls.is_periodic(w) ||
                 (w == 0 && parameters.grid.has_axis()) ||
@@ -378,7 +380,7 @@ namespace greville
           parameters.scheme.is_total_lagrangian() ? p.volume0() : p.volume();
       });
     volume = Utilities::MPI::sum(volume, space.communicator());
-    AssertThrow(volume < (1. - least_layer / most) * box,
+    AssertThrow(volume < (1. - negligible_layer / largest_n_cells) * box,
                 ExcMessage(
                   "The parameter 'Water/Bulk modulus' is 0, which makes water "
                   "incompressible, the bodies fill the grid, whose walls all "

@@ -13,7 +13,7 @@ namespace greville
   {
     // Surfaces do not see functions all of whose cells are filled by less than
     // this.
-    constexpr double least_filled = 0.1;
+    constexpr double smallest_filling = 0.1;
   } // namespace
 
 
@@ -51,7 +51,7 @@ namespace greville
     const PointTransfer<dim>                       &transfer)
   {
     this->lumped_mass.copy_locally_owned_data_from(lumped);
-    change_held();
+    update_constrained();
     extend_to(surfaces, bodies, transfer);
     if (n_terms == 1)
       return;
@@ -87,14 +87,14 @@ namespace greville
       {
         extended = std::make_unique<Extended>();
         extended->filling.reinit(this->space(), friction_walls);
-        extended->places.reinit(this->space());
-        extended->unknowns.reinit(extended->places);
+        extended->stencil.reinit(this->space());
+        extended->unknowns.reinit(extended->stencil);
       }
     transfer.filling(bodies, extended->filled_part);
     // Beyond the body, for surfaces, is also what is hardly filled.
     std::vector<double> &filled_part = extended->filled_part;
     for (double &part : filled_part)
-      part = part < least_filled ? -part : part;
+      part = part < smallest_filling ? -part : part;
     for (const MaterialPoints<dim> *points : surfaces)
       for (const unsigned int cell : points->cells())
         if (filled_part[cell] == 0.)
@@ -111,11 +111,11 @@ namespace greville
   template <int dim>
   template <typename Action>
   void
-  LumpedMass<dim>::for_each_held(const unsigned int component,
-                                 Action             action) const
+  LumpedMass<dim>::for_each_constrained(const unsigned int component,
+                                        Action             action) const
   {
     for (unsigned int i = 0; i < this->lumped_mass.locally_owned_size(); ++i)
-      if ((this->wall_held[i] >> component) & 1)
+      if ((this->wall_constrained[i] >> component) & 1)
         action(i);
   }
 
@@ -128,12 +128,12 @@ namespace greville
     for (unsigned int c = 0; c < dim && extended; ++c)
       {
         std::vector<double> kept;
-        for_each_held(c, [&](const unsigned int i) {
+        for_each_constrained(c, [&](const unsigned int i) {
           kept.push_back(rows[c].local_element(i));
           rows[c].local_element(i) = 0.;
         });
         extended->unknowns.condense(rows[c], c);
-        for_each_held(c, [&, k = 0u](const unsigned int i) mutable {
+        for_each_constrained(c, [&, k = 0u](const unsigned int i) mutable {
           rows[c].local_element(i) += kept[k++];
         });
       }
@@ -148,11 +148,11 @@ namespace greville
     for (unsigned int c = 0; c < dim && extended; ++c)
       {
         std::vector<double> kept;
-        for_each_held(c, [&](const unsigned int i) {
+        for_each_constrained(c, [&](const unsigned int i) {
           kept.push_back(x[c].local_element(i));
         });
         extended->unknowns.distribute(x[c], c);
-        for_each_held(c, [&, k = 0u](const unsigned int i) mutable {
+        for_each_constrained(c, [&, k = 0u](const unsigned int i) mutable {
           x[c].local_element(i) = kept[k++];
         });
       }
@@ -162,14 +162,15 @@ namespace greville
 
   template <int dim>
   void
-  LumpedMass<dim>::change_held()
+  LumpedMass<dim>::update_constrained()
   {
     for (unsigned int i = 0; i < this->lumped_mass.locally_owned_size(); ++i)
       {
         const double m = this->lumped_mass.local_element(i);
         const double f = m > 0. ? 1. / m : 0.;
         for (unsigned int c = 0; c < dim; ++c)
-          inverse[c].local_element(i) = (this->held[i] >> c) & 1 ? 0. : f;
+          inverse[c].local_element(i) =
+            (this->constrained[i] >> c) & 1 ? 0. : f;
       }
   }
 
@@ -194,7 +195,7 @@ namespace greville
             VectorType       &solution = (*x[k])[c];
             const VectorType &rows     = (*b[k])[c];
             for (unsigned int i = 0; i < rows.locally_owned_size(); ++i)
-              if (!((this->held[i] >> c) & 1))
+              if (!((this->constrained[i] >> c) & 1))
                 solution.local_element(i) =
                   inverse[c].local_element(i) * rows.local_element(i);
             if (n_terms > 1)
@@ -216,14 +217,14 @@ namespace greville
 
   template <int dim>
   void
-  LumpedMass<dim>::rows_of_held(VectorField<dim>       &rows,
-                                const VectorField<dim> &x,
-                                const VectorField<dim> &b,
-                                const unsigned int      k) const
+  LumpedMass<dim>::constrained_rows(VectorField<dim>       &rows,
+                                    const VectorField<dim> &x,
+                                    const VectorField<dim> &b,
+                                    const unsigned int      k) const
   {
     for (unsigned int i = 0; i < this->lumped_mass.locally_owned_size(); ++i)
-      for (unsigned int c = 0; c < dim && this->held[i] != 0; ++c)
-        if ((this->held[i] >> c) & 1)
+      for (unsigned int c = 0; c < dim && this->constrained[i] != 0; ++c)
+        if ((this->constrained[i] >> c) & 1)
           rows[c].local_element(i) =
             (n_terms > 1
                ? products[k][c].local_element(i)
@@ -236,7 +237,7 @@ namespace greville
           this->lumped_mass.local_element(i) * values_at<dim>(x, i) -
           values_at<dim>(b, i));
         for (unsigned int c = 0; c < dim; ++c)
-          if (!((this->held[i] >> c) & 1))
+          if (!((this->constrained[i] >> c) & 1))
             rows[c].local_element(i) = row[c];
       }
   }
@@ -245,7 +246,7 @@ namespace greville
 
   template <int dim>
   void
-  LumpedMass<dim>::multiply_at_held(
+  LumpedMass<dim>::multiply_constrained_rows(
     VectorField<dim>            &rows,
     const VectorField<dim>      &x,
     const std::array<bool, dim> &components) const

@@ -245,14 +245,14 @@ namespace greville
                    NewtonProblem      &problem,
                    const VectorType   &layout)
     {
-      constexpr double much = 10.;
+      constexpr double allowed_growth = 10.;
       if (failed.iterations.empty())
         return true;
       VectorType zero, r;
       zero.reinit(layout);
       r.reinit(layout);
       return problem.residual(r, zero).empty() &&
-             much * r.l2_norm() < failed.iterations[0].residual;
+             allowed_growth * r.l2_norm() < failed.iterations[0].residual;
     }
   } // namespace
 

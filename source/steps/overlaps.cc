@@ -29,20 +29,21 @@ namespace greville
 
 
     /**
-     * Return the depth (m) of a point, at least @p least: larger values are
-     * found, 0 stands for all smaller ones.
+     * Return the depth (m) of a point, at least @p smallest_step: larger values
+     * are found, 0 stands for all smaller ones.
      */
     template <int dim>
     double
     depth_of(const Inside<dim> &is_inside,
              const Point<dim>  &x,
-             const double       least)
+             const double       smallest_depth)
     {
-      if (!is_deep<dim>(is_inside, x, least))
+      if (!is_deep<dim>(is_inside, x, smallest_depth))
         return 0.;
       constexpr double largest_ratio = 1e6;
-      double           low = least, high = 2. * least;
-      for (; is_deep<dim>(is_inside, x, high) && high < largest_ratio * least;
+      double           low = smallest_depth, high = 2. * smallest_depth;
+      for (; is_deep<dim>(is_inside, x, high) &&
+             high < largest_ratio * smallest_depth;
            high *= 2.)
         low = high;
       for (unsigned int k = 0; k < n_bisections; ++k)
@@ -320,13 +321,13 @@ namespace greville
       }
     const Simulation<dim> &part  = *parts.front();
     const double           first = part.current.estimates.first_step,
-                 least           = part.stage_parameters().time.smallest_step;
+                 smallest_step   = part.stage_parameters().time.smallest_step;
     fail_on_all(
-      dt < longest && dt < least * first
+      dt < longest && dt < smallest_step * first
         ? "both sides of 'Contact " + fastest +
             "' move so fast relative to one another that the step is " +
-            text_of(dt) + " s, below 'Time/Smallest step' (" + text_of(least) +
-            ") of the first one, " + text_of(first) +
+            text_of(dt) + " s, below 'Time/Smallest step' (" +
+            text_of(smallest_step) + ") of the first one, " + text_of(first) +
             " s: a step goes over a quarter of a cell at the most"
         : "",
       comm);
@@ -348,10 +349,10 @@ namespace greville
     std::string problem;
     for (const ContactPoint<dim> &point : points)
       if (problem.empty() &&
-          rigid.lets_through(point,
-                             farthest_gap_in_cells * contact.cell_size,
-                             body.now,
-                             body.before))
+          rigid.is_crossed_by(point,
+                              farthest_gap_in_cells * contact.cell_size,
+                              body.now,
+                              body.before))
         problem = "a point of the surface at (" + text_of(point.x) +
                   ") m has passed through 'Rigid body " + rigid.name() +
                   "' in 'Contact " + contact.name +

@@ -80,9 +80,14 @@ namespace greville
     , guard(parameters, discretization, log)
     , current(make_initial_state(parameters, loads, discretization))
     , integrator(in_stage(parameters, 0, [&]() {
-      return make_time_integrator<dim>(
-        parameters.scheme.stress_update,
-        {parameters, discretization, loads, current, log, guard, asked});
+      return make_time_integrator<dim>(parameters.scheme.stress_update,
+                                       {parameters,
+                                        discretization,
+                                        loads,
+                                        current,
+                                        log,
+                                        guard,
+                                        requested_row});
     }))
   {
     make_later_bodies(current.bodies, parameters, discretization);
@@ -98,7 +103,7 @@ namespace greville
       start_stage();
     guard.start(current);
     current.imbalance = imbalance(work(), comm);
-    good.take(current);
+    last_good.take(current);
   }
 
 
@@ -120,8 +125,8 @@ namespace greville
   bool
   Simulation<dim>::exceeds_displacement() const
   {
-    const double most = parameters.time.most_displacement;
-    return most > 0. && current.displacement > most;
+    const double limit = parameters.time.largest_displacement;
+    return limit > 0. && current.displacement > limit;
   }
 
 
@@ -155,9 +160,14 @@ namespace greville
         }
       for (Surface<dim> &surface : current.surfaces)
         surface.points.set_space(discretization.space());
-      integrator = make_time_integrator<dim>(
-        parameters.scheme.stress_update,
-        {parameters, discretization, loads, current, log, guard, asked});
+      integrator = make_time_integrator<dim>(parameters.scheme.stress_update,
+                                             {parameters,
+                                              discretization,
+                                              loads,
+                                              current,
+                                              log,
+                                              guard,
+                                              requested_row});
       check_given_step(parameters.time, discretization, stage != current.stage);
     });
     current.stage = stage;
@@ -173,10 +183,11 @@ namespace greville
     const std::string velocities = parameters.time.velocities;
     const auto       &next       = parameters.stages[current.stage + 1];
     const bool        changes    = parameters.changes_bodies(current.stage + 1);
-    const bool        goes_on    = scheme == next.scheme.stress_update &&
-                         velocities == next.time.velocities && !changes;
+    const bool        keeps_integrator = scheme == next.scheme.stress_update &&
+                                  velocities == next.time.velocities &&
+                                  !changes;
     current.n_rejections = 0;
-    if (!goes_on)
+    if (!keeps_integrator)
       {
         integrator->finish(current);
         current.velocity_time = current.time;
@@ -185,7 +196,7 @@ namespace greville
     current.reactions = {};
     // What an implicit scheme keeps is part of its solution.
     AccelerationHistory<dim> kept;
-    if (goes_on && is_implicit())
+    if (keeps_integrator && is_implicit())
       kept = current.field.history;
     std::vector<const Material *> materials;
     for (const Body<dim> &body : current.bodies)
@@ -284,14 +295,15 @@ namespace greville
                                      current.bodies.size()));
     const bool is_here =
       !state.partition || state.partition->is_same(*current.partition);
-    const bool goes_on = is_here && integrator && state.stage == entered_stage;
+    const bool keeps_integrator =
+      is_here && integrator && state.stage == entered_stage;
     if (!is_here)
       {
         integrator.reset();
         discretization.repartition(state.partition);
       }
     current           = state;
-    asked             = {};
+    requested_row     = {};
     current.partition = discretization.partition();
     // It may be that of another simulation, which is gone before this one.
     for (Body<dim> &body : current.bodies)
@@ -299,19 +311,19 @@ namespace greville
         body.parameters = &parameters.bodies.at(body.name);
         body.material =
           parameters.materials.at(body.parameters->material).get();
-        if (goes_on)
+        if (keeps_integrator)
           body.points.set_space(discretization.space());
       }
     // A stage that is entered makes the spaces anew, and gives them to points.
-    if (goes_on)
+    if (keeps_integrator)
       for (Surface<dim> &surface : current.surfaces)
         surface.points.set_space(discretization.space());
-    if (!goes_on)
+    if (!keeps_integrator)
       enter_stage(state.stage);
     discretization.field().mass->forget();
     integrator->forget();
     guard.weigh(current);
-    good.take(current);
+    last_good.take(current);
   }
 
 
@@ -326,7 +338,7 @@ namespace greville
     loads.find_points(current.bodies, comm);
     start_stage();
     guard.start(current);
-    good.take(current);
+    last_good.take(current);
   }
 
 
@@ -351,14 +363,14 @@ namespace greville
       return;
     // What refers to the spaces of before, and the memory of a copy.
     integrator.reset();
-    good = Snapshot<dim>();
+    last_good = Snapshot<dim>();
     redistribute(current, discretization, partition);
     ++current.n_partitions;
     current.imbalance = imbalance(work(), comm);
     integrator        = make_time_integrator<dim>(
       parameters.scheme.stress_update,
-      {parameters, discretization, loads, current, log, guard, asked});
-    good.take(current);
+      {parameters, discretization, loads, current, log, guard, requested_row});
+    last_good.take(current);
   }
 
 
@@ -393,10 +405,10 @@ namespace greville
     try
       {
         VectorField<dim> &velocity = current.field.velocity;
-        discretization.walls().hold_velocity(velocity,
-                                             {current.velocity_time,
-                                              current.time - current.step,
-                                              current.time});
+        discretization.walls().impose_velocity(velocity,
+                                               {current.velocity_time,
+                                                current.time - current.step,
+                                                current.time});
         const unsigned int n =
           discretization.solve({&velocity}, {&discretization.field().momentum});
         current.n_iterations = std::max(current.n_iterations, n);
@@ -469,7 +481,7 @@ namespace greville
       }
     for (const Body<dim> &body : current.bodies)
       result.sums.emplace_back(body.material,
-                               parameters.output.front_above,
+                               parameters.output.runout_above,
                                outer_mass);
     return result;
   }
@@ -481,9 +493,9 @@ namespace greville
   Simulation<dim>::ask_for_row(const double                         outer_mass,
                                const decltype(LateRow<dim>::watch) &watch)
   {
-    asked           = begin_row(outer_mass);
-    asked.is_wanted = true;
-    asked.watch     = watch;
+    requested_row           = begin_row(outer_mass);
+    requested_row.is_wanted = true;
+    requested_row.watch     = watch;
   }
 
 
@@ -638,7 +650,7 @@ namespace greville
   std::size_t
   Simulation<dim>::points_memory() const
   {
-    std::size_t n = good.memory_consumption();
+    std::size_t n = last_good.memory_consumption();
     for (const Body<dim> &body : current.bodies)
       n += body.points.memory_consumption();
     for (const Surface<dim> &surface : current.surfaces)

@@ -38,7 +38,7 @@ namespace greville
   Simulation<dim>::remember()
   {
     if (current.n_steps > 0 && keeps_state())
-      good.take(current);
+      last_good.take(current);
     if (programs_have_points)
       current.points_have_changed();
   }
@@ -64,20 +64,20 @@ namespace greville
   {
     // The guard judges the state before the step, whose energy is then known.
     const bool is_for_guard =
-      rows_lag() && !asked.is_wanted &&
+      rows_are_late() && !requested_row.is_wanted &&
       (guard.looks_at_energy(current.n_steps + 1) || is_last_step(dt));
     if (is_for_guard)
       ask_for_row(0.);
-    asked.is_known = false;
+    requested_row.is_known = false;
     integrator->advance(current, dt);
-    asked.is_wanted = false;
+    requested_row.is_wanted = false;
     {
       const PartTimer timer(log, "volume of fluids");
       share_volume(current,
                    discretization.transfer(),
                    discretization.cell_size());
     }
-    if (parameters.time.most_displacement > 0.)
+    if (parameters.time.largest_displacement > 0.)
       current.displacement = largest_displacement(current.bodies, comm);
     if (is_first_step_of_stage)
       check_fragments();
@@ -105,21 +105,21 @@ namespace greville
   {
     const bool is_due = guard.looks_at_energy(current.n_steps) ||
                         (is_finished() && guard.looks_at_last_energy(current));
-    if (is_due && asked.is_known)
+    if (is_due && requested_row.is_known)
       {
         const PartTimer timer(log, "energy");
         double          energy = 0.;
         for (unsigned int b = 0; b < current.bodies.size(); ++b)
-          for (const auto &lane : {asked.sums[b].kinetic,
-                                   asked.sums[b].strain,
-                                   asked.sums[b].dissipation})
-            energy += asked.sums[b].sum(lane);
-        guard.set_swing(asked.swing);
+          for (const auto &lane : {requested_row.sums[b].kinetic,
+                                   requested_row.sums[b].strain,
+                                   requested_row.sums[b].dissipation})
+            energy += requested_row.sums[b].sum(lane);
+        guard.set_energy_swing(requested_row.energy_swing);
         guard.check_energy(
           current,
-          asked.energy.totals(Utilities::MPI::sum(energy, comm), comm));
+          requested_row.energy.totals(Utilities::MPI::sum(energy, comm), comm));
       }
-    else if (is_due && !rows_lag())
+    else if (is_due && !rows_are_late())
       guard.check_energy(current, energy_totals());
     else if (is_implicit())
       // There may be a few steps only, between which loads come and go.
@@ -158,10 +158,10 @@ namespace greville
   void
   Simulation<dim>::restore()
   {
-    if (entered_stage != good.stage() || !integrator)
-      enter_stage(good.stage());
-    good.restore(current);
-    asked = {};
+    if (entered_stage != last_good.stage() || !integrator)
+      enter_stage(last_good.stage());
+    last_good.restore(current);
+    requested_row = {};
   }
 
 
@@ -177,10 +177,10 @@ namespace greville
             << ". ";
     if (failure.by_materials)
       message << describe_materials(current.bodies) << " "
-              << loads.what_is_large(current.time,
-                                     dt,
-                                     discretization.cell_size(),
-                                     comm);
+              << loads.describe_large_loads(current.time,
+                                            dt,
+                                            discretization.cell_size(),
+                                            comm);
     restore();
     message << "The state of step " << current.n_steps
             << ", t = " << current.time
@@ -196,9 +196,9 @@ namespace greville
   void
   Simulation<dim>::check_fragments()
   {
-    constexpr double most_fragments = 0.05;
+    constexpr double largest_fraction_of_fragments = 0.05;
     const double fraction = discretization.field().mass->fragment_fraction();
-    if (fraction <= most_fragments)
+    if (fraction <= largest_fraction_of_fragments)
       return;
     std::ostringstream message;
     message << 100. * fraction

@@ -85,7 +85,7 @@ namespace greville
       std::vector<SoilLayer> layers;
       for (const auto &[name, body] : parameters.bodies)
         if (body.K0 >= 0. && !body.shape.empty() &&
-            parameters.is_there(name, stage))
+            parameters.is_in_stage(name, stage))
           layers.push_back({name,
                             body.surface,
                             body.shape,
@@ -423,7 +423,7 @@ namespace greville
           const Loads<dim> loads(later);
           bool             is_changed = false;
           for (const std::string &name : parameters.general.bodies)
-            if (later.is_there(name, k) && !later.is_there(name, k - 1))
+            if (later.is_in_stage(name, k) && !later.is_in_stage(name, k - 1))
               {
                 result.push_back(make_body<dim>(name, later));
                 add_points(result.back(), k, later, loads, discretization);
@@ -433,7 +433,7 @@ namespace greville
           BodyList<dim> there;
           const auto    add = [&](const std::vector<Body<dim>> &bodies) {
             for (const Body<dim> &body : bodies)
-              if (body.n_points > 0 && later.is_there(body.name, k))
+              if (body.n_points > 0 && later.is_in_stage(body.name, k))
                 there.add(body);
           };
           add(first);
@@ -470,8 +470,9 @@ namespace greville
       {
         Body<dim>             &body   = state.bodies[b];
         const PointLayout<dim> layout = layout_of<dim>(body.name, parameters);
-        const bool was_there = parameters.is_there(body.name, state.stage - 1);
-        if (!parameters.is_there(body.name, state.stage))
+        const bool             was_there =
+          parameters.is_in_stage(body.name, state.stage - 1);
+        if (!parameters.is_in_stage(body.name, state.stage))
           {
             const std::uint64_t n_points =
               Utilities::MPI::sum<std::uint64_t>(body.points.n_points(), comm);
@@ -509,7 +510,7 @@ namespace greville
     for (Surface<dim> &surface : state.surfaces)
       {
         const Body<dim> &body = state.bodies[surface.body];
-        if (!parameters.is_there(body.name, state.stage))
+        if (!parameters.is_in_stage(body.name, state.stage))
           {
             const PointLayout<dim> layout = surface.points.layout();
             surface.points.reinit(space, layout);

@@ -31,8 +31,8 @@ namespace greville
     result.emplace_back("gravitational", gravitational);
     result.emplace_back("total", kinetic + strain + gravitational);
     add("center", center);
-    result.emplace_back("front", front);
-    result.emplace_back("front_99", front_99);
+    result.emplace_back("front", runout);
+    result.emplace_back("front_99", runout_99);
     result.emplace_back("height", height);
     result.emplace_back("iterations", iterations);
     result.emplace_back("largest_speed", largest_speed);
@@ -79,7 +79,7 @@ namespace greville
         result.emplace_back("strain_" + body.name, body.strain);
         result.emplace_back("dissipation_" + body.name, body.dissipation);
         add("momentum_" + body.name, body.momentum);
-        result.emplace_back("front_" + body.name, body.front);
+        result.emplace_back("front_" + body.name, body.runout);
         result.emplace_back("height_" + body.name, body.height);
       }
     return result;
@@ -140,8 +140,8 @@ namespace greville
     strain += other.strain;
     dissipation += other.dissipation;
     gravitational += other.gravitational;
-    front.add(other.front);
-    front_99.add(other.front_99);
+    runout.add(other.runout);
+    runout_99.add(other.runout_99);
     height.add(other.height);
     iterations    = std::max(iterations, other.iterations);
     largest_speed = std::max(largest_speed, other.largest_speed);
@@ -214,7 +214,7 @@ namespace greville
 
     std::vector<Largest>              speeds(sums.size());
     std::vector<Largest *>            extremes;
-    std::vector<const RowSums<dim> *> of_fronts;
+    std::vector<const RowSums<dim> *> of_runouts;
     row.bodies.resize(sums.size());
     const double  *value = values.data();
     Tensor<1, dim> first_moment;
@@ -222,9 +222,9 @@ namespace greville
       {
         BodyStatistics<dim> &own = row.bodies[b];
         own.name                 = bodies[b].name;
-        own.front                = sums[b].front;
+        own.runout               = sums[b].runout;
         own.height               = sums[b].height;
-        extremes.insert(extremes.end(), {&own.front, &own.height});
+        extremes.insert(extremes.end(), {&own.runout, &own.height});
         row.n_points += std::llround(*value++);
         const double mass = *value++;
         own.kinetic       = *value++;
@@ -237,7 +237,7 @@ namespace greville
           moment[d] = *value++;
         const double *const spins = value;
         value += n_spins;
-        of_fronts.push_back(&sums[b]);
+        of_runouts.push_back(&sums[b]);
         for (const double square : sums[b].square_of_speed)
           speeds[b].add(square);
         extremes.push_back(&speeds[b]);
@@ -259,21 +259,21 @@ namespace greville
     for (unsigned int b = 0; b < sums.size(); ++b)
       {
         square_of_speed.add(speeds[b]);
-        row.front.add(row.bodies[b].front);
+        row.runout.add(row.bodies[b].runout);
         row.height.add(row.bodies[b].height);
       }
     row.largest_speed = std::sqrt(square_of_speed);
     if (row.mass > 0.)
       row.center = first_moment / row.mass;
-    row.front_99 = front_quantile<dim>(of_fronts, comm);
+    row.runout_99 = runout_quantile<dim>(of_runouts, comm);
   }
 
 
 
   template <int dim>
   Largest
-  front_quantile(const std::vector<const RowSums<dim> *> &sums,
-                 const MPI_Comm                           comm)
+  runout_quantile(const std::vector<const RowSums<dim> *> &sums,
+                  const MPI_Comm                           comm)
   {
     constexpr unsigned int n_bars = 1024;
 
@@ -314,7 +314,7 @@ namespace greville
         // Equal points can hold the share exactly: sums have round-off.
         unsigned int bar = n_bars - 1;
         while (bar > 0 &&
-               beyond + bars[bar] <= beyond_front * all * (1. + 1e-9))
+               beyond + bars[bar] <= mass_beyond_runout * all * (1. + 1e-9))
           beyond += bars[bar--];
         points.erase(std::remove_if(points.begin(),
                                     points.end(),
@@ -335,22 +335,22 @@ namespace greville
 
   template <int dim>
   Largest
-  front_quantile(const BodyList<dim> &bodies,
-                 const MPI_Comm       comm,
-                 const double         front_above)
+  runout_quantile(const BodyList<dim> &bodies,
+                  const MPI_Comm       comm,
+                  const double         runout_above)
   {
     std::vector<RowSums<dim>>         sums;
     std::vector<const RowSums<dim> *> pointers;
     for (const Body<dim> &body : bodies)
       {
         sums.emplace_back(nullptr,
-                          front_above,
+                          runout_above,
                           std::numeric_limits<double>::max());
         sums.back().add(body.points);
       }
     for (const RowSums<dim> &own : sums)
       pointers.push_back(&own);
-    return front_quantile(pointers, comm);
+    return runout_quantile(pointers, comm);
   }
 
 
@@ -394,13 +394,13 @@ namespace greville
   template decltype(add_sums<2>) add_sums<2>;
   template decltype(add_sums<3>) add_sums<3>;
   template Largest
-  front_quantile(const std::vector<const RowSums<2> *> &, const MPI_Comm);
+  runout_quantile(const std::vector<const RowSums<2> *> &, const MPI_Comm);
   template Largest
-  front_quantile(const std::vector<const RowSums<3> *> &, const MPI_Comm);
+  runout_quantile(const std::vector<const RowSums<3> *> &, const MPI_Comm);
   template Largest
-  front_quantile(const BodyList<2> &, const MPI_Comm, const double);
+  runout_quantile(const BodyList<2> &, const MPI_Comm, const double);
   template Largest
-  front_quantile(const BodyList<3> &, const MPI_Comm, const double);
+  runout_quantile(const BodyList<3> &, const MPI_Comm, const double);
   template decltype(energy_of_bodies<2>)     energy_of_bodies<2>;
   template decltype(energy_of_bodies<3>)     energy_of_bodies<3>;
   template decltype(largest_displacement<2>) largest_displacement<2>;

@@ -18,8 +18,8 @@ namespace greville
     // Steps between two looks at the balance of energy, and before the first.
     constexpr unsigned int energy_every = 100;
 
-    // The part of set_swing() that is no energy from nothing. With modes at
-    // 0.95 of their critical step, E swings by a factor of ten, and what is
+    // The part of set_energy_swing() that is no energy from nothing. With modes
+    // at 0.95 of their critical step, E swings by a factor of ten, and what is
     // left by two; a mode that grows keeps a tenth of its energy.
     constexpr double swing_left_out = 0.9;
 
@@ -31,7 +31,7 @@ namespace greville
     constexpr double mass_tolerance = 1e-10;
 
     // J and 1 / J at most.
-    constexpr double most_volume_change = 1e4;
+    constexpr double largest_volume_change = 1e4;
 
     // Explicit steps: cells that points and pressure waves cross at most. No
     // explicit scheme is stable with waves that are half as fast.
@@ -226,7 +226,7 @@ namespace greville
                                     wave};
     Utilities::MPI::max(extremes, comm, extremes);
     const double smallest_J = -extremes[0], largest_J = extremes[1];
-    const double most = most_volume_change;
+    const double largest_change = largest_volume_change;
     // Points have been weighed before they were removed.
     const double before = state.mass - state.removed_mass;
     if (!(std::abs(mass - before) <= mass_tolerance * state.mass))
@@ -234,16 +234,17 @@ namespace greville
                          " kg, and it was " + text_of(before) + " kg before. " +
                          error_of_program,
                        false);
-    if (largest_J > most || smallest_J < 1. / most)
+    if (largest_J > largest_change || smallest_J < 1. / largest_change)
       throw StepFailed(
         "the volume of " +
         worst_point(state,
                     [](const Body<dim> &, ConstPointRef<dim> p) {
                       return std::abs(std::log(p.J()));
                     }) +
-        ", is J = " + text_of(largest_J > most ? largest_J : smallest_J) +
-        " times the initial one, and has to be between " + text_of(1. / most) +
-        " and " + text_of(most) +
+        ", is J = " +
+        text_of(largest_J > largest_change ? largest_J : smallest_J) +
+        " times the initial one, and has to be between " +
+        text_of(1. / largest_change) + " and " + text_of(largest_change) +
         ". The usual causes are steps that are too long ('Time/Safety', "
         "'Time/Step'), and a material that is too weak for its loads");
     if (is_implicit)
@@ -346,7 +347,7 @@ namespace greville
         for (unsigned int i = 0;
              i < force[0].locally_owned_size() && result.empty();
              ++i)
-          if (!field.mass->is_seen(i))
+          if (!field.mass->has_points(i))
             for (unsigned int d = 0; d < dim; ++d)
               if (force[d].local_element(i) != 0.)
                 result = surface.contact.empty()
@@ -401,7 +402,7 @@ namespace greville
       }
     has_sums = false;
     balance.reset();
-    swing = 0.;
+    energy_swing = 0.;
   }
 
 
@@ -430,8 +431,9 @@ namespace greville
   {
     const SchemeParameters &scheme = parameters.scheme;
     const MPI_Comm          comm   = discretization.communicator();
-    double                  gain =
-      state.energy.gain(now, swing_left_out * Utilities::MPI::sum(swing, comm));
+    double                  gain   = state.energy.gain(now,
+                                    swing_left_out *
+                                      Utilities::MPI::sum(energy_swing, comm));
     const double limit = std::max(accepted_gain, 2. * state.warned_gain);
     if (!scheme.looks_at_energy() || !(gain > limit))
       return;

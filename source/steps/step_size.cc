@@ -23,12 +23,12 @@ namespace greville
 
     // With consistent mass, cells that a point crosses in a step at most, times
     // the order: the filter of the velocity cannot keep up with longer steps.
-    constexpr double most_crossings = 0.6;
+    constexpr double largest_crossing = 0.6;
 
     // Where an estimate is closer to the last one than this part, the time to
     // the next one is twice as long, up to a factor.
-    constexpr double       small_change  = 0.02;
-    constexpr unsigned int longest_delay = 8;
+    constexpr double       negligible_change = 0.02;
+    constexpr unsigned int longest_delay     = 8;
 
     // Growth of the largest wave speed that asks for an estimate at once.
     constexpr double wave_growth = 1.1;
@@ -167,7 +167,7 @@ namespace greville
       *std::min_element(estimates.last.begin(), estimates.last.end());
 
     const unsigned int every = parameters.estimate_every;
-    if (std::abs(estimate - last) <= small_change * estimate)
+    if (std::abs(estimate - last) <= negligible_change * estimate)
       estimates.n_between = std::min(std::max(2 * estimates.n_between, every),
                                      longest_delay * every);
     else
@@ -180,7 +180,7 @@ namespace greville
 
   template <int dim>
   std::string
-  StepSize<dim>::what_sets_the_step(const State<dim> &state) const
+  StepSize<dim>::describe_step(const State<dim> &state) const
   {
     std::ostringstream text;
     if (!formula)
@@ -189,8 +189,8 @@ namespace greville
            << state.signals.fastest << " m / s, and 'Time/Safety' ("
            << parameters.safety << ") times the critical step of "
            << state.estimates.critical
-           << " s; with consistent mass points cross at most " << most_crossings
-           << " / p cells. ";
+           << " s; with consistent mass points cross at most "
+           << largest_crossing << " / p cells. ";
     return text.str() + describe_materials(state.bodies);
   }
 
@@ -217,7 +217,7 @@ namespace greville
                                " ('Time/Too large step' = warn goes on; steps "
                                "have no such limit with an implicit "
                                "'Scheme/Stress update'). " +
-                               what_sets_the_step(state)));
+                               describe_step(state)));
         log.warnings.push_back(message.str() + ".");
       }
     return step;
@@ -235,11 +235,11 @@ namespace greville
                parameters.safety * state.estimates.critical);
     if (discretization.field().mass->is_exact() && signals.crossing_rate > 0.)
       step = std::min(step,
-                      most_crossings / (discretization.space().degree() *
-                                        signals.crossing_rate));
+                      largest_crossing / (discretization.space().degree() *
+                                          signals.crossing_rate));
     AssertThrow(std::isfinite(step) && step > 0.,
                 ExcMessage("The automatic time step is " + text_of(step) +
-                           " s. " + what_sets_the_step(state)));
+                           " s. " + describe_step(state)));
     double &first = state.estimates.first_step;
     if (first == 0.)
       first = step;
@@ -255,7 +255,7 @@ namespace greville
              "the step; 'Scheme/Formulation' = updated Lagrangian has no such "
              "bound. "
            : "") +
-        what_sets_the_step(state)));
+        describe_step(state)));
     return step;
   }
 
@@ -276,7 +276,7 @@ namespace greville
 
     const auto reason = [&]() {
       return formula ? "'Time/Step' is <" + formula_text(parameters.step) + ">."
-                     : what_sets_the_step(state);
+                     : describe_step(state);
     };
     const double left = parameters.end - state.time;
     check_step(step, left, parameters, reason);
@@ -293,7 +293,7 @@ namespace greville
 
   template <int dim>
   bool
-  StepSize<dim>::shows_faster_mode(const State<dim>      &state,
+  StepSize<dim>::has_unstable_mode(const State<dim>      &state,
                                    const FieldState<dim> &kept,
                                    const GridField<dim>  &field,
                                    const double           dt) const

@@ -158,7 +158,7 @@ namespace greville
 
   template <int dim>
   bool
-  TrialContacts<dim>::feel_pores() const
+  TrialContacts<dim>::friction_depends_on_pores() const
   {
     return !is_symmetric() &&
            std::any_of(steps.begin(), steps.end(), [](const auto *part) {
@@ -196,7 +196,7 @@ namespace greville
   void
   TrialContacts<dim>::set_pore_pressures(const std::vector<VectorType> &blocks)
   {
-    if (!feel_pores())
+    if (!friction_depends_on_pores())
       return;
     find_pore_pressures(blocks);
     for (unsigned int c = 0; c < points.size(); ++c)
@@ -264,10 +264,10 @@ namespace greville
               point->thickness = start.x[0];
             if (point->normal.norm_square() > 0.)
               point->area = p.mass() * normal.norm();
-            point->motion     = state.x - p.position();
-            point->since_hats = point->motion;
+            point->motion           = state.x - p.position();
+            point->offset_from_hats = point->motion;
             if (contacts.contacts[contact].rigid < 0 && normal.norm() > 0.)
-              point->since_hats -=
+              point->offset_from_hats -=
                 0.5 * p[layout.first("gap")] * normal / normal.norm();
             point->slip = p.vector(slip);
             if (augmented)
@@ -438,7 +438,7 @@ namespace greville
                   share * free_bodies[b].trial.motion_at(
                             distance(free_bodies[b], points[c][s].x), all[b]);
       }
-    const bool with_pores = feel_pores();
+    const bool with_pores = friction_depends_on_pores();
     if (with_pores)
       find_pore_pressures(src);
     for (unsigned int c = 0; c < tangents.size(); ++c)

@@ -159,7 +159,7 @@ namespace greville
           high[d] = std::max(high[d], int(i[d]));
         }
     lines.clear();
-    places.clear();
+    function_places.clear();
     if (!functions.empty())
       {
         low_y         = low[1];
@@ -195,7 +195,7 @@ namespace greville
         const auto        &i     = functions[k];
         const unsigned int place = line_of(i).place + int(i[0]);
         if (k < owned.size())
-          places.push_back(place);
+          function_places.push_back(place);
         else
           copies.emplace_back(place, sources[k - owned.size()]);
       }
@@ -218,8 +218,8 @@ namespace greville
   {
     exchanged.copy_locally_owned_data_from(vector);
     exchanged.update_ghost_values();
-    for (unsigned int f = 0; f < places.size(); ++f)
-      values[places[f]] = exchanged.local_element(f);
+    for (unsigned int f = 0; f < function_places.size(); ++f)
+      values[function_places[f]] = exchanged.local_element(f);
     for (const auto &[place, source] : copies)
       values[place] = exchanged.local_element(source);
     exchanged.zero_out_ghost_values();
@@ -360,8 +360,8 @@ namespace greville
     const double scale = -std::ldexp(1., -2 * (p + 1));
     for (unsigned int c = 0; c < dim; ++c)
       for (unsigned int f = 0; f < z[c].locally_owned_size(); ++f)
-        z[c].local_element(f) =
-          scale * inverse_mass[places[f]] * results[c][places[f]];
+        z[c].local_element(f) = scale * inverse_mass[function_places[f]] *
+                                results[c][function_places[f]];
   }
 
 

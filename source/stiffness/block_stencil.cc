@@ -42,7 +42,7 @@ namespace greville
   BlockStencil<dim, Number>::reinit(const StencilMatrix<dim> &stencil)
   {
     const unsigned int p = stencil.space().degree();
-    places               = &stencil;
+    matrix               = &stencil;
     length               = 2 * p + 1;
     n_lines              = Utilities::fixed_power<dim - 1>(length) / 2 + 1;
     line_size            = padded<Number>(length * dim);
@@ -62,7 +62,7 @@ namespace greville
   BlockStencil<dim, Number>::clear()
   {
     std::size_t n_rows = 0;
-    places->for_each_row([&](const unsigned int i) { row_of[i] = n_rows++; });
+    matrix->for_each_row([&](const unsigned int i) { row_of[i] = n_rows++; });
     values.assign(n_rows * row_size, 0.);
   }
 
@@ -74,7 +74,7 @@ namespace greville
                                       const Number      *cell_values,
                                       const unsigned int stride)
   {
-    with_order(places->space().degree(), [&](const auto n) {
+    with_order(matrix->space().degree(), [&](const auto n) {
       add_cell_of_order<decltype(n)::value>(cell, cell_values, stride);
     });
   }
@@ -105,7 +105,7 @@ namespace greville
       for (int a_y = 0; a_y < n; ++a_y)
         for (int a_x = 0; a_x < n; ++a_x, ++a)
           {
-            Number *entries = row(places->cell_place(cell, a_x, a_z * n + a_y));
+            Number *entries = row(matrix->cell_place(cell, a_x, a_z * n + a_y));
             for (int b_z = a_z, b_line = (a / n) * n; b_z < n_z; ++b_z)
               for (int b_y = b_z == a_z ? a_y : 0; b_y < n; ++b_y, b_line += n)
                 {
@@ -139,7 +139,7 @@ namespace greville
   {
     std::vector<double> stencil((2 * n_lines - 1) * length);
     const double       *half = stencil.data() + (n_lines - 1) * length;
-    places->for_each_row([&](const unsigned int i) {
+    matrix->for_each_row([&](const unsigned int i) {
       scalar.get_row(i, stencil.data());
       Number *entries = row(i);
       for (unsigned int k = 0; k < n_lines; ++k)
@@ -163,7 +163,7 @@ namespace greville
     unsigned int        n    = 0;
     for (unsigned int c = 0; c < dim; ++c)
       n += (components >> c) & 1;
-    places->for_each_row([&](const unsigned int i) {
+    matrix->for_each_row([&](const unsigned int i) {
       const Number *entries = row(i);
       for (unsigned int k = 0; k < n_lines; ++k)
         for (unsigned int x = 0; x < length; ++x)
@@ -186,7 +186,7 @@ namespace greville
   BlockStencil<dim, Number>::vmult(double *y, const double *x) const
   {
     const auto multiply_numbers = [&](Number *to, const Number *from) {
-      with_order(places->space().degree(),
+      with_order(matrix->space().degree(),
                  [&](const auto n) { multiply<decltype(n)::value>(to, from); });
     };
     if constexpr (std::is_same_v<Number, double>)
@@ -194,7 +194,7 @@ namespace greville
     else
       {
         const auto for_each_range = [&](const auto &action) {
-          places->for_each_segment([&](const unsigned int begin,
+          matrix->for_each_segment([&](const unsigned int begin,
                                        const unsigned int end,
                                        const auto &) {
             action(std::size_t(begin) * dim, std::size_t(end) * dim);
@@ -237,14 +237,14 @@ namespace greville
     constexpr int n_vectors = padded<Number>(length * dim) / width;
     using Vector            = FixedSimd<Number, width>;
 
-    places->for_each_segment(
+    matrix->for_each_segment(
       [&](const unsigned int begin, const unsigned int end, const auto &) {
         std::fill(y + std::size_t(begin) * dim,
                   y + std::size_t(end) * dim,
                   Number(0.));
       });
     const Number *entries = values.data();
-    places->for_each_segment([&](const unsigned int begin,
+    matrix->for_each_segment([&](const unsigned int begin,
                                  const unsigned int end,
                                  const auto        &distance) {
       std::ptrdiff_t distances[lines];

@@ -14,9 +14,9 @@ namespace greville
 
   template <int dim>
   TangentLevel<dim>::TangentLevel(const SplineSpace<dim>           &space,
-                                  const std::vector<unsigned char> &held)
+                                  const std::vector<unsigned char> &constrained)
     // The quadrature is exact for products with functions of lower order.
-    : ExtendedLevel<dim>(space, dim, held, 2 * space.degree())
+    : ExtendedLevel<dim>(space, dim, constrained, 2 * space.degree())
   {
     block.reinit(this->extended_mass);
     blocks.reinit(this->extended_mass.matrix());
@@ -144,22 +144,23 @@ namespace greville
     /**
      * Return the blocks of E^T B E that this process contributes, by rows of
      * local unknowns, with ascending columns and without constrained rows and
-     * columns. @p held contains components (bits) of local functions and of
-     * local unknowns.
+     * columns. @p constrained contains components (bits) of local functions and
+     * of local unknowns.
      */
     template <int dim>
     BlockRows<dim>
     extended_blocks(const BlockStencil<dim, float>   &blocks,
                     const ExtendedMass<dim>          &extended,
-                    const std::vector<unsigned char> &held,
-                    const std::vector<unsigned char> &held_unknowns)
+                    const std::vector<unsigned char> &constrained,
+                    const std::vector<unsigned char> &constrained_unknowns)
     {
-      const unsigned int         n = held_unknowns.size();
-      std::vector<unsigned char> held_at(extended.matrix().size(), 0); // place
-      for (unsigned int f = 0; f < held.size(); ++f)
-        held_at[extended.matrix().place(f)] = held[f];
+      const unsigned int         n = constrained_unknowns.size();
+      std::vector<unsigned char> constrained_at(extended.matrix().size(),
+                                                0); // place
+      for (unsigned int f = 0; f < constrained.size(); ++f)
+        constrained_at[extended.matrix().place(f)] = constrained[f];
       for (const auto &[f, place] : extended.matrix().images())
-        held_at[place] = held[f];
+        constrained_at[place] = constrained[f];
 
       // Call visit(u, v, place_u, place_v, weight, entry_of), entry_of(c, d).
       const auto for_each_entry = [&](const auto &visit) {
@@ -202,14 +203,16 @@ namespace greville
                          const unsigned int j,
                          const double       weight,
                          const auto        &entry_of) {
-        const unsigned int held_i = held_at[i] | held_unknowns[u];
-        const unsigned int held_j = held_at[j] | held_unknowns[v];
-        Block<dim>        &entry  = rows.blocks[rows.begin[u] + rows.size[u]++];
-        entry.column              = v;
+        const unsigned int constrained_i =
+          constrained_at[i] | constrained_unknowns[u];
+        const unsigned int constrained_j =
+          constrained_at[j] | constrained_unknowns[v];
+        Block<dim> &entry = rows.blocks[rows.begin[u] + rows.size[u]++];
+        entry.column      = v;
         for (unsigned int c = 0; c < dim; ++c)
           for (unsigned int d = 0; d < dim; ++d)
             entry.values[c * dim + d] =
-              ((held_i >> c) & 1) || ((held_j >> d) & 1)
+              ((constrained_i >> c) & 1) || ((constrained_j >> d) & 1)
                 ? 0.
                 : weight * entry_of(c, d);
       });
@@ -275,7 +278,7 @@ namespace greville
   TangentLevel<dim>::petsc_matrix() const
   {
     const ExtendedMass<dim>          &extended_mass = this->extended_mass;
-    const std::vector<unsigned char> &held          = this->held;
+    const std::vector<unsigned char> &constrained   = this->constrained;
     const InterleavedLayout          &layout =
       *extended_mass.unknowns().unknown_layout();
     const auto    &functions = extended_mass.unknowns().unknown_functions();
@@ -288,14 +291,17 @@ namespace greville
     VectorType column;
     extended_mass.unknowns().initialize_vector(column, 1);
     for (unsigned int u = 0; u < functions.size(); ++u)
-      column.local_element(u) = held[functions[u]];
+      column.local_element(u) = constrained[functions[u]];
     column.update_ghost_values();
-    std::vector<unsigned char> held_local(layout.n_local());
-    for (unsigned int u = 0; u < held_local.size(); ++u)
-      held_local[u] = static_cast<unsigned char>(column.local_element(u));
+    std::vector<unsigned char> constrained_local(layout.n_local());
+    for (unsigned int u = 0; u < constrained_local.size(); ++u)
+      constrained_local[u] =
+        static_cast<unsigned char>(column.local_element(u));
 
-    const auto rows =
-      extended_blocks<dim>(blocks, extended_mass, held, held_local);
+    const auto            rows    = extended_blocks<dim>(blocks,
+                                           extended_mass,
+                                           constrained,
+                                           constrained_local);
     const PetscInt        n_owned = layout.n_owned() * dim;
     std::vector<PetscInt> n_diagonal(n_owned, dim), n_other(n_owned, 0);
     for (unsigned int u = 0; u < layout.n_owned(); ++u)
@@ -344,7 +350,7 @@ namespace greville
       for (unsigned int c = 0; c < dim; ++c)
         {
           const PetscInt i = layout.global_number(u) * dim + c;
-          if ((held[functions[u]] >> c) & 1)
+          if ((constrained[functions[u]] >> c) & 1)
             check_petsc(MatSetValue(mat,
                                     i,
                                     i,

@@ -163,13 +163,13 @@ namespace greville
     initialize(b);
     // The contribution of constrained coefficients moves to the right-hand
     // side.
-    VectorField<dim> held;
+    VectorField<dim> constrained;
     for (unsigned int c = 0; c < dim; ++c)
-      held[c] = velocity[c];
-    extend(held, x);
+      constrained[c] = velocity[c];
+    extend(constrained, x);
     for (unsigned int c = 0; c < dim; ++c)
-      held[c] *= -1.;
-    restrict(b, momentum, &held);
+      constrained[c] *= -1.;
+    restrict(b, momentum, &constrained);
     SolveResult result = solve_krylov(
       {1e-12, 200},
       [&](VectorType &dst, const VectorType &src) {

@@ -186,10 +186,10 @@ namespace greville
   void
   TangentSurfaces<dim>::add_product(double                   *y,
                                     const double             *x,
-                                    const StencilMatrix<dim> &places)
+                                    const StencilMatrix<dim> &stencil)
   {
     for (const auto &[cell, points] : stiff)
-      sums.back().add_product(y, x, places, cell, points);
+      sums.back().add_product(y, x, stencil, cell, points);
   }
 
 

@@ -11,9 +11,9 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  TangentSystem<dim>::TangentSystem(const OrderHierarchy<dim> &orders,
-                                    const HeldFunctions       &held,
-                                    const TangentParameters   &parameters,
+  TangentSystem<dim>::TangentSystem(const OrderHierarchy<dim>  &orders,
+                                    const ConstrainedFunctions &constrained,
+                                    const TangentParameters    &parameters,
                                     const double           filling_threshold,
                                     const bool             lump,
                                     VolumeProjection<dim> *projection,
@@ -36,7 +36,8 @@ namespace greville
         transfers[l].reinit(orders[l]);
         tables[l].reinit(orders[l]);
         levels.push_back(std::make_unique<TangentLevel<dim>>(
-          orders[l], held ? held(orders[l]) : std::vector<unsigned char>()));
+          orders[l],
+          constrained ? constrained(orders[l]) : std::vector<unsigned char>()));
       }
     levels.back()->set_product(
       [this](double *y, const double *x) { multiply_at_places(y, x); });
@@ -154,9 +155,10 @@ namespace greville
     double
     share_of_volume_stiffness(const Moduli &moduli)
     {
-      constexpr double much = 2.;
-      return moduli.shear > 0. ? std::min(1., much * moduli.shear / moduli.bulk)
-                               : 1.;
+      constexpr double largest_ratio = 2.;
+      return moduli.shear > 0.
+               ? std::min(1., largest_ratio * moduli.shear / moduli.bulk)
+               : 1.;
     }
 
   } // namespace
@@ -307,11 +309,11 @@ namespace greville
   bool
   TangentSystem<dim>::is_reusable(const double mass_factor) const
   {
-    constexpr double much = 2.;
+    constexpr double largest_change = 2.;
     return multigrid && parameters.reuse > 0 &&
            excess_iterations <= parameters.reuse &&
-           mass_factor <= much * mass_factor_of_set_up &&
-           mass_factor_of_set_up <= much * mass_factor;
+           mass_factor <= largest_change * mass_factor_of_set_up &&
+           mass_factor_of_set_up <= largest_change * mass_factor;
   }
 
 
@@ -324,19 +326,19 @@ namespace greville
     if (cycle.smoother != "auto")
       return;
     // Poisson's ratios of 0.4 and 0.475.
-    constexpr double much = 6., most = 20.;
+    constexpr double stiff_ratio = 6., very_stiff_ratio = 20.;
     const double     ratio = moduli[1] > 0.
                                ? moduli[0] / moduli[1]
                                : std::numeric_limits<double>::infinity();
-    cycle.smoother         = ratio <= much && !by_components
+    cycle.smoother         = ratio <= stiff_ratio && !by_components
                                ? "chebyshev-ic0"
                                : "chebyshev-component-ic0";
-    if (ratio > much)
+    if (ratio > stiff_ratio)
       {
-        smoother.chebyshev_degree += ratio > most ? 3 : 1;
-        smoother.chebyshev_range *= ratio > most ? 4. : 2.;
+        smoother.chebyshev_degree += ratio > very_stiff_ratio ? 3 : 1;
+        smoother.chebyshev_range *= ratio > very_stiff_ratio ? 4. : 2.;
       }
-    if (ratio > much || by_components)
+    if (ratio > stiff_ratio || by_components)
       {
         // Pivots fail if one direction is much stiffer than the others.
         constexpr double smallest_shift = 1e-3;
@@ -518,7 +520,7 @@ namespace greville
           for (unsigned int c = 0; c < dim; ++c)
             unknowns.local_element(u * dim + c) +=
               products[c].local_element(functions[u]);
-        mass.unknowns().zero_held_unknowns(unknowns, dim);
+        mass.unknowns().zero_constrained_unknowns(unknowns, dim);
       }
     finest().extended().unknowns().write(rows, unknowns, dim);
   }

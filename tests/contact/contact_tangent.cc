@@ -101,7 +101,7 @@ struct Case
         point.motion = point.side == 0 ? of_0 : of_1;
         point.gap += (of_0 - of_1) * normal;
         point.x += point.motion;
-        point.since_hats = point.motion;
+        point.offset_from_hats = point.motion;
         motions.push_back(point.motion);
       }
     contact.act(moved, dt, Point<dim>(), derivative);

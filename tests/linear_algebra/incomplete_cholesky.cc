@@ -180,9 +180,9 @@ test_schur_complement()
 
 
 
-// The last rows held in one of two components: the factors without them.
+// The last rows constrained in one of two components: the factors without them.
 void
-test_held_rows()
+test_constrained_rows()
 {
   constexpr unsigned int n = 6, n_free = 4, width = 4;
   auto                   rows = full_matrix(n);
@@ -192,10 +192,10 @@ test_held_rows()
   for (auto &row : rows)
     row.resize(n_free);
   part.factorize(lower_part(rows));
-  HeldRows held;
-  held.n_components = 2;
+  ConstrainedRows constrained;
+  constrained.n_components = 2;
   for (unsigned int i = n_free; i < n; ++i)
-    held.rows.emplace_back(i, 2);
+    constrained.rows.emplace_back(i, 2);
 
   std::vector<double> x(n * width), with_all(n * width),
     with_some(n_free * width);
@@ -203,7 +203,7 @@ test_held_rows()
     x[i] = pseudo_random(i);
   with_all = x;
   std::copy_n(x.begin(), with_some.size(), with_some.begin());
-  whole.solve(x.data(), width, held);
+  whole.solve(x.data(), width, constrained);
   whole.solve(with_all.data(), width);
   part.solve(with_some.data(), width);
   double error = 0.;
@@ -301,7 +301,7 @@ test_main()
     check("the unit of mass does not matter", error, 1e-5);
   }
   test_schur_complement();
-  test_held_rows();
+  test_constrained_rows();
   test_fails("Not definite", lower_part({{1., 100.}, {100., 1.}}));
   test_fails("Negative diagonal", lower_part({{1., 0.}, {0., -1.}}));
   test_fails("Zero diagonal", lower_part({{0.}}));

@@ -3,8 +3,8 @@
 // All: 3 4
 
 // PartitionedCholesky with the mass matrices of full and of jagged bodies: the
-// preconditioner is symmetric, leaves out what is held, and conjugate gradients
-// need about as many iterations on several processes as on one.
+// preconditioner is symmetric, leaves out what is constrained, and conjugate
+// gradients need about as many iterations on several processes as on one.
 
 #include <greville/linear_algebra/partitioned_cholesky.h>
 #include <greville/mass/extended_mass.h>
@@ -26,12 +26,12 @@ void
 test(const MultiIndex<dim> &cells,
      const unsigned int     p,
      const Filling<dim>    &is_filled,
-     const bool             is_held,
+     const bool             is_constrained,
      const unsigned int     most_iterations,
      const std::string     &name)
 {
-  print() << dim << "D, p = " << p << ", " << name << (is_held ? ", held" : "")
-          << std::endl;
+  print() << dim << "D, p = " << p << ", " << name
+          << (is_constrained ? ", held" : "") << std::endl;
   constexpr unsigned int width = dim == 2 ? 2 : 4;
   Box<dim>               box(cells);
   const SplineSpace<dim> space(box.mesh, p);
@@ -48,16 +48,16 @@ test(const MultiIndex<dim> &cells,
   transfer.add_mass_matrix({&points}, mass.matrix());
   mass.finish();
 
-  // Component 1 is held at the lower wall in direction 1.
-  std::vector<unsigned char> held(space.owned_functions().size() +
-                                  space.ghost_functions().size());
-  for (unsigned int f = 0; f < held.size() && is_held; ++f)
+  // Component 1 is constrained at the lower wall in direction 1.
+  std::vector<unsigned char> constrained(space.owned_functions().size() +
+                                         space.ghost_functions().size());
+  for (unsigned int f = 0; f < constrained.size() && is_constrained; ++f)
     if (multi_index<dim>(space.function_position(f), space.n_functions())[1] ==
         0)
-      held[f] = 2;
-  mass.unknowns().hold(held);
+      constrained[f] = 2;
+  mass.unknowns().constrain(constrained);
   std::vector<bool> may_leave_out;
-  const auto        bits = mass.unknowns().held_unknowns();
+  const auto        bits = mass.unknowns().constrained_unknowns();
   for (const unsigned char b : bits)
     may_leave_out.push_back(b != 0);
 
@@ -68,7 +68,7 @@ test(const MultiIndex<dim> &cells,
                      may_leave_out,
                      p,
                      0.);
-  cholesky.hold(bits, dim);
+  cholesky.constrain(bits, dim);
 
   const auto positions  = mass.unknowns().unknown_positions();
   const auto new_vector = [&](const double frequency) {
@@ -79,7 +79,7 @@ test(const MultiIndex<dim> &cells,
         result.local_element(u * width + c) =
           std::sin(frequency * (positions[u][0] + 17. * positions[u][1] +
                                 71. * positions[u][2] + 5. * c));
-    mass.unknowns().zero_held_unknowns(result, width);
+    mass.unknowns().zero_constrained_unknowns(result, width);
     return result;
   };
   const auto solve = [&](const VectorType &r) {
@@ -123,13 +123,38 @@ test(const MultiIndex<dim> &cells,
 void
 test_main()
 {
-  for (const bool is_held : {false, true})
+  for (const bool is_constrained : {false, true})
     {
-      test<2>({{32, 24}}, 1, full<2>(), is_held, is_held ? 22 : 12, "full");
-      test<2>({{32, 24}}, 2, full<2>(), is_held, is_held ? 25 : 14, "full");
-      test<2>({{32, 24}}, 3, full<2>(), is_held, is_held ? 29 : 18, "full");
-      test<3>(cube<3>(10), 1, full<3>(), is_held, is_held ? 22 : 12, "full");
-      test<3>(cube<3>(10), 2, full<3>(), is_held, is_held ? 25 : 14, "full");
+      test<2>({{32, 24}},
+              1,
+              full<2>(),
+              is_constrained,
+              is_constrained ? 22 : 12,
+              "full");
+      test<2>({{32, 24}},
+              2,
+              full<2>(),
+              is_constrained,
+              is_constrained ? 25 : 14,
+              "full");
+      test<2>({{32, 24}},
+              3,
+              full<2>(),
+              is_constrained,
+              is_constrained ? 29 : 18,
+              "full");
+      test<3>(cube<3>(10),
+              1,
+              full<3>(),
+              is_constrained,
+              is_constrained ? 22 : 12,
+              "full");
+      test<3>(cube<3>(10),
+              2,
+              full<3>(),
+              is_constrained,
+              is_constrained ? 25 : 14,
+              "full");
     }
   test<3>(cube<3>(12), 2, ball<3>(12, 4., 5.3), false, 25, "ball");
 }

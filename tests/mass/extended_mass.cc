@@ -3,9 +3,9 @@
 // All: 3
 
 // The fast path of simulations: ExtendedMass is the dense matrix E^T M~ E, with
-// fragments, held functions and any width, StencilMatrix is MassOperator,
-// filled from points and from weights, and ExtendedMassSolver solves, with an
-// old factorization, too.
+// fragments, constrained functions and any width, StencilMatrix is
+// MassOperator, filled from points and from weights, and ExtendedMassSolver
+// solves, with an old factorization, too.
 
 #include <greville/multigrid/extended_mass_solver.h>
 #include <greville/points/point_transfer.h>
@@ -14,30 +14,30 @@
 #include <half_full_cells.h>
 #include <numeric>
 
-// Whether component c is held: at the lower wall in direction c.
+// Whether component c is constrained: at the lower wall in direction c.
 template <int dim>
 bool
-is_held_at_wall(const SplineSpace<dim> &space,
-                const std::uint64_t     position,
-                const unsigned int      c)
+is_constrained_at_wall(const SplineSpace<dim> &space,
+                       const std::uint64_t     position,
+                       const unsigned int      c)
 {
   return multi_index<dim>(position, space.n_functions())[c] == 0;
 }
 
 
 
-// Bit c: component c is held at the lower wall in direction c.
+// Bit c: component c is constrained at the lower wall in direction c.
 template <int dim>
 std::vector<unsigned char>
-held_bits(const SplineSpace<dim> &space)
+constrained_bits(const SplineSpace<dim> &space)
 {
-  std::vector<unsigned char> held(space.owned_functions().size() +
-                                  space.ghost_functions().size());
-  for (unsigned int f = 0; f < held.size(); ++f)
+  std::vector<unsigned char> constrained(space.owned_functions().size() +
+                                         space.ghost_functions().size());
+  for (unsigned int f = 0; f < constrained.size(); ++f)
     for (unsigned int c = 0; c < dim; ++c)
-      if (is_held_at_wall(space, space.function_position(f), c))
-        held[f] |= 1 << c;
-  return held;
+      if (is_constrained_at_wall(space, space.function_position(f), c))
+        constrained[f] |= 1 << c;
+  return constrained;
 }
 
 
@@ -75,14 +75,14 @@ struct Problem
     transfer.add_mass_matrix({&points}, mass.matrix());
     mass.finish();
     if (changed)
-      mass.unknowns().hold(held);
+      mass.unknowns().constrain(constrained);
   }
 
   void
-  hold()
+  constrain()
   {
-    held = held_bits(space);
-    mass.unknowns().hold(held);
+    constrained = constrained_bits(space);
+    mass.unknowns().constrain(constrained);
   }
 
   double
@@ -100,7 +100,7 @@ struct Problem
   MaterialPoints<dim>        points;
   PointTransfer<dim>         transfer;
   ExtendedMass<dim>          mass;
-  std::vector<unsigned char> held = std::vector<unsigned char>(
+  std::vector<unsigned char> constrained = std::vector<unsigned char>(
     space.owned_functions().size() + space.ghost_functions().size());
 };
 
@@ -138,7 +138,7 @@ test_products(const MultiIndex<dim>       &cells,
       {
         StencilMatrix<dim> stencil;
         stencil.reinit(space);
-        std::vector<unsigned int> all(problem.held.size());
+        std::vector<unsigned int> all(problem.constrained.size());
         std::iota(all.begin(), all.end(), 0);
         stencil.set_rows(all);
         if (from_weights)
@@ -161,7 +161,8 @@ test_products(const MultiIndex<dim>       &cells,
       }
   }
 
-  // Columns of components that are held at different walls, or not at all.
+  // Columns of components that are constrained at different walls, or not at
+  // all.
   std::vector<std::vector<VectorType>> x(2), y(2);
   {
     Box<dim>               own_box(cells, MPI_COMM_SELF, periodic);
@@ -175,24 +176,24 @@ test_products(const MultiIndex<dim>       &cells,
     own_transfer.reinit(own_space);
     DensityWeights<dim> own_weights(own_space, 2 * p + 1);
     own_transfer.mass_weights({&own_points}, own_weights);
-    for (const bool is_held : {false, true})
+    for (const bool is_constrained : {false, true})
       {
         std::vector<FullMatrix<double>> exact;
-        for (unsigned int c = 0; c < (is_held ? dim : 1); ++c)
+        for (unsigned int c = 0; c < (is_constrained ? dim : 1); ++c)
           exact.push_back(
             dense<dim>(own_space,
                        own_weights,
                        own_extension,
                        [&](const std::uint64_t position) {
-                         return is_held &&
-                                is_held_at_wall(own_space, position, c);
+                         return is_constrained &&
+                                is_constrained_at_wall(own_space, position, c);
                        }));
         for (unsigned int c = 0; c < 8; ++c)
           {
             const auto value = [&](const std::uint64_t position) {
               return std::sin((c + 1.) * 3. * pseudo_random(position));
             };
-            const FullMatrix<double> &A = exact[is_held ? c % dim : 0];
+            const FullMatrix<double> &A = exact[is_constrained ? c % dim : 0];
             VectorType                column, product;
             space.initialize_vector(column);
             space.initialize_vector(product);
@@ -203,18 +204,18 @@ test_products(const MultiIndex<dim>       &cells,
                 for (unsigned int j = 0; j < A.n(); ++j)
                   product.local_element(i) += A(row, j) * value(j);
               }
-            x[is_held].push_back(column);
-            y[is_held].push_back(product);
+            x[is_constrained].push_back(column);
+            y[is_constrained].push_back(product);
           }
       }
   }
 
   const auto         &functions = mass.unknowns().unknown_functions();
   std::vector<double> errors;
-  for (const bool is_held : {false, true})
+  for (const bool is_constrained : {false, true})
     {
-      if (is_held)
-        problem.hold();
+      if (is_constrained)
+        problem.constrain();
       for (const unsigned int width : {1, 2, 4, 8})
         {
           VectorType from, to;
@@ -223,8 +224,8 @@ test_products(const MultiIndex<dim>       &cells,
           for (unsigned int u = 0; u < functions.size(); ++u)
             for (unsigned int c = 0; c < width; ++c)
               from.local_element(u * width + c) =
-                x[is_held][c].local_element(functions[u]);
-          mass.unknowns().zero_held_unknowns(from, width);
+                x[is_constrained][c].local_element(functions[u]);
+          mass.unknowns().zero_constrained_unknowns(from, width);
           // Twice: vectors on places are not zero any more.
           mass.vmult(to, from, width);
           mass.vmult(to, from, width);
@@ -232,28 +233,30 @@ test_products(const MultiIndex<dim>       &cells,
           for (unsigned int u = 0; u < functions.size(); ++u)
             for (unsigned int c = 0; c < width; ++c)
               {
-                const bool zero = (problem.held[functions[u]] >> (c % dim)) & 1;
+                const bool zero =
+                  (problem.constrained[functions[u]] >> (c % dim)) & 1;
                 const double wanted =
-                  zero ? 0. : y[is_held][c].local_element(functions[u]);
+                  zero ? 0. : y[is_constrained][c].local_element(functions[u]);
                 size = std::max(size, std::abs(wanted));
                 error =
                   std::max(error,
                            std::abs(wanted - to.local_element(u * width + c)));
               }
           check(std::string("  vmult, width ") + std::to_string(width) +
-                  (is_held ? ", held" : ""),
+                  (is_constrained ? ", held" : ""),
                 max_all(error) / max_all(size),
                 1e-12);
         }
 
-      // Component 0; held rows are unit rows.
+      // Component 0; constrained rows are unit rows.
       const LowerTriangle entries = std::as_const(mass).local_entries(1);
       VectorType          from, to;
       mass.unknowns().initialize_vector(from, 1);
       mass.unknowns().initialize_vector(to, 1);
       for (unsigned int u = 0; u < functions.size(); ++u)
-        from.local_element(u) = x[is_held][0].local_element(functions[u]);
-      mass.unknowns().zero_held_unknowns(from, 1);
+        from.local_element(u) =
+          x[is_constrained][0].local_element(functions[u]);
+      mass.unknowns().zero_constrained_unknowns(from, 1);
       from.update_ghost_values();
       to = 0.;
       bool ascending =
@@ -274,11 +277,12 @@ test_products(const MultiIndex<dim>       &cells,
       double error = 0., size = 0.;
       for (unsigned int u = 0; u < functions.size(); ++u)
         {
-          const double wanted = y[is_held][0].local_element(functions[u]);
-          size                = std::max(size, std::abs(wanted));
+          const double wanted =
+            y[is_constrained][0].local_element(functions[u]);
+          size  = std::max(size, std::abs(wanted));
           error = std::max(error, std::abs(wanted - to.local_element(u)));
         }
-      check(std::string("  entries") + (is_held ? ", held" : ""),
+      check(std::string("  entries") + (is_constrained ? ", held" : ""),
             max_all(error) / max_all(size),
             1e-12);
       check("  columns ascend and end with the diagonal",
@@ -307,11 +311,11 @@ test_solver(const MultiIndex<dim>       &cells,
             const unsigned int           p,
             const Filling<dim>          &is_filled,
             const Filling<dim>          &is_filled_later,
-            const bool                   is_held,
+            const bool                   is_constrained,
             const std::array<bool, dim> &periodic = {})
 {
-  print() << dim << "D, p = " << p << ": solver" << (is_held ? ", held" : "")
-          << std::endl;
+  print() << dim << "D, p = " << p << ": solver"
+          << (is_constrained ? ", held" : "") << std::endl;
   SolverParameters   parameters;
   SmootherParameters smoother;
   parameters.tolerance = 1e-10;
@@ -320,8 +324,8 @@ test_solver(const MultiIndex<dim>       &cells,
 
   Problem<dim>       problem(cells, p, is_filled, periodic);
   ExtendedMass<dim> &mass = problem.mass;
-  if (is_held)
-    problem.hold();
+  if (is_constrained)
+    problem.constrain();
   ExtendedMassSolver<dim> solver(mass, parameters, smoother);
   solver.update(true, problem.total_mass());
 
@@ -360,7 +364,7 @@ test_solver(const MultiIndex<dim>       &cells,
         fields.push_back(&x[k]);
       }
     mass.unknowns().restrict_fields(rows, right, width);
-    mass.subtract_held(rows, fields, width);
+    mass.subtract_constrained(rows, fields, width);
     mass.unknowns().read_fields(unknowns, left, width);
     mass.vmult(product, unknowns, width);
     const double size = rows.l2_norm();
@@ -383,10 +387,10 @@ test_solver(const MultiIndex<dim>       &cells,
       for (unsigned int c = 0; c < dim; ++c)
         {
           field[c] = 0.;
-          // What is held need not be zero.
+          // What is constrained need not be zero.
           for (unsigned int f = 0; f < problem.space.owned_functions().size();
                ++f)
-            if ((problem.held[f] >> c) & 1)
+            if ((problem.constrained[f] >> c) & 1)
               field[c].local_element(f) = 0.5;
         }
   };
@@ -424,7 +428,7 @@ test_solver(const MultiIndex<dim>       &cells,
   for (auto &field : x)
     for (unsigned int c = 0; c < dim; ++c)
       for (unsigned int f = 0; f < problem.space.owned_functions().size(); ++f)
-        if (!((problem.held[f] >> c) & 1))
+        if (!((problem.constrained[f] >> c) & 1))
           field[c].local_element(f) *= 1. + 1e-8 * pseudo_random(f);
   const auto warm = solver.solve({&x[0], &x[1]}, {&b[0], &b[1]});
   check("  a good guess saves iterations",
@@ -432,7 +436,7 @@ test_solver(const MultiIndex<dim>       &cells,
   check("  one factorization", solver.n_factorizations() == 1);
 
   // Momentum does not depend on the tolerance.
-  if (!is_held)
+  if (!is_constrained)
     {
       parameters.tolerance = 1e-3;
       clear();
@@ -492,12 +496,12 @@ test_main()
   for (unsigned int p = 1; p <= 2; ++p)
     test_products<3>(cube<3>(6), p, ball<3>(6, 2.5, 1.8), "ball");
   for (unsigned int p = 1; p <= 3; ++p)
-    for (const bool is_held : {false, true})
-      if (p < 3 || !is_held)
-        test_solver<2>({{12, 7}}, p, drawn, later, is_held);
-  for (const bool is_held : {false, true})
+    for (const bool is_constrained : {false, true})
+      if (p < 3 || !is_constrained)
+        test_solver<2>({{12, 7}}, p, drawn, later, is_constrained);
+  for (const bool is_constrained : {false, true})
     test_solver<3>(
-      cube<3>(6), 2, ball<3>(6, 1., 3.3), ball<3>(6, 2., 3.3), is_held);
+      cube<3>(6), 2, ball<3>(6, 1., 3.3), ball<3>(6, 2., 3.3), is_constrained);
 
   // Where functions at both ends are neighbours, or meet twice.
   for (unsigned int p = 1; p <= 5; ++p)
@@ -513,15 +517,16 @@ test_main()
                      ball<3>(6, 1.5, 1.8),
                      "periodic in y and z",
                      {{false, true, true}});
-  for (const bool is_held : {false, true})
+  for (const bool is_constrained : {false, true})
     {
-      test_solver<2>({{12, 7}}, 2, drawn, later, is_held, {{true, false}});
+      test_solver<2>(
+        {{12, 7}}, 2, drawn, later, is_constrained, {{true, false}});
       test_solver<2>({{12, 7}}, 3, drawn, later, false, {{true, true}});
       test_solver<3>(cube<3>(6),
                      2,
                      ball<3>(6, 2., 2.1),
                      ball<3>(6, 2., 2.4),
-                     is_held,
+                     is_constrained,
                      {{true, false, true}});
     }
 }

@@ -82,7 +82,7 @@ namespace
   // A point in pure shear and under pressure, which is held: what it bears
   // falls in time.
   void
-  test_held_point(const std::string &name)
+  test_fixed_point(const std::string &name)
   {
     print() << name << std::endl;
     auto lines = settings(1e4, 30., 0.);
@@ -125,8 +125,8 @@ test_main()
     test_steps("drucker-prager", {"Cone = " + cone});
   test_steps("drucker-prager", {"Tension cut-off = 5e3"});
   test_steps("mohr-coulomb", {});
-  test_held_point("drucker-prager");
-  test_held_point("mohr-coulomb");
+  test_fixed_point("drucker-prager");
+  test_fixed_point("mohr-coulomb");
 
   check("no reduction", make("mohr-coulomb")->strength_reduction(7.) == 1.);
   for (const std::string formula : {"2 +", "1 + x", "-1", "1 / t"})

@@ -3,8 +3,8 @@
 // All: 2 3
 
 // Extended B-splines: a level, applied and assembled, is the dense matrix
-// E^T M~ E, with coefficients held at a wall and lumped fragments, on any
-// number of processes; transfers keep constants, the transpose is the
+// E^T M~ E, with coefficients constrained at a wall and lumped fragments, on
+// any number of processes; transfers keep constants, the transpose is the
 // transpose, and solvers converge.
 
 #include <greville/paper/mass_solver.h>
@@ -37,15 +37,15 @@ void
 test(const MultiIndex<dim> &cells,
      const unsigned int     p,
      const Filling<dim>    &is_filled,
-     const bool             is_held,
+     const bool             is_constrained,
      const std::string     &name)
 {
   print() << dim << "D, p = " << p << ", " << name
-          << (is_held ? ", held at a wall" : "") << std::endl;
-  // Coefficients held at the lower wall in the last direction.
+          << (is_constrained ? ", held at a wall" : "") << std::endl;
+  // Coefficients constrained at the lower wall in the last direction.
   const auto is_at_floor = [&](const SplineSpace<dim> &space,
                                const std::uint64_t     position) {
-    return is_held &&
+    return is_constrained &&
            multi_index<dim>(position, space.n_functions())[dim - 1] == 0;
   };
   // Once on all processes, and on each alone.
@@ -69,12 +69,12 @@ test(const MultiIndex<dim> &cells,
 
   AssembledMassLevel<dim> free(space, DensityWeights<dim>(space, 2 * p + 1));
   fill_weights<dim>(free.weights(), space, is_filled);
-  std::vector<unsigned char> held;
+  std::vector<unsigned char> constrained;
   for (unsigned int f = 0;
        f < space.owned_functions().size() + space.ghost_functions().size();
        ++f)
-    held.push_back(is_at_floor(space, space.function_position(f)));
-  free.extend(extension, held);
+    constrained.push_back(is_at_floor(space, space.function_position(f)));
+  free.extend(extension, constrained);
   free.assemble(false, false);
   const VectorType diagonal = free.diagonal();
   free.assemble(true, false);
@@ -128,7 +128,7 @@ test(const MultiIndex<dim> &cells,
     mass += sums.local_element(i);
   mass = Utilities::MPI::sum(mass, MPI_COMM_WORLD);
   print() << "  mass " << std::setprecision(4) << mass << std::endl;
-  if (is_held)
+  if (is_constrained)
     return;
   free.vmult(y, one);
   check("  keeps the mass", std::abs(y * one / mass - 1.), 1e-12);
@@ -283,8 +283,8 @@ test_main()
                                     "#####+...+#.",
                                     "####++....#."});
   for (unsigned int p = 1; p <= 5; ++p)
-    for (const bool is_held : {false, true})
-      test<2>({{12, 7}}, p, drawn, is_held, "drawing");
+    for (const bool is_constrained : {false, true})
+      test<2>({{12, 7}}, p, drawn, is_constrained, "drawing");
   test<2>(
     {{12, 7}}, 2, [](const MultiIndex<2> &) { return 1.; }, true, "full");
   for (unsigned int p = 1; p <= 3; ++p)

@@ -39,7 +39,7 @@ namespace
       check_petsc(MatMPIAIJSetPreallocation(mat, m, nullptr, m, nullptr));
       entries.reset(mat);
       add_cells(beta);
-      hold();
+      constrain();
       initialize_vector<2>(matrix_diagonal, *this);
       space.initialize_vector(to);
       space.initialize_vector(from);
@@ -89,7 +89,7 @@ namespace
     const std::vector<unsigned int> &
     inactive() const override
     {
-      return held;
+      return constrained;
     }
 
     Mat
@@ -164,14 +164,14 @@ namespace
     }
 
     void
-    hold()
+    constrain()
     {
       const auto           &functions = spline_space.owned_functions();
       std::vector<PetscInt> numbers;
       for (unsigned int i = 0; i < functions.size(); ++i)
         if (functions[i] % spline_space.n_functions()[0] == 0)
           {
-            held.push_back(i);
+            constrained.push_back(i);
             numbers.push_back(spline_space.partitioner()->local_to_global(i));
           }
       check_petsc(MatZeroRowsColumns(
@@ -183,7 +183,7 @@ namespace
     PetscMatrix               entries;
     PetscVectorView           view_dst, view_src;
     VectorType                matrix_diagonal;
-    std::vector<unsigned int> held;
+    std::vector<unsigned int> constrained;
     mutable VectorType        to, from;
   };
 

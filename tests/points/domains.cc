@@ -104,7 +104,7 @@ test(const unsigned int p, const bool averages_values)
   const SplineSpace<dim> space(box.mesh, p);
   CellWindows<dim>       windows;
   windows.reinit(space, averages_values);
-  windows.reach_all();
+  windows.reach_all_neighbors();
   PointTransfer<dim> transfer;
   transfer.reinit(space, &windows);
 

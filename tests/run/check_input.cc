@@ -98,7 +98,7 @@ namespace
           std::string content;
           for (std::size_t i = 0; i < lines.size(); ++i)
             content += (i == k ? line : lines[i]) + "\n";
-          return content + file.small;
+          return content + file.overrides;
         };
         std::string section;
         for (std::size_t k = 0; k < lines.size(); ++k)

@@ -250,7 +250,7 @@ namespace
         bool                  same = true, changes = false;
         for (unsigned int k = 0; k < 60 && !simulations.is_finished(); ++k)
           {
-            if (every == 0 || k % every != 0 || !simulations.rows_lag())
+            if (every == 0 || k % every != 0 || !simulations.rows_are_late())
               {
                 simulations.step();
                 continue;
@@ -373,9 +373,9 @@ namespace
    * A step on a layer: the front of all points is that of the layer.
    */
   void
-  check_front(const Text &text)
+  check_runout(const Text &text)
   {
-    const auto front_above = [&](const std::string &y) {
+    const auto runout_above = [&](const std::string &y) {
       const Text on_layer =
         text.with("Body body",
                   {"Shape = union(box(0.125, 0, 0.875, 0.25), "
@@ -384,11 +384,13 @@ namespace
                             ? on_layer
                             : on_layer.with("Output", {"Front above = " + y}))
         ->statistics()
-        .front;
+        .runout;
     };
-    check("front of the layer", std::abs(front_above("") - 0.875), 1e-9);
-    check("front above the layer", std::abs(front_above("0.25") - 0.375), 1e-9);
-    check("front above all", std::abs(front_above("0.5")), 0.);
+    check("front of the layer", std::abs(runout_above("") - 0.875), 1e-9);
+    check("front above the layer",
+          std::abs(runout_above("0.25") - 0.375),
+          1e-9);
+    check("front above all", std::abs(runout_above("0.5")), 0.);
   }
 
 
@@ -507,7 +509,7 @@ test_main()
                  "Velocity = 1 + cos(9 * t); 0"})
           .with("Contact push", {"Bodies = body, piston", "Penalty = 3"}));
     }
-  check_front(falling);
+  check_runout(falling);
   check_probe_3d();
   check_trajectory("ball, APIC", ball.with("Scheme", {"Transfer = APIC"}));
   check_trajectory(

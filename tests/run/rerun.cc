@@ -91,7 +91,7 @@ test_main()
        shipped_files(SOURCE_DIR, folder, "rerun_results"))
     {
       std::filesystem::remove_all("rerun_results");
-      std::ofstream(folder + "/case.prm") << file.content << file.small;
+      std::ofstream(folder + "/case.prm") << file.content << file.overrides;
       run(file, folder + "/case.prm");
       const std::string first = results_of("rerun_results");
       std::filesystem::copy_file(

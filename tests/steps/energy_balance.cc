@@ -42,7 +42,7 @@ namespace
   // Whether the guard warns of a column that vibrates, is damped, and gets half
   // of its initial velocity again where it has come to rest.
   bool
-  is_seen(const bool is_kicked)
+  guard_warns(const bool is_kicked)
   {
     constexpr unsigned int kick_every = 250;
     Simulated<2>           run(column("consistent")
@@ -145,8 +145,8 @@ test_main()
     }
 
   // What damping takes does not hide what comes from nothing.
-  check("the guard sees kicks", is_seen(true));
-  check("no kicks, no warning", !is_seen(false));
+  check("the guard sees kicks", guard_warns(true));
+  check("no kicks, no warning", !guard_warns(false));
 
   // Damping that gives energy back is no source of it.
   EnergyBalance energy;

@@ -220,7 +220,7 @@ namespace
     close("spin",
           sums.angular_momentum[0],
           parts[0].angular_momentum[0] + parts[1].angular_momentum[0]);
-    close("front", sums.front, std::max(parts[0].front, parts[1].front));
+    close("front", sums.runout, std::max(parts[0].runout, parts[1].runout));
     close("points", sums.n_points, parts[0].n_points + parts[1].n_points);
     for (unsigned int d = 0; d < 2; ++d)
       {
@@ -382,8 +382,8 @@ namespace
       ball_and_box("USL", "lumped").with("Grid", {"Per body = true"}));
     CoupledSimulations<2> &simulations = both.simulations;
     simulations.step();
-    const std::vector<State<2>> states = simulations.state();
-    const auto                  go_on  = [&]() {
+    const std::vector<State<2>> states         = simulations.state();
+    const auto                  run_five_steps = [&]() {
       for (unsigned int k = 0; k < 5; ++k)
         simulations.step();
       auto numbers = points_of(simulations.bodies(), "ball");
@@ -391,9 +391,9 @@ namespace
         numbers.push_back(row);
       return numbers;
     };
-    const auto first = go_on();
+    const auto first = run_five_steps();
     simulations.set_state(states);
-    check("a state to go back to: the same bits", go_on() == first);
+    check("a state to go back to: the same bits", run_five_steps() == first);
 
     // A body that is turned inside out.
     const unsigned int n_good = simulations.first().state().n_steps;

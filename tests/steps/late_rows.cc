@@ -57,7 +57,7 @@ namespace
     for (unsigned int k = 0; k < n_steps; ++k)
       {
         const auto state = simulations.state();
-        const bool lags  = simulations.rows_lag();
+        const bool lags  = simulations.rows_are_late();
         simulations.finish();
         const Columns finished = simulations.statistics().columns();
         simulations.set_state(state);

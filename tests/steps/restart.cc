@@ -69,7 +69,7 @@ namespace
   }
 
   std::string
-  go_on(const Text &text, const std::string &folder)
+  resume(const Text &text, const std::string &folder)
   {
     RunOptions options;
     options.resumes = true;
@@ -97,7 +97,7 @@ namespace
     };
     check(name + ", whole run", run(until(40), "whole").empty());
     check(name + ", first part", run(until(20), "parts").empty());
-    check(name + ", second part", go_on(until(40), "parts").empty());
+    check(name + ", second part", resume(until(40), "parts").empty());
     for (const std::string file : {"statistics.csv", "probes.csv"})
       {
         const std::string whole = content_of("whole/" + file);
@@ -171,13 +171,13 @@ test_main()
   // What may change, and what may not.
   const Text more = text.with("Time", {"Maximum steps = 16"});
   check_message("a parameter that has changed",
-                go_on(more.with("Loads", {"Gravity = 0; -20"}), "parts"),
+                resume(more.with("Loads", {"Gravity = 0; -20"}), "parts"),
                 "'Loads/Gravity': 1; -20 there, 0; -20 here");
   check_message("columns that have changed",
-                go_on(more.with("Output", {"Probes = 0.3, 0.3; 0.4, 0.3"}),
-                      "parts"),
+                resume(more.with("Output", {"Probes = 0.3, 0.3; 0.4, 0.3"}),
+                       "parts"),
                 "'Output/Probes'");
-  check_message("no checkpoint", go_on(more, "nowhere"), "no checkpoint");
+  check_message("no checkpoint", resume(more, "nowhere"), "no checkpoint");
   // A run that has come to its end does so again, beside what others have put
   // into its folder.
   if (is_first())
@@ -187,7 +187,7 @@ test_main()
       std::filesystem::create_directory("parts/checkpoint_0000000099.h5");
     }
   MPI_Barrier(comm);
-  check("at its end", go_on(few, "parts").empty());
+  check("at its end", resume(few, "parts").empty());
   check("a folder is no checkpoint",
         std::filesystem::exists("parts/checkpoint_0000000099.h5.refused"));
   if (is_first())
@@ -197,7 +197,7 @@ test_main()
     }
   MPI_Barrier(comm);
   check_message("a folder in the place of a file",
-                go_on(more, "parts"),
+                resume(more, "parts"),
                 "Cannot read <parts/probes.csv>: ");
   if (is_first())
     {
@@ -210,7 +210,7 @@ test_main()
   if (is_first())
     std::filesystem::resize_file("parts/checkpoint_0000000012.h5", 5000);
   MPI_Barrier(comm);
-  check("a broken checkpoint", go_on(more, "parts").empty());
+  check("a broken checkpoint", resume(more, "parts").empty());
   check("one new and one old checkpoint",
         std::filesystem::exists("parts/checkpoint_0000000016.h5") &&
           std::filesystem::exists("parts/checkpoint_0000000010.h5"));

@@ -13,7 +13,7 @@ namespace
   const MPI_Comm comm = MPI_COMM_WORLD;
 
   // Below this J there is no tangent on the last process.
-  double least_J = 0.;
+  double smallest_J = 0.;
 
   // sigma = (b - 1) 100 Pa / J.
   class LawWithoutTangent : public MaterialLaw<LawWithoutTangent>
@@ -45,7 +45,7 @@ namespace
       const bool is_last = Utilities::MPI::this_mpi_process(comm) + 1 ==
                            Utilities::MPI::n_mpi_processes(comm);
       for (unsigned int i = 0; i < points.size(); ++i)
-        if (is_last && points[i].J < least_J)
+        if (is_last && points[i].J < smallest_J)
           result[i][0][0][0][0] = std::nan("");
     }
 
@@ -73,7 +73,7 @@ namespace
   double
   reached_time(const double J)
   {
-    least_J = J;
+    smallest_J = J;
     Simulated<2> run(
       Text()
         .add("Simulation", {"Bodies = body", "Materials = solid"})

@@ -26,7 +26,7 @@ namespace
       , system(
           orders,
           [this](const SplineSpace<dim> &space) {
-            return held_components_at_walls(space, walls);
+            return constrained_components_at_walls(space, walls);
           },
           parameters,
           0.55,

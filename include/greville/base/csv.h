@@ -70,11 +70,11 @@ namespace greville
      * exist, a new one is opened and false is returned.
      */
     bool
-    go_on(const std::string              &file,
-          const std::vector<std::string> &names,
-          const unsigned int              precision,
-          const std::uint64_t             n_bytes,
-          const MPI_Comm                  comm);
+    resume(const std::string              &file,
+           const std::vector<std::string> &names,
+           const unsigned int              precision,
+           const std::uint64_t             n_bytes,
+           const MPI_Comm                  comm);
 
     /**
      * Write a line, which is in the file even if the process ends abnormally.

@@ -77,7 +77,7 @@ namespace greville
     /// The time limit of the call, s, or 0 if there is none.
     const double time_limit;
     /// A number that identifies the call on its process.
-    std::uint64_t stamp;
+    std::uint64_t call_number;
   };
 
 

@@ -26,12 +26,12 @@ namespace greville
   Index
   checked_index(const std::uint64_t number, const std::string &what)
   {
-    constexpr std::uint64_t most = std::numeric_limits<Index>::max();
-    AssertThrow(number <= most,
+    constexpr std::uint64_t limit = std::numeric_limits<Index>::max();
+    AssertThrow(number <= limit,
                 dealii::ExcMessage(
                   std::to_string(number) + " " + what +
                   " are more than the libraries can number here, which is " +
-                  std::to_string(most) +
+                  std::to_string(limit) +
                   ": use a coarser grid, or a PETSc and a deal.II with 64-bit "
                   "indices (DEAL_II_WITH_64BIT_INDICES)."));
     return Index(number);
@@ -46,13 +46,13 @@ namespace greville
   inline void
   check_message_size(const std::uint64_t n_bytes, const bool is_packed)
   {
-    const std::uint64_t most =
+    const std::uint64_t limit =
       std::numeric_limits<int>::max() / (is_packed ? 2 : 1) - 1024;
-    AssertThrow(n_bytes <= most,
+    AssertThrow(n_bytes <= limit,
                 dealii::ExcMessage("A message of " + std::to_string(n_bytes) +
                                    " bytes from one process to another is "
                                    "longer than MPI can count, which is " +
-                                   std::to_string(most) +
+                                   std::to_string(limit) +
                                    ": use more processes."));
   }
 

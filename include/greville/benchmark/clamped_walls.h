@@ -4,7 +4,7 @@
 #define greville_benchmark_clamped_walls_h
 
 #include <greville/benchmark/problem_parameters.h>
-#include <greville/boundary/held_functions.h>
+#include <greville/boundary/constrained_functions.h>
 
 namespace greville
 {

@@ -18,7 +18,7 @@ namespace greville
 
   /**
    * The Laplacian of one order on a box by Gauss quadrature, as an assembled
-   * matrix. Functions that are held have the coefficient zero.
+   * matrix. Functions that are constrained have the coefficient zero.
    */
   template <int dim>
   class LaplaceLevel : public LevelOperator<dim>
@@ -26,10 +26,10 @@ namespace greville
   public:
     /**
      * Collective. The space is kept by reference. Local functions that are not
-     * zero in @p held are held.
+     * zero in @p constrained are constrained.
      */
     LaplaceLevel(const SplineSpace<dim>           &space,
-                 const std::vector<unsigned char> &held);
+                 const std::vector<unsigned char> &constrained);
 
     const SplineSpace<dim> &
     space() const override
@@ -52,7 +52,7 @@ namespace greville
     const std::vector<unsigned int> &
     inactive() const override
     {
-      return held_functions;
+      return constrained_functions;
     }
 
     Mat
@@ -71,7 +71,7 @@ namespace greville
     const SplineSpace<dim>          &spline_space;
     std::unique_ptr<MassMatrix<dim>> entries;
     VectorType                       matrix_diagonal;
-    std::vector<unsigned int>        held_functions; // owned ones
+    std::vector<unsigned int>        constrained_functions; // owned ones
   };
 } // namespace greville
 

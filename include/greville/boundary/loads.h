@@ -89,10 +89,10 @@ namespace greville
      * text.
      */
     std::string
-    what_is_large(const double   t,
-                  const double   dt,
-                  const double   h,
-                  const MPI_Comm comm) const;
+    describe_large_loads(const double   t,
+                         const double   dt,
+                         const double   h,
+                         const MPI_Comm comm) const;
 
     /**
      * Return gravity, m / s^2. Throws ErrorOnAll if a formula fails on any

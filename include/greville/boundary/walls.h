@@ -106,8 +106,8 @@ namespace greville
      * are constrained, for any space. Some may occur twice.
      */
     std::vector<unsigned int>
-    held_functions(const SplineSpace<dim> &space,
-                   const unsigned int      component) const;
+    constrained_functions(const SplineSpace<dim> &space,
+                          const unsigned int      component) const;
 
     /// Return whether there are moving walls.
     bool
@@ -144,7 +144,7 @@ namespace greville
      * their walls. Throws StepFailed if a formula fails.
      */
     void
-    hold_velocity(VectorField<dim> &velocity, const WallTime &time) const;
+    impose_velocity(VectorField<dim> &velocity, const WallTime &time) const;
 
     /**
      * Collective if walls move. Set constrained coefficients to the mean
@@ -152,17 +152,17 @@ namespace greville
      * in the time @p dt. Throws StepFailed if a formula fails.
      */
     void
-    hold_acceleration(VectorField<dim> &acceleration,
-                      const WallTime   &before,
-                      const WallTime   &after,
-                      const double      dt) const;
+    impose_acceleration(VectorField<dim> &acceleration,
+                        const WallTime   &before,
+                        const WallTime   &after,
+                        const double      dt) const;
 
     /**
      * Return the components (bits) that a wall constrains, and the components
      * in which it has a force.
      */
     unsigned char
-    held_components(const unsigned int wall) const;
+    constrained_components(const unsigned int wall) const;
 
     unsigned char
     components_with_force(const unsigned int wall) const;
@@ -174,7 +174,7 @@ namespace greville
      */
     template <typename Value>
     void
-    add_held(WallSums<dim> &sums, const Value &value) const
+    add_constrained(WallSums<dim> &sums, const Value &value) const
     {
       for (unsigned int w = 0; w < 2 * dim; ++w)
         for (unsigned int k = 0; k < coefficients[w].size(); ++k)
@@ -185,7 +185,7 @@ namespace greville
 
     /// Return these sums for the coefficients of a field.
     WallSums<dim>
-    sums_of_held(const VectorField<dim> &field) const;
+    constrained_sums(const VectorField<dim> &field) const;
 
     /**
      * Apply friction walls with a diagonal mass: change the new velocity and
@@ -206,7 +206,7 @@ namespace greville
 
   private:
     bool
-    holds(const unsigned int wall, const unsigned int component) const;
+    constrains(const unsigned int wall, const unsigned int component) const;
 
     /// Return the owned coefficients at a wall, in its region.
     std::vector<unsigned int>
@@ -232,7 +232,7 @@ namespace greville
      */
     template <typename Value>
     void
-    hold(VectorField<dim> &field, const Value &value) const;
+    impose(VectorField<dim> &field, const Value &value) const;
 
     /**
      * Set the constrained coefficients of this process; some processes have
@@ -240,7 +240,7 @@ namespace greville
      */
     template <typename Value>
     void
-    set_held(VectorField<dim> &field, const Value &value) const;
+    set_constrained(VectorField<dim> &field, const Value &value) const;
 
     std::array<WallType, 2 * dim>                  type;
     std::array<double, 2 * dim>                    friction;
@@ -252,7 +252,7 @@ namespace greville
     // abscissae of their functions, and the components (bits) that count for
     // this wall.
     std::array<std::vector<unsigned int>, 2 * dim>       coefficients;
-    std::array<std::vector<dealii::Point<dim>>, 2 * dim> places;
+    std::array<std::vector<dealii::Point<dim>>, 2 * dim> abscissae;
     std::array<std::vector<unsigned char>, 2 * dim>      counted;
   };
 } // namespace greville

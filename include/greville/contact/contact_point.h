@@ -54,7 +54,7 @@ namespace greville
      * have the same weights, and is frozen during trial steps of implicit
      * schemes: the energy balance of implicit midpoint steps depends on both.
      */
-    dealii::Tensor<1, dim> since_hats;
+    dealii::Tensor<1, dim> offset_from_hats;
     /// The elastic part of the slip of side 0 along side 1, m: history.
     dealii::Tensor<1, dim> slip;
 

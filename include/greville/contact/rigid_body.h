@@ -78,10 +78,10 @@ namespace greville
      * on the wrong side, or end.
      */
     bool
-    lets_through(const ContactPoint<dim>  &point,
-                 const double              reach,
-                 const RigidPosition<dim> &now,
-                 const RigidPosition<dim> &before) const;
+    is_crossed_by(const ContactPoint<dim>  &point,
+                  const double              reach,
+                  const RigidPosition<dim> &now,
+                  const RigidPosition<dim> &before) const;
 
     /// Return whether a point @p x (m) is inside the body in a position.
     bool

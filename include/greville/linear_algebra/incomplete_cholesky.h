@@ -15,7 +15,7 @@ namespace greville
    * uses the factors of the other rows; it is the solve with the matrix of the
    * other rows if the omitted rows are the last ones.
    */
-  struct HeldRows
+  struct ConstrainedRows
   {
     // The rows, ascending, with bits: bit c % n_components leaves the row out
     // of vector c.
@@ -106,27 +106,27 @@ namespace greville
      * Solve in place.
      */
     void
-    solve(double            *x,
-          const unsigned int width,
-          const HeldRows    &held = HeldRows()) const;
+    solve(double                *x,
+          const unsigned int     width,
+          const ConstrainedRows &constrained = ConstrainedRows()) const;
 
     /**
      * x <- (1 + L)^-1 x. Rows that are not eliminated receive the right-hand
      * side of the Schur complement.
      */
     void
-    forward(float             *x,
-            const unsigned int width,
-            const HeldRows    &held = HeldRows()) const;
+    forward(float                 *x,
+            const unsigned int     width,
+            const ConstrainedRows &constrained = ConstrainedRows()) const;
 
     /**
      * x <- (1 + L)^-T (D / unit())^-1 x; rows that are not eliminated contain
      * the solution.
      */
     void
-    backward(float             *x,
-             const unsigned int width,
-             const HeldRows    &held = HeldRows()) const;
+    backward(float                 *x,
+             const unsigned int     width,
+             const ConstrainedRows &constrained = ConstrainedRows()) const;
 
   private:
     /**
@@ -144,11 +144,11 @@ namespace greville
 
     template <int width>
     void
-    forward_interleaved(float *x, const HeldRows &held) const;
+    forward_interleaved(float *x, const ConstrainedRows &constrained) const;
 
     template <int width>
     void
-    backward_interleaved(float *x, const HeldRows &held) const;
+    backward_interleaved(float *x, const ConstrainedRows &constrained) const;
 
     double                     used_shift       = 0.;
     double                     largest_diagonal = 1.;

@@ -48,7 +48,7 @@ namespace greville
    * 2003", section 12.
    *
    * Vectors have several columns. Unknowns can be constrained to zero in some
-   * of them, see HeldRows.
+   * of them, see ConstrainedRows.
    */
   class PartitionedCholesky
   {
@@ -71,12 +71,12 @@ namespace greville
               const double                                    shift);
 
     /**
-     * Collective. Bit c of @p held[u] leaves the owned unknown u out of the
-     * columns c, c + @p n_components, ...
+     * Collective. Bit c of @p constrained[u] leaves the owned unknown u out of
+     * the columns c, c + @p n_components, ...
      */
     void
-    hold(const std::vector<unsigned char> &held,
-         const unsigned int                n_components);
+    constrain(const std::vector<unsigned char> &constrained,
+              const unsigned int                n_components);
 
     /**
      * Collective. Solve in place for the owned unknowns, @p width (1, 2, 4 or
@@ -167,7 +167,7 @@ namespace greville
     std::array<bool, 3>       descends{}; // in the directions of the lattice
 
     IncompleteCholesky                   interior;
-    HeldRows                             held_interior;
+    ConstrainedRows                      constrained_interior;
     std::unique_ptr<PartitionedCholesky> next; // level; none: no interface
 
     mutable std::vector<float>    values;       // of all local rows

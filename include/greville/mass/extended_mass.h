@@ -105,14 +105,14 @@ namespace greville
      * coefficients h of the fields, which need not be zero.
      */
     void
-    subtract_held(VectorType                            &rows,
-                  const std::vector<VectorField<dim> *> &fields,
-                  const unsigned int                     width) const;
+    subtract_constrained(VectorType                            &rows,
+                         const std::vector<VectorField<dim> *> &fields,
+                         const unsigned int                     width) const;
 
     /**
      * rows = E^T M~ field, component by component, at the functions of the
-     * owned unknowns, without what rows of held functions give, as rows of A
-     * are; zero elsewhere.
+     * owned unknowns, without what rows of constrained functions give, as rows
+     * of A are; zero elsewhere.
      */
     void
     multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
@@ -122,8 +122,8 @@ namespace greville
      * ones; zero elsewhere.
      */
     void
-    multiply_at_held(VectorField<dim>       &rows,
-                     const VectorField<dim> &field) const;
+    multiply_constrained_rows(VectorField<dim>       &rows,
+                              const VectorField<dim> &field) const;
 
     /**
      * Collective. Compute rows = M~ field - b at the constrained functions;
@@ -132,9 +132,9 @@ namespace greville
      * the field, the sum of the rows is the sum of all entries of M~ field - b.
      */
     void
-    rows_of_held(VectorField<dim>       &rows,
-                 const VectorField<dim> &field,
-                 const VectorField<dim> &b) const;
+    constrained_rows(VectorField<dim>       &rows,
+                     const VectorField<dim> &field,
+                     const VectorField<dim> &b) const;
 
     /**
      * Return the entries that this process contributes to A between its

@@ -45,11 +45,11 @@ namespace greville
     update(const Extension<dim> &extension, const bool changed);
 
     /**
-     * Collective. Constrain functions: bit c of @p held[f] constrains local
-     * function f in the columns c, c + dim, c + 2 dim, ...
+     * Collective. Constrain functions: bit c of @p constrained[f] constrains
+     * local function f in the columns c, c + dim, c + 2 dim, ...
      */
     void
-    hold(const std::vector<unsigned char> &held);
+    constrain(const std::vector<unsigned char> &constrained);
 
     /**
      * Return, for each component, the first component with the same E.
@@ -57,19 +57,19 @@ namespace greville
      * not constrained. The result is the same on all processes.
      */
     const std::array<unsigned int, dim> &
-    alike() const;
+    first_equal_components() const;
 
-    /// Return the number of calls of hold() so far.
+    /// Return the number of calls of constrain() so far.
     unsigned int
-    n_holds() const;
+    n_constrain_calls() const;
 
     /// Return the components with a constrained function of mass anywhere.
     const std::array<bool, dim> &
-    has_held() const;
+    has_constrained() const;
 
     /// Return the constrained components (bits) of the owned unknowns.
     std::vector<unsigned char>
-    held_unknowns() const;
+    constrained_unknowns() const;
 
     /// Return the positions of owned unknowns, with zeros beyond @p dim.
     std::vector<std::array<int, 3>>
@@ -182,7 +182,7 @@ namespace greville
 
     /// Set the constrained entries of @p x to zero.
     void
-    zero_held_unknowns(VectorType &x, const unsigned int width) const;
+    zero_constrained_unknowns(VectorType &x, const unsigned int width) const;
 
   private:
     friend class ExtendedMass<dim>;
@@ -221,7 +221,7 @@ namespace greville
     to_places(const VectorType &component) const;
 
     void
-    zero_held(double *values, const unsigned int width) const;
+    zero_constrained(double *values, const unsigned int width) const;
 
     /// Call visit(f, place) for the first @p n_functions local functions if
     /// they are active.
@@ -240,13 +240,15 @@ namespace greville
     for_each_active_image(const Visit &visit) const;
 
     bool
-    is_held(const unsigned int function, const unsigned int column) const;
+    is_constrained(const unsigned int function,
+                   const unsigned int column) const;
 
     /// Return whether the function at a place is an extended one that depends
     /// on unknowns that are constrained in a column or that are not stored on
     /// this process.
     bool
-    may_extend_held(const unsigned int place, const unsigned int column) const;
+    may_extend_constrained(const unsigned int place,
+                           const unsigned int column) const;
 
     unsigned int
     n_owned_functions() const;
@@ -260,11 +262,11 @@ namespace greville
     std::vector<Entry>        extended_entries;
 
     // By place: 1 + the unknown, or -1 - the extended function, or 0.
-    ZeroedArray<int> roles;
+    ZeroedArray<int> signed_numbers;
 
-    std::vector<unsigned char>                          held_functions;
-    std::vector<std::pair<unsigned int, unsigned char>> held_places;
-    std::array<bool, dim>                               component_has_held{};
+    std::vector<unsigned char>                          constrained_functions;
+    std::vector<std::pair<unsigned int, unsigned char>> constrained_places;
+    std::array<bool, dim> component_has_constrained{};
 
     mutable ZeroedArray<double> place_x, place_y;
     mutable VectorType          column; // of unknowns
@@ -278,15 +280,15 @@ namespace greville
     changes_extension(const unsigned int  place,
                       const unsigned char components) const;
 
-    const StencilMatrix<dim> *places    = nullptr;
+    const StencilMatrix<dim> *stencil   = nullptr;
     const Extension<dim>     *extension = nullptr;
 
     // True if the unknowns have been numbered on all processes; this process
     // may have no unknowns.
     bool                          is_numbered = false;
     std::vector<unsigned int>     extended_functions; // local numbers
-    std::array<unsigned int, dim> first_alike{};
-    unsigned int                  hold_counter = 0;
+    std::array<unsigned int, dim> first_equal{};
+    unsigned int                  constrain_counter = 0;
 
     std::shared_ptr<const InterleavedLayout> layout;
   };

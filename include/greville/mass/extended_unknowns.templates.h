@@ -13,11 +13,12 @@ namespace greville
   ExtendedUnknowns<dim>::for_each_unknown(const unsigned int i,
                                           const Visit       &visit) const
   {
-    const int role = roles[i];
-    if (role > 0)
-      visit(unsigned(role - 1), 1.);
-    else if (role < 0)
-      for (std::size_t e = extended_begin[-role - 1]; e < extended_begin[-role];
+    const int signed_number = signed_numbers[i];
+    if (signed_number > 0)
+      visit(unsigned(signed_number - 1), 1.);
+    else if (signed_number < 0)
+      for (std::size_t e = extended_begin[-signed_number - 1];
+           e < extended_begin[-signed_number];
            ++e)
         visit(extended_entries[e].unknown, extended_entries[e].weight);
   }
@@ -28,9 +29,10 @@ namespace greville
   void
   ExtendedUnknowns<dim>::for_each_image_of_unknown(const Visit &visit) const
   {
-    for (const auto &[f, place] : places->images())
-      if (roles[places->place(f)] > 0)
-        visit(unsigned(roles[places->place(f)] - 1), std::size_t(place));
+    for (const auto &[f, place] : stencil->images())
+      if (signed_numbers[stencil->place(f)] > 0)
+        visit(unsigned(signed_numbers[stencil->place(f)] - 1),
+              std::size_t(place));
   }
 
 
@@ -42,7 +44,7 @@ namespace greville
   {
     for (unsigned int f = 0; f < n_functions; ++f)
       if ((*extension)[f] != Extension<dim>::inactive)
-        visit(f, std::size_t(places->place(f)));
+        visit(f, std::size_t(stencil->place(f)));
   }
 
 
@@ -51,7 +53,7 @@ namespace greville
   void
   ExtendedUnknowns<dim>::for_each_active_place(const Visit &visit) const
   {
-    for_each_active(held_functions.size(), visit);
+    for_each_active(constrained_functions.size(), visit);
     for_each_active_image(visit);
   }
 
@@ -61,7 +63,7 @@ namespace greville
   void
   ExtendedUnknowns<dim>::for_each_active_image(const Visit &visit) const
   {
-    for (const auto &[f, place] : places->images())
+    for (const auto &[f, place] : stencil->images())
       if ((*extension)[f] != Extension<dim>::inactive)
         visit(f, std::size_t(place));
   }
@@ -69,26 +71,27 @@ namespace greville
 
   template <int dim>
   bool
-  ExtendedUnknowns<dim>::is_held(const unsigned int function,
-                                 const unsigned int column) const
+  ExtendedUnknowns<dim>::is_constrained(const unsigned int function,
+                                        const unsigned int column) const
   {
-    return (held_functions[function] >> (column % dim)) & 1;
+    return (constrained_functions[function] >> (column % dim)) & 1;
   }
 
 
   template <int dim>
   bool
-  ExtendedUnknowns<dim>::may_extend_held(const unsigned int place,
-                                         const unsigned int column) const
+  ExtendedUnknowns<dim>::may_extend_constrained(const unsigned int place,
+                                                const unsigned int column) const
   {
-    const int role = roles[place];
-    if (role >= 0)
+    const int signed_number = signed_numbers[place];
+    if (signed_number >= 0)
       return false;
-    for (std::size_t e = extended_begin[-role - 1]; e < extended_begin[-role];
+    for (std::size_t e = extended_begin[-signed_number - 1];
+         e < extended_begin[-signed_number];
          ++e)
       {
         const unsigned int u = extended_entries[e].unknown;
-        if (u >= n_owned || is_held(owned_unknown_functions[u], column))
+        if (u >= n_owned || is_constrained(owned_unknown_functions[u], column))
           return true;
       }
     return false;
@@ -99,7 +102,7 @@ namespace greville
   unsigned int
   ExtendedUnknowns<dim>::n_owned_functions() const
   {
-    return places->space().owned_functions().size();
+    return stencil->space().owned_functions().size();
   }
 } // namespace greville
 

@@ -58,7 +58,7 @@ namespace greville
     unsigned int
     place(const unsigned int function) const
     {
-      return places[function];
+      return place_of[function];
     }
 
     /**
@@ -74,7 +74,7 @@ namespace greville
       const unsigned int first = spline_space->cell_functions(cell)[0];
       const unsigned int start = lines[first];
       return line_begin[start + line % n + line / n * n_lines_y] + x +
-             (places[first] - line_begin[start]);
+             (place_of[first] - line_begin[start]);
     }
 
     /// Return the images of local functions: function and place.
@@ -240,8 +240,8 @@ namespace greville
     std::vector<int>          line_begin;
     std::vector<int>          neighbor_lines; // distances of line numbers
     unsigned int              n_lines_y = 0;
-    std::vector<unsigned int> places; // by local number
-    std::vector<unsigned int> lines;  // by local number
+    std::vector<unsigned int> place_of; // by local number
+    std::vector<unsigned int> lines;    // by local number
 
     std::vector<std::pair<unsigned int, unsigned int>> image_places;
     std::vector<unsigned int>                          image_lines;

@@ -26,14 +26,14 @@ namespace greville
   {
   public:
     /**
-     * Collective. The space is kept by reference. Bit c of @p held[f]
+     * Collective. The space is kept by reference. Bit c of @p constrained[f]
      * constrains component c of local function f; an empty vector constrains
      * nothing. The transfer uses weights at @p n_weights Gauss points per
      * direction.
      */
     ExtendedLevel(const SplineSpace<dim>           &space,
                   const unsigned int                n_components,
-                  const std::vector<unsigned char> &held,
+                  const std::vector<unsigned char> &constrained,
                   const unsigned int                n_weights);
 
     /// Return the mass with the extension of the space and its constraints.
@@ -51,9 +51,9 @@ namespace greville
 
     /// Return the constrained components (bits) of local functions.
     const std::vector<unsigned char> &
-    held_components() const
+    constrained_components() const
     {
-      return held;
+      return constrained;
     }
 
     const SplineSpace<dim> &
@@ -160,7 +160,7 @@ namespace greville
 
     const SplineSpace<dim>          &spline_space;
     const unsigned int               components;
-    const std::vector<unsigned char> held;
+    const std::vector<unsigned char> constrained;
     Extension<dim>                   spline_extension;
     DensityWeights<dim>              mass_weights;
     ExtendedMass<dim>                extended_mass;

@@ -87,11 +87,11 @@ namespace greville
 
   private:
     /**
-     * For the components @p alike.
+     * Factors of the matrix of @p components.
      */
     struct Factors
     {
-      std::vector<unsigned int> alike;
+      std::vector<unsigned int> components;
       PartitionedCholesky       cholesky;
     };
 
@@ -106,7 +106,7 @@ namespace greville
     match_unknowns();
 
     void
-    hold();
+    constrain();
 
     /**
      * Compute z = the preconditioner times r, for @p width columns in blocks of
@@ -173,10 +173,10 @@ namespace greville
     double                      total_mass = 0.;
     mutable std::vector<double> work;
 
-    unsigned int n_holds = 0; // of the mass, that factors know
+    unsigned int n_constrain_calls = 0; // of the mass, that factors know
 
     std::vector<Factors>      factors;
-    std::vector<unsigned int> factor_alike;
+    std::vector<unsigned int> factor_components;
     std::vector<unsigned int> factor_places; // owned, that were factorized
     std::vector<int>
                factor_rows; // of owned unknowns, -1: none; empty: the same

@@ -21,7 +21,7 @@ namespace greville
      * A function that returns, for the local functions of a space, whether a
      * component is constrained (not zero).
      */
-    using HeldFunctions =
+    using ConstrainedFunctions =
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space,
                                                const unsigned int component)>;
 
@@ -31,7 +31,7 @@ namespace greville
      */
     ExtendedMultigrid(const OrderHierarchy<dim>  &orders,
                       const ExtendedMass<dim>    &mass,
-                      const HeldFunctions        &held,
+                      const ConstrainedFunctions &constrained,
                       const PMultigridParameters &parameters,
                       const SmootherParameters   &smoother_parameters);
 
@@ -69,7 +69,7 @@ namespace greville
     const PMultigridParameters &parameters;
     const SmootherParameters   &smoother_parameters;
 
-    const HeldFunctions           held;
+    const ConstrainedFunctions    constrained;
     std::vector<Group>            groups;
     std::array<unsigned int, dim> group_of; // by component
     mutable VectorType            to, from;

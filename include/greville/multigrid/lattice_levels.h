@@ -33,14 +33,14 @@ namespace greville
     /**
      * Collective. @p matrix is symmetric; its row i * n_components + c on this
      * process belongs to component c of the local function functions[i]. If bit
-     * c of held[i] is set, this row is constrained and contains the diagonal
-     * only.
+     * c of constrained[i] is set, this row is constrained and contains the
+     * diagonal only.
      */
     LatticeLevels(const Mat                         matrix,
                   const SplineSpace<dim>           &space,
                   const std::vector<unsigned int>  &functions,
                   const unsigned int                n_components,
-                  const std::vector<unsigned char> &held);
+                  const std::vector<unsigned char> &constrained);
 
     /**
      * Return options of PETSc for a preconditioner of the matrix: one that
@@ -62,7 +62,7 @@ namespace greville
     {
       MultiIndex<dim> position;
       unsigned int    component;
-      bool            is_held;
+      bool            is_constrained;
     };
 
     /**

@@ -52,13 +52,14 @@ namespace greville
 
     /**
      * Use extended B-splines from the next assemble() on. Local functions that
-     * are @p held (not zero) are left out of the columns of E.
+     * are @p constrained (not zero) are left out of the columns of E.
      */
     void
-    extend(Extension<dim> extension, std::vector<unsigned char> held = {})
+    extend(Extension<dim>             extension,
+           std::vector<unsigned char> constrained = {})
     {
-      given_extension = std::move(extension);
-      held_functions  = std::move(held);
+      given_extension       = std::move(extension);
+      constrained_functions = std::move(constrained);
     }
 
     /**
@@ -154,7 +155,7 @@ namespace greville
     const SplineSpace<dim>            *spline_space;
     DensityWeights<dim>                density_weights;
     std::optional<Extension<dim>>      given_extension;
-    std::vector<unsigned char>         held_functions;
+    std::vector<unsigned char>         constrained_functions;
     std::unique_ptr<MassOperator<dim>> mass_operator;
 
     CellFilling<dim>          filling;

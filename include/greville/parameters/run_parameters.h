@@ -84,7 +84,7 @@ namespace greville
     std::string              earlier_results  = "move aside";
     double                   fields_every     = 0.;
     std::string              statistics_every = "auto";
-    double                   front_above      = -1e100;
+    double                   runout_above     = -1e100;
     bool                     grid_fields      = true;
     std::vector<std::string> fields           = {"velocity",
                                                  "displacement",

@@ -131,7 +131,7 @@ namespace greville
 
     /// Return whether a body is present in a stage.
     bool
-    is_there(const std::string &body, const unsigned int stage) const;
+    is_in_stage(const std::string &body, const unsigned int stage) const;
 
     /**
      * Return whether the bodies or materials of a stage differ from the

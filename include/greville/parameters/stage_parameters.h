@@ -23,14 +23,14 @@ namespace greville
     double       start = 0.;
     double       end   = 1.;
     std::string  step;
-    double       cfl               = 0.5;
-    double       safety            = 0.7;
-    double       smallest_step     = 1e-3;
-    std::string  too_large_step    = "refuse";
-    unsigned int estimate_every    = 20;
-    std::string  velocities        = "half steps";
-    unsigned int max_steps         = 0;
-    double       most_displacement = 0.;
+    double       cfl                  = 0.5;
+    double       safety               = 0.7;
+    double       smallest_step        = 1e-3;
+    std::string  too_large_step       = "refuse";
+    unsigned int estimate_every       = 20;
+    std::string  velocities           = "half steps";
+    unsigned int max_steps            = 0;
+    double       largest_displacement = 0.;
     std::string  end_when;
     std::string  ramp;
 

@@ -62,7 +62,7 @@ namespace greville
     void
     add_product(double                   *y,
                 const double             *x,
-                const StencilMatrix<dim> &places) const;
+                const StencilMatrix<dim> &stencil) const;
 
     /**
      * A function called by for_each_cell() with the symmetric part of a cell's
@@ -102,7 +102,7 @@ namespace greville
     void
     multiply(double                   *y,
              const double             *x,
-             const StencilMatrix<dim> &places) const;
+             const StencilMatrix<dim> &stencil) const;
 
     SpacePolynomials<dim>   tables;
     bool                    symmetric = true, axisymmetric = false;

@@ -174,7 +174,8 @@ namespace greville
      * and return another buffer with zeros.
      */
     std::vector<double>
-    read_windows(const CellWindows<dim> *seen, const VectorField<dim> &field);
+    read_windows(const CellWindows<dim> *used_windows,
+                 const VectorField<dim> &field);
 
     /// Allocate @p stride numbers for each function of the points' cells.
     void

@@ -105,13 +105,13 @@ namespace greville
 
     /**
      * Energies are computed for the @p material, and omitted if it is null.
-     * Only points with y above @p front_above count for run-out fronts.
+     * Only points with y above @p runout_above count for run-out fronts.
      * outer_points() collects the outermost of them with the mass @p
      * outer_mass, see OuterPoints; none if it is 0.
      */
-    RowSums(const Material *material    = nullptr,
-            const double    front_above = std::numeric_limits<double>::lowest(),
-            const double    outer_mass  = 0.);
+    RowSums(const Material *material  = nullptr,
+            const double runout_above = std::numeric_limits<double>::lowest(),
+            const double outer_mass   = 0.);
 
     /**
      * Add the quantities that depend on positions, stresses and history. The
@@ -154,7 +154,7 @@ namespace greville
     std::array<Lane, dim>     momentum{}, first_moment{};
     std::array<Lane, n_spins> angular_momentum{};
     Lane                      square_of_speed{};
-    Largest                   front, height;
+    Largest                   runout, height;
     /// The mass of points that count for fronts.
     double mass_above = 0.;
 
@@ -166,7 +166,7 @@ namespace greville
 
   private:
     const Material *material;
-    double          front_above;
+    double          runout_above;
     bool            has_outer;
     OuterPoints     outer;
     double          typical_size = 0.; // m

@@ -220,7 +220,7 @@ namespace greville
     void
     add_product(double                                    *y,
                 const double                              *x,
-                const StencilMatrix<dim>                  &places,
+                const StencilMatrix<dim>                  &stencil,
                 const unsigned int                         cell,
                 const std::vector<TrialSurfacePoint<dim>> &points);
 

@@ -93,7 +93,7 @@ namespace greville
     std::vector<Stage>        stages;
     std::optional<Expression> any_factor;
     /// Places of the columns in a row: those whose names are words of formulas.
-    std::vector<unsigned int> places;
+    std::vector<unsigned int> column_numbers;
   };
 
 

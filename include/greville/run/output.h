@@ -130,7 +130,7 @@ namespace greville
      * numbered files that it wrote later are removed.
      */
     void
-    go_on(const std::string &record, const MPI_Comm comm);
+    resume(const std::string &record, const MPI_Comm comm);
 
   private:
     /**

@@ -51,9 +51,9 @@ namespace greville
      * earlier run has written behind them.
      */
     bool
-    go_on(const std::string &file_name, const std::uint64_t n_bytes)
+    resume(const std::string &file_name, const std::uint64_t n_bytes)
     {
-      return file.go_on(file_name, columns(), 12, n_bytes, comm);
+      return file.resume(file_name, columns(), 12, n_bytes, comm);
     }
 
     /**

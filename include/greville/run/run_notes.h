@@ -46,7 +46,7 @@ namespace greville
      * steps is removed.
      */
     void
-    go_on(const unsigned int n_steps);
+    resume(const unsigned int n_steps);
 
     void
     warn(const std::string &warning);

@@ -36,8 +36,8 @@ namespace greville
   struct RunSummary
   {
     double wall_time = 0.; // s
-    double front     = 0.; // the largest, m
-    double front_99  = 0.; // likewise
+    double runout    = 0.; // the largest, m
+    double runout_99 = 0.; // likewise
     /// EnergyBalance::loss() of all parts, J (2D: J / m), and its fraction of
     /// the largest energy or work so far.
     double numerical_loss = 0., relative_loss = 0.;

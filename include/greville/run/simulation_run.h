@@ -97,14 +97,14 @@ namespace greville
 
     /// Go on from a checkpoint in the folder of this run.
     void
-    go_on(const Checkpoint &checkpoint);
+    resume(const Checkpoint &checkpoint);
 
     /// The contents of the files when the simulation keeps a state.
     struct Mark
     {
       unsigned int  n_steps             = 0;
       std::uint64_t bytes_of_statistics = 0, bytes_of_probes = 0;
-      Largest       front, front_99;
+      Largest       runout, runout_99;
       bool          row_is_due = false, fields_are_due = false;
       std::string   fields;
       std::vector<ContactInterval<dim>> intervals;
@@ -261,7 +261,7 @@ namespace greville
     // A row, and fields of each part, that the next step completes.
     std::optional<Row>                                      late_row;
     std::vector<std::pair<LateState<dim>, GridFields<dim>>> late_fields;
-    Largest       largest_front, largest_front_99;
+    Largest       largest_runout, largest_runout_99;
     std::uint64_t n_points = 0;
 
     std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;

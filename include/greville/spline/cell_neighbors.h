@@ -55,7 +55,7 @@ namespace greville
 
     // Local numbers by position; empty on one process.
     std::vector<std::pair<std::uint64_t, unsigned int>> numbers;
-    std::vector<unsigned int> places; // of local cells in the buffer
+    std::vector<unsigned int> buffer_places; // of local cells in the buffer
     // Owned cells with the places of their children, if the children are the
     // cells of the mesh.
     std::vector<std::pair<unsigned int, unsigned int>> of_children;

@@ -56,7 +56,7 @@ namespace greville
 
     /// Let all cells reach their neighbours, if no function is extended.
     void
-    reach_all()
+    reach_all_neighbors()
     {
       std::fill(reaching.begin(), reaching.end(), 1);
     }
@@ -74,7 +74,7 @@ namespace greville
     const unsigned int *
     functions(const unsigned int cell) const
     {
-      return places.data() + std::size_t(cell) * n_in_window;
+      return buffer_places.data() + std::size_t(cell) * n_in_window;
     }
 
     /// Return the number of places in the buffer.
@@ -117,7 +117,7 @@ namespace greville
     const SplineSpace<dim>    *spline_space = nullptr;
     unsigned int               n_in_window  = 0;
     bool                       with_values  = false;
-    std::vector<unsigned int>  places;
+    std::vector<unsigned int>  buffer_places;
     std::vector<unsigned char> reaching;
     mutable VectorType         buffer_vector;
   };

@@ -11,7 +11,8 @@ namespace greville
    * Extended B-splines (@ref Hollig2001 "Hoellig, Reif and Wipper, 2001") for a
    * body that fills only a part of its grid. A function of a space is
    * - *inactive*: its cells are empty,
-   * - *stable*: at least one of its cells is a host (see CellFilling),
+   * - *stable*: at least one of its cells is a *host*, a well-filled cell
+   *   whose polynomials are extended to the cells around (see CellFilling),
    * - *extended*: none is, but a cell has a host. Its coefficient is that of
    *   the polynomial which the spline is on the host: the blossom b of this
    *   polynomial at the inner knots of the function i (de Boor and Fix),
@@ -112,7 +113,7 @@ namespace greville
     std::vector<unsigned int>  extended_numbers;
     std::vector<std::uint64_t> hosts;       // of the extended functions,
     std::vector<std::size_t>   hosts_begin; // by number, with the end
-    VectorType                 seen;
+    VectorType                 support_weights;
   };
 } // namespace greville
 

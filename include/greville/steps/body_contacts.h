@@ -170,9 +170,9 @@ namespace greville
       // Data of check_gains(): the gain of the last warning, the energy stored
       // by the pressure at the start, the energy given before the run was
       // resumed, J, and whether the latter has been counted.
-      double warned_gain   = 0.;
-      double stored_energy = -1.;
-      bool   is_judged     = false;
+      double warned_gain      = 0.;
+      double stored_energy    = -1.;
+      bool   is_start_counted = false;
     };
 
     /// Results of all contacts, and the rigid bodies at that time.
@@ -367,9 +367,10 @@ namespace greville
     std::vector<RigidBody<dim>>         rigid_bodies;
     std::vector<Contact>                contacts;
     std::unique_ptr<PassingBodies<dim>> passing;
-    bool                       are_implicit = false; // steps, at set_laws()
-    std::vector<std::uint64_t> stamps; // of the parts, at the last act()
-    Results                    now, at_start;
+    bool are_implicit = false; // steps, at set_laws()
+    std::vector<std::uint64_t>
+            points_versions; // of the parts, at the last act()
+    Results now, at_start;
 
     std::vector<ContactInterval<dim>> of_interval;
     std::vector<std::string>          all_notes;

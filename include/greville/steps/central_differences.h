@@ -29,7 +29,8 @@ namespace greville
    * with the velocity w of the scheme. Coefficients at walls and in contacts
    * are constrained in all of these. The part of the points' momentum that the
    * constrained v does not represent is removed from the points by the kick,
-   * see GridMass::held_residual(); otherwise, they would keep it forever.
+   * see GridMass::constrained_residual(); otherwise, they would keep it
+   * forever.
    *
    * With velocities at half steps, dt' is the mean of dt and the previous step,
    * in the first step dt / 2: central differences, of second order, where v
@@ -66,7 +67,7 @@ namespace greville
     forget() override;
 
     bool
-    velocities_lag(const State<dim> &state) const override
+    velocities_are_late(const State<dim> &state) const override
     {
       return half_steps && state.velocity_time < state.time;
     }
@@ -200,7 +201,7 @@ namespace greville
 
     /// Pass the results of the points to the guard.
     void
-    tell_guard();
+    inform_guard();
 
     /// Take the acceleration of the trial, or find it.
     void
@@ -228,7 +229,7 @@ namespace greville
      * acceleration that kicks them.
      */
     void
-    take_held_residual(const State<dim> &state);
+    take_constrained_residual(const State<dim> &state);
 
     /**
      * Add the work of loads and walls in this step; for loads on points half of
@@ -258,9 +259,9 @@ namespace greville
                     const PointUpdate<dim> &update,
                     PointMotion            &motion);
 
-    /// Return the energy for StepGuard::set_swing().
+    /// Return the energy for StepGuard::set_energy_swing().
     double
-    swing(const State<dim> &state) const;
+    energy_swing(const State<dim> &state) const;
 
     /**
      * Begin the late row, if requested, with the state before the step; end it
@@ -288,7 +289,7 @@ namespace greville
     bool                have_constraints = false; // by contacts
     VectorField<dim>    work_field, surface_velocity;
     // Velocities and accelerations of surfaces if GridMass::extends_surfaces().
-    std::array<VectorField<dim>, 3> seen_by_surfaces;
+    std::array<VectorField<dim>, 3> surface_fields;
     LateRow<dim>                   *row = nullptr; // that the step sums up
   };
 } // namespace greville

@@ -73,9 +73,9 @@ namespace greville
     BodyContacts<dim> *const             contacts;
     std::unique_ptr<TrialContacts<dim>>  trial;
 
-    unsigned int        at_hand = 0; // number of the current simulation
-    std::vector<double> proposed;    // s
-    double              dt = 0.;     // of the step that is being tried, s
+    unsigned int current_simulation = 0; // number of the current simulation
+    std::vector<double> proposed;        // s
+    double              dt = 0.;         // of the step that is being tried, s
   };
 } // namespace greville
 

@@ -57,12 +57,12 @@ namespace greville
           const std::vector<double>                   &shares = {}) override;
 
     void
-    rows_of_held(VectorField<dim>       &rows,
-                 const VectorField<dim> &x,
-                 const VectorField<dim> &b,
-                 const unsigned int) const override
+    constrained_rows(VectorField<dim>       &rows,
+                     const VectorField<dim> &x,
+                     const VectorField<dim> &b,
+                     const unsigned int) const override
     {
-      extended_mass.rows_of_held(rows, x, b);
+      extended_mass.constrained_rows(rows, x, b);
     }
 
     void
@@ -76,9 +76,9 @@ namespace greville
      * in their support.
      */
     bool
-    is_seen(const unsigned int function) const override
+    has_points(const unsigned int function) const override
     {
-      return GridMass<dim>::is_seen(function) ||
+      return GridMass<dim>::has_points(function) ||
              spline_extension[function] == Extension<dim>::extended;
     }
 
@@ -133,18 +133,18 @@ namespace greville
     make_preconditioner();
 
     void
-    change_held() override
+    update_constrained() override
     {
       if (has_matrix)
-        extended_mass.unknowns().hold(this->held);
+        extended_mass.unknowns().constrain(this->constrained);
     }
 
     void
-    multiply_at_held(VectorField<dim>       &rows,
-                     const VectorField<dim> &x,
-                     const std::array<bool, dim> &) const override
+    multiply_constrained_rows(VectorField<dim>       &rows,
+                              const VectorField<dim> &x,
+                              const std::array<bool, dim> &) const override
     {
-      extended_mass.multiply_at_held(rows, x);
+      extended_mass.multiply_constrained_rows(rows, x);
     }
 
     /**

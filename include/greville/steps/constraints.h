@@ -3,7 +3,7 @@
 #ifndef greville_steps_constraints_h
 #define greville_steps_constraints_h
 
-#include <greville/boundary/held_functions.h>
+#include <greville/boundary/constrained_functions.h>
 
 #include <utility>
 
@@ -59,10 +59,10 @@ namespace greville
     /**
      * Move directions along axes to the components. Returns the remaining
      * directions by function, orthonormalized in the space of components that
-     * are neither constrained here nor in @p held.
+     * are neither constrained here nor in @p constrained.
      */
     std::vector<ConstrainedDirections<dim>>
-    reduce(const std::vector<unsigned char> &held);
+    reduce(const std::vector<unsigned char> &constrained);
   };
 
 

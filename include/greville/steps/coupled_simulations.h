@@ -179,9 +179,9 @@ namespace greville
 
     /// Return whether rows lag, see Simulation.
     bool
-    rows_lag() const
+    rows_are_late() const
     {
-      return first().rows_lag();
+      return first().rows_are_late();
     }
 
     /**
@@ -242,7 +242,7 @@ namespace greville
     sort_loads(Statistics<dim> &row) const;
 
     const MPI_Comm comm;
-    const double   front_above;
+    const double   runout_above;
     // The parts, which must not move in memory, since their members refer to
     // them.
     std::vector<std::unique_ptr<Simulation<dim>>> parts;

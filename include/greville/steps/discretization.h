@@ -17,7 +17,7 @@ namespace greville
   /**
    * The grid: mesh, spline spaces, walls and velocity fields with their masses,
    * and the transfer between the grid and the points of a state. Sums over
-   * points are computed once for each State::points_stamp.
+   * points are computed once for each State::points_version.
    */
   template <int dim>
   class Discretization
@@ -149,7 +149,7 @@ namespace greville
 
     /**
      * Collective. Sum up mass and momentum of the points and assemble the mass,
-     * unless this has been done for State::points_stamp; and sum up the force
+     * unless this has been done for State::points_version; and sum up the force
      * if @p with_force, including loads on surfaces.
      */
     void
@@ -226,8 +226,8 @@ namespace greville
     std::unique_ptr<CellWindows<dim>>      windows;
     PointTransport<dim>                    point_transport;
 
-    std::uint64_t stamp_of_sums = 0;     // of no state
-    bool          mass_is_known = false; // for all states
+    std::uint64_t version_of_sums = 0;     // of no state
+    bool          mass_is_known   = false; // for all states
   };
 } // namespace greville
 

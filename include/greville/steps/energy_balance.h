@@ -134,7 +134,7 @@ namespace greville
      * swing do not count.
      */
     double
-    gain(const EnergyTotals &now, const double swing = 0.);
+    gain(const EnergyTotals &now, const double energy_swing = 0.);
 
     /// Include @p now in the comparisons of gain() and largest_with().
     void

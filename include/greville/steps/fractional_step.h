@@ -96,7 +96,7 @@ namespace greville
     const Discretization<dim>  &discretization;
     const SimulationParameters &parameters;
     PoreWater<dim>              water;
-    std::uint64_t               stamp = 0; // of the points in water
+    std::uint64_t               points_version = 0; // of the points in water
 
     // The displacement before friction walls act, the displacement without the
     // pressure, and the final one.

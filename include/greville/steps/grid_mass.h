@@ -84,7 +84,7 @@ namespace greville
      * mass is diagonal.
      */
     void
-    hold(const Constraints<dim> &more);
+    constrain(const Constraints<dim> &more);
 
     /// Collective. Keep only the constraints of walls.
     void
@@ -100,15 +100,15 @@ namespace greville
 
     /// Return the constrained components (bits) of a local function.
     unsigned char
-    held_components(const unsigned int function) const
+    constrained_components(const unsigned int function) const
     {
-      return held[function];
+      return constrained[function];
     }
 
     unsigned char
-    held_by_walls(const unsigned int function) const
+    constrained_by_walls(const unsigned int function) const
     {
-      return wall_held[function];
+      return wall_constrained[function];
     }
 
     /**
@@ -116,7 +116,7 @@ namespace greville
      * an owned function.
      */
     virtual bool
-    is_seen(const unsigned int function) const
+    has_points(const unsigned int function) const
     {
       return lumped_mass.local_element(function) > 0.;
     }
@@ -128,9 +128,9 @@ namespace greville
      * constrained directions, and zero elsewhere.
      */
     void
-    held_residual(VectorField<dim>       &residual,
-                  const VectorField<dim> &b,
-                  const VectorField<dim> &x) const;
+    constrained_residual(VectorField<dim>       &residual,
+                         const VectorField<dim> &b,
+                         const VectorField<dim> &x) const;
 
     /**
      * Collective. Compute the contribution of constrained coefficients to the
@@ -139,10 +139,10 @@ namespace greville
      * and of these rows. Other entries may have any value.
      */
     virtual void
-    rows_of_held(VectorField<dim>       &rows,
-                 const VectorField<dim> &x,
-                 const VectorField<dim> &b,
-                 const unsigned int      k) const = 0;
+    constrained_rows(VectorField<dim>       &rows,
+                     const VectorField<dim> &x,
+                     const VectorField<dim> &b,
+                     const unsigned int      k) const = 0;
 
     /**
      * Collective. Give functions that are no unknowns the coefficients that
@@ -275,21 +275,22 @@ namespace greville
 
     /// Collective. Update after a change of the constraints.
     virtual void
-    change_held() = 0;
+    update_constrained() = 0;
 
     /**
      * Collective. Compute the rows of M x at constrained functions, for the
      * given components; other entries may have any value.
      */
     virtual void
-    multiply_at_held(VectorField<dim>            &rows,
-                     const VectorField<dim>      &x,
-                     const std::array<bool, dim> &components) const = 0;
+    multiply_constrained_rows(
+      VectorField<dim>            &rows,
+      const VectorField<dim>      &x,
+      const std::array<bool, dim> &components) const = 0;
 
     const OrderHierarchy<dim> &orders;
     // Bits of components, by local function: all constraints, and constraints
     // by walls.
-    std::vector<unsigned char> held, wall_held;
+    std::vector<unsigned char> constrained, wall_constrained;
     std::vector<ConstrainedDirections<dim>>
                  oblique; // in the order of functions
     VectorType   lumped_mass;
@@ -298,15 +299,15 @@ namespace greville
   private:
     /// Collective. Set the constraints of components and directions.
     void
-    set_held(std::vector<unsigned char>              &components,
-             std::vector<ConstrainedDirections<dim>> &directions);
+    set_constrained(std::vector<unsigned char>              &components,
+                    std::vector<ConstrainedDirections<dim>> &directions);
 
     /**
      * Collective. Return the components in which functions with mass are
      * constrained.
      */
     std::array<bool, dim>
-    held_meet_mass() const;
+    constrained_components_with_mass() const;
   };
 
 

@@ -54,7 +54,7 @@ namespace greville
      * True if the part of the points' momentum that the constrained velocity
      * does not represent is kept: removing it would dissipate energy, too.
      */
-    bool keeps_held_momentum = false;
+    bool keeps_constrained_momentum = false;
 
     /// Return whether a occurs in the equations.
     bool

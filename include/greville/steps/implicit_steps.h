@@ -241,7 +241,7 @@ namespace greville
     /// Remove the momentum that constrained velocities do not represent from
     /// the points with their kick, and count it as momentum of walls.
     void
-    take_held_momentum(State<dim> &state, const double dt);
+    take_constrained_momentum(State<dim> &state, const double dt);
 
     /// Set the velocity and the acceleration of the state to v' and (v' - v) /
     /// dt.
@@ -280,10 +280,11 @@ namespace greville
     SurfaceMotion<dim>              surface_motion;
     bool                            surfaces_are_symmetric = true;
     unsigned int                    expected_iterations    = 1; // of Newton
-    std::uint64_t                   stamp                  = 0; // of the mass
+    std::uint64_t                   points_version         = 0; // of the mass
 
     VectorField<dim> velocity, acceleration, displacement;
-    VectorField<dim> held_momentum; // that walls give to the mapped velocity
+    VectorField<dim>
+      constrained_momentum; // that walls give to the mapped velocity
     VectorField<dim> old_force, old_loads, new_loads, force, work;
     // For surfaces, and for bodies behind them if loads depend on the position
     // of points: the part of the velocity that does not depend on the

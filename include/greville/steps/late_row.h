@@ -39,8 +39,8 @@ namespace greville
     /// By body.
     std::vector<RowSums<dim>> sums;
     EnergyBalance             energy;
-    /// The energy of StepGuard::set_swing().
-    double swing = 0.;
+    /// The energy of StepGuard::set_energy_swing().
+    double energy_swing = 0.;
 
     /// Called with points as they are before they are kicked, and after that
     /// before they go to other cells, with the weights of their velocities.

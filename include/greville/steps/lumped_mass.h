@@ -59,10 +59,10 @@ namespace greville
           const std::vector<double>                   &shares = {}) override;
 
     void
-    rows_of_held(VectorField<dim>       &rows,
-                 const VectorField<dim> &x,
-                 const VectorField<dim> &b,
-                 const unsigned int      k) const override;
+    constrained_rows(VectorField<dim>       &rows,
+                     const VectorField<dim> &x,
+                     const VectorField<dim> &b,
+                     const unsigned int      k) const override;
 
     bool
     extends_surfaces() const override
@@ -83,7 +83,7 @@ namespace greville
       CellFilling<dim>      filling;
       std::vector<double>   filled_part; // of owned cells
       Extension<dim>        extension;
-      StencilMatrix<dim>    places;
+      StencilMatrix<dim>    stencil;
       ExtendedUnknowns<dim> unknowns;
     };
 
@@ -99,15 +99,16 @@ namespace greville
      */
     template <typename Action>
     void
-    for_each_held(const unsigned int component, Action action) const;
+    for_each_constrained(const unsigned int component, Action action) const;
 
     void
-    change_held() override;
+    update_constrained() override;
 
     void
-    multiply_at_held(VectorField<dim>            &rows,
-                     const VectorField<dim>      &x,
-                     const std::array<bool, dim> &components) const override;
+    multiply_constrained_rows(
+      VectorField<dim>            &rows,
+      const VectorField<dim>      &x,
+      const std::array<bool, dim> &components) const override;
 
     const unsigned int                      n_terms;
     typename CellFilling<dim>::Walls        friction_walls;

@@ -138,9 +138,9 @@ namespace greville
      * the next step must sum up a row for this time.
      */
     bool
-    rows_lag() const
+    rows_are_late() const
     {
-      return integrator->velocities_lag(current);
+      return integrator->velocities_are_late(current);
     }
 
     /// Collective. Give points the rest of their kick, so that velocities
@@ -161,14 +161,14 @@ namespace greville
     const LateRow<dim> &
     late_row() const
     {
-      return asked;
+      return requested_row;
     }
 
     /// Collective. Return the row that the last step has summed up.
     Statistics<dim>
     late_statistics() const
     {
-      return complete(asked);
+      return complete(requested_row);
     }
 
     /**
@@ -336,9 +336,9 @@ namespace greville
     Loads<dim>                           loads;
     Discretization<dim>                  discretization;
     StepGuard<dim>                       guard;
-    LateRow<dim>                         asked;
+    LateRow<dim>                         requested_row;
     State<dim>                           current;
-    Snapshot<dim>                        good;
+    Snapshot<dim>                        last_good;
     std::unique_ptr<TimeIntegrator<dim>> integrator;
     bool                                 programs_have_points = false;
 

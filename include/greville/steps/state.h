@@ -210,16 +210,16 @@ namespace greville
 
     /**
      * A number that identifies positions and velocities of points: sums over
-     * the points belong to a stamp. Copies share it.
+     * the points belong to a version. Copies share it.
      */
-    std::uint64_t points_stamp = 0;
+    std::uint64_t points_version = 0;
 
     /// Set a new stamp; to be called after points have been moved or kicked.
     void
     points_have_changed()
     {
       static std::atomic<std::uint64_t> last{0};
-      points_stamp = ++last;
+      points_version = ++last;
     }
   };
 

@@ -44,7 +44,7 @@ namespace greville
     double                 strain      = 0.;
     double                 dissipation = 0.;
     dealii::Tensor<1, dim> momentum;
-    Largest                front, height;
+    Largest                runout, height;
   };
 
 
@@ -73,9 +73,9 @@ namespace greville
     dealii::Tensor<1, dim> center;
     /**
      * The largest x of a point above Output/Front above, the largest y, both
-     * with half of the point's size, and the result of front_quantile().
+     * with half of the point's size, and the result of runout_quantile().
      */
-    Largest       front, height, front_99;
+    Largest       runout, height, runout_99;
     unsigned int  iterations    = 0;
     double        largest_speed = 0.;
     std::uint64_t active        = 0;
@@ -122,8 +122,8 @@ namespace greville
     add(const Statistics &other);
   };
 
-  /// The fraction of the mass that may lie beyond Statistics::front_99.
-  constexpr double beyond_front = 0.005;
+  /// The fraction of the mass that may lie beyond Statistics::runout_99.
+  constexpr double mass_beyond_runout = 0.005;
 
   /**
    * Collective. Add the @p sums over the points of @p bodies to a row, which
@@ -140,24 +140,24 @@ namespace greville
 
   /**
    * Collective. Return the smallest x beyond which lies at most the fraction
-   * beyond_front of the mass of all points that count for fronts, where x of a
-   * point is its position plus half of its size. Unlike the outermost point, it
-   * does not depend on single points. @p sums have outer_points() of at least
-   * this mass. Points are not sent: nested histograms of masses, each within
-   * one bar of the previous one, find the point.
+   * mass_beyond_runout of the mass of all points that count for fronts, where x
+   * of a point is its position plus half of its size. Unlike the outermost
+   * point, it does not depend on single points. @p sums have outer_points() of
+   * at least this mass. Points are not sent: nested histograms of masses, each
+   * within one bar of the previous one, find the point.
    */
   template <int dim>
   Largest
-  front_quantile(const std::vector<const RowSums<dim> *> &sums,
-                 const MPI_Comm                           comm);
+  runout_quantile(const std::vector<const RowSums<dim> *> &sums,
+                  const MPI_Comm                           comm);
 
-  /// Collective. Return the same for all points above @p front_above.
+  /// Collective. Return the same for all points above @p runout_above.
   template <int dim>
   Largest
-  front_quantile(
+  runout_quantile(
     const BodyList<dim> &bodies,
     const MPI_Comm       comm,
-    const double         front_above = std::numeric_limits<double>::lowest());
+    const double         runout_above = std::numeric_limits<double>::lowest());
 
   /**
    * Collective. Return kinetic and strain energy plus dissipation of the

@@ -98,9 +98,9 @@ namespace greville
      * to their critical step. check() forgets it.
      */
     void
-    set_swing(const double energy)
+    set_energy_swing(const double energy)
     {
-      swing = energy;
+      energy_swing = energy;
     }
 
     /**
@@ -166,9 +166,9 @@ namespace greville
 
     // The sums of the current step.
     PointSums                           sums;
-    double                              wave     = 0.; // speed, m / s
-    double                              swing    = 0.; // energy, J
-    bool                                has_sums = false;
+    double                              wave         = 0.; // speed, m / s
+    double                              energy_swing = 0.; // energy, J
+    bool                                has_sums     = false;
     std::optional<MomentumBalance<dim>> balance;
   };
 } // namespace greville

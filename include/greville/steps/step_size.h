@@ -85,7 +85,7 @@ namespace greville
      * ignored.
      */
     bool
-    shows_faster_mode(const State<dim>      &state,
+    has_unstable_mode(const State<dim>      &state,
                       const FieldState<dim> &kept,
                       const GridField<dim>  &field,
                       const double           dt) const;
@@ -112,7 +112,7 @@ namespace greville
 
     /// Return the numbers that determine the step, and describe_materials().
     std::string
-    what_sets_the_step(const State<dim> &state) const;
+    describe_step(const State<dim> &state) const;
 
     const TimeParameters     &parameters;
     Discretization<dim>      &discretization;

@@ -84,7 +84,7 @@ namespace greville
      * before the step, if it is requested.
      */
     virtual bool
-    velocities_lag(const State<dim> &) const
+    velocities_are_late(const State<dim> &) const
     {
       return false;
     }

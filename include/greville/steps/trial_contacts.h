@@ -170,7 +170,7 @@ namespace greville
 
     /// Return whether friction depends on the pore pressure.
     bool
-    feel_pores() const;
+    friction_depends_on_pores() const;
 
     /**
      * Collective. Compute the pore pressures, or changes of them, at all

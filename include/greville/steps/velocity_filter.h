@@ -110,7 +110,7 @@ namespace greville
 
     // Functions of this process, and functions of others in the same runs.
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partitioner;
-    std::vector<unsigned int> places; // of owned functions
+    std::vector<unsigned int> function_places; // of owned functions
 
     // Other places and the local numbers in the partitioner of their values:
     // functions of other processes, and images if a direction is periodic.

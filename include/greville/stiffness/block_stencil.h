@@ -24,9 +24,9 @@ namespace greville
   class BlockStencil
   {
   public:
-    /// @p places supplies the places; it is kept by reference.
+    /// @p matrix supplies the places; it is kept by reference.
     void
-    reinit(const StencilMatrix<dim> &places);
+    reinit(const StencilMatrix<dim> &matrix);
 
     /// Set the matrix to zero and allocate the rows of the StencilMatrix.
     void
@@ -115,7 +115,7 @@ namespace greville
       return values.data() + row_of[place] * row_size;
     }
 
-    const StencilMatrix<dim> *places        = nullptr;
+    const StencilMatrix<dim> *matrix        = nullptr;
     unsigned int              length        = 0; // 2 p + 1, blocks of a line
     unsigned int              n_lines       = 0; // of the half
     unsigned int              line_size     = 0; // with zeros, for full vectors
@@ -138,7 +138,7 @@ namespace greville
     const unsigned int middle  = (2 * n_lines - 1) / 2;
     double             block[dim * dim];
     unsigned int       k = 0, x = 0;
-    places->for_each_place(i, [&](const unsigned int j, const std::size_t) {
+    matrix->for_each_place(i, [&](const unsigned int j, const std::size_t) {
       const bool is_stored = k >= middle && j >= i;
       bool       is_zero   = true;
       for (unsigned int c = 0; is_stored && c < dim; ++c)

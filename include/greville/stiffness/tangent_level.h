@@ -27,7 +27,7 @@ namespace greville
      * Collective. See ExtendedLevel.
      */
     TangentLevel(const SplineSpace<dim>           &space,
-                 const std::vector<unsigned char> &held = {});
+                 const std::vector<unsigned char> &constrained = {});
 
     /**
      * Collective. See ExtendedLevel::begin_level(). Afterwards, fill mass() and

@@ -85,7 +85,7 @@ namespace greville
 
     /// Compute y += K x on the places of the finest level.
     void
-    add_product(double *y, const double *x, const StencilMatrix<dim> &places);
+    add_product(double *y, const double *x, const StencilMatrix<dim> &stencil);
 
     /**
      * Return the Euclidean norm of the cell contributions to the stiffness of

@@ -47,7 +47,7 @@ namespace greville
      * A function that returns the constrained components (bits) of the local
      * functions of a space. An empty function constrains nothing.
      */
-    using HeldFunctions =
+    using ConstrainedFunctions =
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space)>;
 
     /**
@@ -56,13 +56,13 @@ namespace greville
      * from the fraction @p filling on, see CellFilling. If @p lump, the row
      * sums of the mass are used.
      */
-    TangentSystem(const OrderHierarchy<dim> &orders,
-                  const HeldFunctions       &held,
-                  const TangentParameters   &parameters,
-                  const double               filling,
-                  const bool                 lump,
-                  VolumeProjection<dim>     *projection = nullptr,
-                  CellWindows<dim>          *windows    = nullptr);
+    TangentSystem(const OrderHierarchy<dim>  &orders,
+                  const ConstrainedFunctions &constrained,
+                  const TangentParameters    &parameters,
+                  const double                filling,
+                  const bool                  lump,
+                  VolumeProjection<dim>      *projection = nullptr,
+                  CellWindows<dim>           *windows    = nullptr);
 
     TangentSystem(const TangentSystem &) = delete;
     TangentSystem &

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/boundary/held_functions.h>
+#include <greville/boundary/constrained_functions.h>
 
 namespace greville
 {
@@ -27,41 +27,43 @@ namespace greville
 
   template <int dim>
   std::vector<unsigned char>
-  held_at_walls(const SplineSpace<dim> &space,
-                const Walls<dim>       &walls,
-                const unsigned int      component)
+  constrained_at_walls(const SplineSpace<dim> &space,
+                       const Walls<dim>       &walls,
+                       const unsigned int      component)
   {
-    std::vector<unsigned char> held(space.owned_functions().size(), 0);
-    for (const unsigned int i : walls.held_functions(space, component))
-      held[i] = 1;
-    return with_ghosts(space, held);
+    std::vector<unsigned char> constrained(space.owned_functions().size(), 0);
+    for (const unsigned int i : walls.constrained_functions(space, component))
+      constrained[i] = 1;
+    return with_ghosts(space, constrained);
   }
 
 
 
   template <int dim>
   std::vector<unsigned char>
-  held_components_at_walls(const SplineSpace<dim> &space,
-                           const Walls<dim>       &walls)
+  constrained_components_at_walls(const SplineSpace<dim> &space,
+                                  const Walls<dim>       &walls)
   {
     std::vector<unsigned char> bits(space.owned_functions().size() +
                                       space.ghost_functions().size(),
                                     0);
     for (unsigned int c = 0; c < dim; ++c)
       {
-        const auto held = held_at_walls(space, walls, c);
+        const auto constrained = constrained_at_walls(space, walls, c);
         for (unsigned int f = 0; f < bits.size(); ++f)
-          bits[f] |= held[f] << c;
+          bits[f] |= constrained[f] << c;
       }
     return bits;
   }
 
 
 
-  template decltype(with_ghosts<2>)              with_ghosts<2>;
-  template decltype(with_ghosts<3>)              with_ghosts<3>;
-  template decltype(held_at_walls<2>)            held_at_walls<2>;
-  template decltype(held_components_at_walls<2>) held_components_at_walls<2>;
-  template decltype(held_components_at_walls<3>) held_components_at_walls<3>;
-  template decltype(held_at_walls<3>)            held_at_walls<3>;
+  template decltype(with_ghosts<2>)          with_ghosts<2>;
+  template decltype(with_ghosts<3>)          with_ghosts<3>;
+  template decltype(constrained_at_walls<2>) constrained_at_walls<2>;
+  template decltype(constrained_components_at_walls<2>)
+    constrained_components_at_walls<2>;
+  template decltype(constrained_components_at_walls<3>)
+                                             constrained_components_at_walls<3>;
+  template decltype(constrained_at_walls<3>) constrained_at_walls<3>;
 } // namespace greville

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_boundary_held_functions_h
-#define greville_boundary_held_functions_h
+#ifndef greville_boundary_constrained_functions_h
+#define greville_boundary_constrained_functions_h
 
 #include <greville/boundary/walls.h>
 
@@ -22,9 +22,9 @@ namespace greville
    */
   template <int dim>
   std::vector<unsigned char>
-  held_at_walls(const SplineSpace<dim> &space,
-                const Walls<dim>       &walls,
-                const unsigned int      component);
+  constrained_at_walls(const SplineSpace<dim> &space,
+                       const Walls<dim>       &walls,
+                       const unsigned int      component);
 
 
 
@@ -34,8 +34,8 @@ namespace greville
    */
   template <int dim>
   std::vector<unsigned char>
-  held_components_at_walls(const SplineSpace<dim> &space,
-                           const Walls<dim>       &walls);
+  constrained_components_at_walls(const SplineSpace<dim> &space,
+                                  const Walls<dim>       &walls);
 } // namespace greville
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_seen_functions_h
-#define greville_source_points_seen_functions_h
+#ifndef greville_source_points_window_functions_h
+#define greville_source_points_window_functions_h
 
 #include "domains.h"
 #include "gather_scatter.h"
@@ -22,13 +22,13 @@ namespace greville
      * on which cells reach their neighbours.
      */
     template <int dim, int n>
-    class SeenFunctions
+    class WindowFunctions
     {
     public:
-      SeenFunctions(const MaterialPoints<dim>   &points,
-                    const SpacePolynomials<dim> &tables,
-                    const CellWindows<dim>      *windows,
-                    const bool                   with_slopes = true)
+      WindowFunctions(const MaterialPoints<dim>   &points,
+                      const SpacePolynomials<dim> &tables,
+                      const CellWindows<dim>      *windows,
+                      const bool                   with_slopes = true)
         : points(points)
         , tables(tables)
         , windows(windows)
