@@ -247,15 +247,17 @@ namespace greville
     for (const std::string &variable : variables_of_names())
       if (contains_name(variables, variable))
         their_variables.push_back(variable);
-    for (const auto &[name, formula] : definitions)
+    for (const auto &named : definitions)
       {
-        const bool is_known =
+        const std::string &name = named.first;
+        const bool         is_known =
           std::any_of(names.begin(), names.end(), [&](const Formula &other) {
             return other.name == name;
           });
         if (used.count(name) == 0 || is_known)
           continue;
-        Formula definition = read(formula, "Formulas/" + name, their_variables);
+        Formula definition =
+          read(named.second, "Formulas/" + name, their_variables);
         numbers.push_back(evaluate(definition));
         definition.name        = name;
         definition.value       = &numbers.back();

@@ -1,0 +1,462 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_source_points_group_update_h
+#define greville_source_points_group_update_h
+
+#include <greville/points/row_sums.h>
+
+#include "group_lanes.h"
+#include "point_kernels.h"
+#include <cmath>
+#include <sstream>
+
+/**
+ * The parts of PointTransfer::grid_to_points() that do not depend on the basis
+ * functions: kick, move and deform a group of points. To be included in
+ * sources.
+ */
+namespace greville
+{
+  namespace internal
+  {
+    /**
+     * A pass over points. Kick changes velocities; deform changes F, J, stress
+     * and state, and positions if PointUpdate::move. Two fields: v and a of a
+     * kick, or w and v of points that deform by another field than they move.
+     */
+    template <bool kick_, bool deform_, bool two_fields_, bool apic_>
+    struct Pass
+    {
+      static constexpr bool kick       = kick_;
+      static constexpr bool deform     = deform_;
+      static constexpr bool two_fields = two_fields_;
+      static constexpr bool apic       = apic_;
+
+      /// Number of the vector field that moves points, and number of fields.
+      static constexpr int velocity = !kick && two_fields ? 1 : 0;
+      static constexpr int n_fields = two_fields ? 2 : 1;
+    };
+
+
+
+    /// Fields of the grid at a group of points.
+    template <int dim, typename Pass>
+    struct GridValues
+    {
+      /// Positions for the basis functions.
+      Simd x[dim];
+      Simd fields[Pass::n_fields * dim];
+      /// The gradient of the first field.
+      Simd gradient[dim][dim];
+      /// For APIC: sum_i N_i v_i (x_i - x)^T with the Greville points x_i, and
+      /// the diagonal of sum_i N_i (x_i - x) (x_i - x)^T.
+      Simd moments[dim][dim];
+      Simd inertia[dim];
+    };
+
+
+
+    /// A group of points, and its cell.
+    template <int dim>
+    struct Group
+    {
+      unsigned int  cell, number;
+      unsigned int  count; // of points
+      Simd          is_used;
+      double       *numbers;
+      const double *center, *inverse_h;
+    };
+
+
+
+    /// Sums and extremes over points, see PointReport.
+    template <int dim>
+    struct PointTotals
+    {
+      Simd fastest = 0., fastest_wave = 0.;
+      Simd mass = 0., crossed = 0.;
+      Simd momentum[dim];
+      Simd smallest_J = std::numeric_limits<double>::max(), largest_J = 0.;
+      bool is_left = false; // the cell
+
+      PointTotals()
+      {
+        std::fill_n(momentum, dim, Simd(0.));
+      }
+
+      void
+      write(PointReport &report) const
+      {
+        report.fastest_signal = hmax(fastest);
+        report.fastest_wave   = hmax(fastest_wave);
+        report.sums.mass      = reduce(mass);
+        for (int i = 0; i < dim; ++i)
+          report.sums.momentum[i] = reduce(momentum[i]);
+        report.sums.crossed    = hmax(crossed);
+        report.sums.smallest_J = hmin(smallest_J);
+        report.sums.largest_J  = hmax(largest_J);
+      }
+    };
+
+
+
+    /**
+     * Describe the error of a point of a group, if it is the first one.
+     */
+    template <int dim>
+    void
+    report_bad_point(const MaterialPoints<dim> &points,
+                     const Group<dim>          &group,
+                     PointReport               &report)
+    {
+      for (unsigned int lane = 0; lane < group.count && report.bad_point < 0;
+           ++lane)
+        {
+          const ConstPointRef<dim> p   = points.point(group.number, lane);
+          const double             J   = p.J();
+          double                   sum = 0.;
+          for (unsigned int k = 0; k < PointLayout<dim>::n_fixed; ++k)
+            sum += p[k];
+          if (J > 0. && std::isfinite(sum))
+            continue;
+          report.bad_point = std::int64_t(p.id());
+          std::ostringstream reason;
+          if (J <= 0.)
+            reason << "its volume has become negative (J = " << J << ")";
+          else
+            reason << "its state is infinite or NaN (J = " << J << ", velocity "
+                   << p.velocity(0) << " m/s in x)";
+          reason << "; it is "
+                 << describe_place<dim>(points.space(),
+                                        group.cell,
+                                        p.position(),
+                                        "from");
+          report.bad_reason = reason.str();
+        }
+    }
+
+
+
+    /**
+     * Return a bound of the square of the ratio of wave speeds in the reference
+     * configuration to those in the current one, from F^-1: the largest sum of
+     * a row of F^-1 F^-T.
+     */
+    template <int dim>
+    inline Simd
+    square_of_stretch(const Simd (&inverse)[dim][dim])
+    {
+      Simd B[dim][dim], largest = 0.;
+      multiply_transposed<dim>(inverse, inverse, B);
+      for (int i = 0; i < dim; ++i)
+        {
+          Simd sum = 0.;
+          for (int j = 0; j < dim; ++j)
+            sum += abs(B[i][j]);
+          largest = max(largest, sum);
+        }
+      return largest;
+    }
+
+
+
+    /**
+     * Add the velocities, and with APIC the affine matrices C and the diagonals
+     * D, of a group to a row, interpolated between their old values and the new
+     * ones.
+     */
+    template <int dim>
+    __attribute__((noinline)) void
+    add_motion(const PointUpdate<dim> &update,
+               const Group<dim>       &group,
+               const Simd (&v)[dim],
+               const unsigned int first_affine,
+               const Simd (*C)[dim],
+               const Simd *D)
+    {
+      const auto interpolate =
+        [&](const Simd &after, const unsigned int number, double *result) {
+          const Simd before = load(group.numbers + number * simd_width);
+          store(before + update.row_fraction * (after - before), result);
+        };
+      double velocities[dim * simd_width];
+      for (int i = 0; i < dim; ++i)
+        interpolate(v[i],
+                    PointLayout<dim>::velocity + i,
+                    velocities + i * simd_width);
+      if (!C)
+        {
+          update.row->add_motion(group.numbers, group.count, velocities);
+          return;
+        }
+      double matrices[dim * dim * simd_width], diagonals[dim * simd_width];
+      for (int i = 0; i < dim; ++i)
+        {
+          for (int j = 0; j < dim; ++j)
+            interpolate(C[i][j],
+                        first_affine + i * dim + j,
+                        matrices + (i * dim + j) * simd_width);
+          store(D[i], diagonals + i * simd_width);
+        }
+      update.row->add_motion(
+        group.numbers, group.count, velocities, matrices, diagonals);
+    }
+
+
+
+    /// v = flip (v + dt' a) + (1 - flip) v_grid
+    template <int dim, typename Pass>
+    inline __attribute__((always_inline)) void
+    kick(const PointUpdate<dim>      &update,
+         const Group<dim>            &group,
+         const GridValues<dim, Pass> &grid,
+         Simd (&v)[dim])
+    {
+      load_numbers<dim>(group.numbers, PointLayout<dim>::velocity, v);
+      for (int i = 0; i < dim; ++i)
+        v[i] =
+          group.is_used *
+          (update.flip * (v[i] + update.velocity_step * grid.fields[dim + i]) +
+           (1. - update.flip) * grid.fields[i]);
+      if (update.row)
+        add_motion<dim>(update, group, v, 0, nullptr, nullptr);
+      store_numbers<dim>(v, PointLayout<dim>::velocity, group.numbers);
+    }
+
+
+
+    /// v = v_grid, C = moments D^-1
+    template <int dim, typename Pass>
+    inline __attribute__((always_inline)) void
+    kick_affine(const PointUpdate<dim>      &update,
+                const Group<dim>            &group,
+                const GridValues<dim, Pass> &grid,
+                const unsigned int           first_affine,
+                Simd (&v)[dim])
+    {
+      Simd C[dim][dim], D[dim];
+      for (int j = 0; j < dim; ++j)
+        {
+          const double smallest =
+            1e-12 / (group.inverse_h[j] * group.inverse_h[j]);
+          v[j]                         = group.is_used * grid.fields[j];
+          D[j]                         = grid.inertia[j];
+          where(D[j] < smallest, D[j]) = smallest;
+          for (int i = 0; i < dim; ++i)
+            C[i][j] = group.is_used * grid.moments[i][j] / D[j];
+        }
+      if (update.row)
+        add_motion<dim>(update, group, v, first_affine, C, D);
+      store_numbers<dim>(v, PointLayout<dim>::velocity, group.numbers);
+      for (int i = 0; i < dim; ++i)
+        store_numbers<dim>(C[i], first_affine + i * dim, group.numbers);
+    }
+
+
+
+    /// x += dt v_grid
+    template <int dim, typename Pass>
+    inline __attribute__((always_inline)) void
+    move(const PointUpdate<dim>      &update,
+         const Group<dim>            &group,
+         const GridValues<dim, Pass> &grid,
+         const bool                   is_total,
+         const Simd (&v)[dim],
+         PointTotals<dim> &totals)
+    {
+      using Layout = PointLayout<dim>;
+      Simd x[dim];
+      if (is_total)
+        load_numbers<dim>(group.numbers, Layout::position, x);
+      else
+        std::copy_n(grid.x, dim, x);
+      const Simd m =
+        group.is_used * load(group.numbers + Layout::mass * simd_width);
+      totals.mass += m;
+      for (int i = 0; i < dim; ++i)
+        {
+          const Simd way =
+            update.step * group.is_used * grid.fields[Pass::velocity * dim + i];
+          totals.momentum[i] += m * v[i];
+          totals.crossed = max(totals.crossed, abs(way) * group.inverse_h[i]);
+          x[i] += way;
+          const Simd t = (x[i] - group.center[i]) * group.inverse_h[i];
+          totals.is_left =
+            totals.is_left || (!is_total && !all_of(abs(t) < 0.5));
+        }
+      store_numbers<dim>(x, Layout::position, group.numbers);
+    }
+
+
+
+    /**
+     * Set F_zz of axisymmetric points to r / radius0, and return the factor by
+     * which it grows.
+     */
+    template <int dim>
+    inline Simd
+    stretch_hoop(const PointLayout<dim> &layout, double *group)
+    {
+      using Layout = PointLayout<dim>;
+      double *const F =
+        group + (Layout::F + Layout::F_index(2, 2)) * simd_width;
+      const Simd before = load(F);
+      const Simd after  = load(group + Layout::position * simd_width) /
+                         load(group + layout.radius0 * simd_width);
+      store(after, F);
+      return after / before;
+    }
+
+
+
+    /**
+     * F = (1 + dt grad w) F and J. Returns the increment 1 + dt grad w, and its
+     * component zz in @p hoop.
+     */
+    template <int dim>
+    inline __attribute__((always_inline)) Simd
+    deform(const PointLayout<dim> &layout,
+           const Group<dim>       &group,
+           const Simd (&gradient)[dim][dim],
+           const double step,
+           Simd (&increment)[dim][dim],
+           Simd &hoop,
+           Simd &J)
+    {
+      using Layout = PointLayout<dim>;
+      Simd F[dim][dim], new_F[dim][dim];
+      hoop = layout.is_axisymmetric() ? stretch_hoop<dim>(layout, group.numbers)
+                                      : Simd(1.);
+      for (int i = 0; i < dim; ++i)
+        {
+          load_numbers<dim>(group.numbers, Layout::F + i * dim, F[i]);
+          for (int j = 0; j < dim; ++j)
+            increment[i][j] =
+              step * group.is_used * gradient[i][j] + (i == j ? 1. : 0.);
+        }
+      multiply<dim>(increment, F, new_F);
+      for (int i = 0; i < dim; ++i)
+        store_numbers<dim>(new_F[i], Layout::F + i * dim, group.numbers);
+      Simd det =
+        increment[0][0] * increment[1][1] - increment[0][1] * increment[1][0];
+      if constexpr (dim == 3)
+        det = det * increment[2][2] +
+              increment[0][1] * increment[1][2] * increment[2][0] +
+              increment[0][2] * increment[1][0] * increment[2][1] -
+              increment[0][2] * increment[1][1] * increment[2][0] -
+              increment[0][0] * increment[1][2] * increment[2][1];
+      if (layout.is_axisymmetric())
+        det *= hoop;
+      J = det * load(group.numbers + Layout::J * simd_width);
+      store(J, group.numbers + Layout::J * simd_width);
+      return det;
+    }
+
+
+
+    /**
+     * Set the projected J of a group, and scale the increment by the root of
+     * its change over @p det. @p projected contains a J for each point, or is
+     * null.
+     */
+    template <int dim>
+    __attribute__((noinline)) void
+    project(const PointLayout<dim> &layout,
+            const Group<dim>       &group,
+            const Simd             &J,
+            const Simd             &det,
+            const double          *&projected,
+            Simd (&increment)[dim][dim],
+            Simd &hoop)
+    {
+      double    *address = group.numbers + layout.projected_J * simd_width;
+      const Simd before  = load(address);
+      Simd       after = J, factor = 1.;
+      for (unsigned int lane = 0; lane < group.count; ++lane)
+        {
+          if (projected)
+            after[lane] = *projected++;
+          const double ratio = after[lane] / before[lane] / det[lane];
+          factor[lane]       = dim == 2 && !layout.is_axisymmetric()
+                                 ? std::sqrt(ratio)
+                                 : std::cbrt(ratio);
+        }
+      if (layout.is_axisymmetric())
+        hoop *= factor;
+      store(after, address);
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          increment[i][j] *= factor;
+    }
+
+
+
+    /// Return the square of the speed of pressure waves, modulus / density.
+    template <int dim>
+    inline __attribute__((always_inline)) Simd
+    square_of_wave_speed(const Group<dim> &group, const Simd &J)
+    {
+      using Layout      = PointLayout<dim>;
+      Simd m            = load(group.numbers + Layout::mass * simd_width);
+      where(m <= 0., m) = 1.;
+      return load(group.numbers + Layout::wave_modulus * simd_width) * J *
+             load(group.numbers + Layout::volume0 * simd_width) / m;
+    }
+
+
+
+    /**
+     * Deform a group, and update its material.
+     */
+    template <int dim>
+    inline __attribute__((always_inline)) void
+    deform_and_stress(MaterialPoints<dim>    &points,
+                      const PointUpdate<dim> &update,
+                      const Group<dim>       &group,
+                      const Simd (&grid_gradient)[dim][dim],
+                      const bool        is_total,
+                      const double    *&projected,
+                      PointTotals<dim> &totals,
+                      PointReport      &report)
+    {
+      const PointLayout<dim> &layout = points.layout();
+      Simd increment[dim][dim], hoop, J, det, inverse[dim][dim];
+      if (is_total)
+        {
+          Simd gradient[dim][dim];
+          load_inverse_F<dim>(group.numbers, layout.initial_F, inverse);
+          multiply<dim>(grid_gradient, inverse, gradient);
+          det = deform<dim>(
+            layout, group, gradient, update.step, increment, hoop, J);
+        }
+      else
+        det = deform<dim>(
+          layout, group, grid_gradient, update.step, increment, hoop, J);
+      Simd used_J                       = J;
+      where(group.is_used < 1., used_J) = 1.;
+      totals.smallest_J                 = min(totals.smallest_J, used_J);
+      totals.largest_J                  = max(totals.largest_J, used_J);
+      if (layout.projected_J != 0)
+        project<dim>(layout, group, J, det, projected, increment, hoop);
+      if ((update.material &&
+           !update_material(
+             points, group.number, group.count, increment, hoop, update)) ||
+          !all_of(used_J > 0.))
+        report_bad_point(points, group, report);
+
+      Simd v[dim], v2 = 0., c2 = square_of_wave_speed<dim>(group, J);
+      if (is_total)
+        c2 *= square_of_stretch<dim>(inverse);
+      else
+        {
+          load_numbers<dim>(group.numbers, PointLayout<dim>::velocity, v);
+          for (int i = 0; i < dim; ++i)
+            v2 += v[i] * v[i];
+        }
+      totals.fastest_wave = max(totals.fastest_wave, sqrt(c2));
+      totals.fastest      = max(totals.fastest, sqrt(c2) + sqrt(v2));
+    }
+  } // namespace internal
+} // namespace greville
+
+#endif
