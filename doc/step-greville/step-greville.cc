@@ -2,14 +2,14 @@
 
 // @sect3{Include files}
 
-// From deal.II come a Krylov solver and tables.
+// From deal.II: a Krylov solver and tables.
 #include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/table_handler.h>
 #include <deal.II/lac/solver_gmres.h>
 
-// From Greville come a material, the points of a body with the ways between
-// them and the grid, the levels with mass and stiffness, the multigrid cycle,
-// statistics, and files for ParaView.
+// From Greville: a material, the points of a body with their transfer to the
+// grid, the levels with mass and stiffness, the multigrid cycle, statistics,
+// and files for ParaView.
 #include <greville/base/errors.h>
 #include <greville/materials/neo_hookean.h>
 #include <greville/points/point_transport.h>
@@ -27,10 +27,10 @@ namespace StepGreville
 
   // @sect3{The problem}
 
-  // All numbers are in SI units; in 2D masses and energies are those of a slice
-  // of one metre. The box is the unit square. A disk of rubber begins at rest,
-  // and the floor is an elastic mat whose surface is the line $y = 0.125$: a
-  // point at the depth $d$ below it gets the acceleration $\kappa d$ upwards.
+  // All numbers are in SI units; in 2D masses and energies are per metre of
+  // thickness. The box is the unit square. A disk of rubber starts at rest, and
+  // the floor is an elastic mat with the surface $y = 0.125$: a point at the
+  // depth $d$ below it has the upward acceleration $\kappa d$.
   constexpr int    dim          = 2;
   constexpr double radius       = 0.2;
   constexpr double height       = 0.625;
@@ -54,9 +54,8 @@ namespace StepGreville
 
   // An <code>OrderHierarchy</code> has a spline space for each order, and a
   // <code>TangentSystem</code> sums mass, forces and stiffness of points for
-  // all of them. A
-  // <code>PointTransfer</code> leads from points to the space of the highest
-  // order and back.
+  // all of them. A <code>PointTransfer</code> maps between the points and the
+  // space of the highest order.
   class FallingDisk
   {
     DistributedTriangulation<dim>       mesh;
@@ -81,10 +80,9 @@ namespace StepGreville
     // @sect4{The constructor}
 
     // The mesh is a forest of p4est that <code>create_box_mesh()</code> refines
-    // to equal cells. On it live the spline spaces of the orders
-    // $p, p - 1, \ldots, 1$. Nothing holds a function of them, and cells that
-    // points fill by less than a half are those in which B-splines are
-    // extended.
+    // to equal cells. The spline spaces have the orders $p, p - 1, \ldots, 1$.
+    // No function is constrained, and B-splines are extended in cells that
+    // points fill by less than a half.
     FallingDisk(const unsigned int degree, const unsigned int n_cells)
       : mesh(MPI_COMM_WORLD, Triangulation<dim>::none, mesh_settings<dim>)
     {
@@ -102,8 +100,8 @@ namespace StepGreville
       zero.fill(lumped_mass);
       velocity = force = load = zero;
 
-      // A material declares its parameters in a <code>ParameterHandler</code>,
-      // which may have read them from a file; here they are a text.
+      // A material declares its parameters in a <code>ParameterHandler</code>.
+      // Here a string sets them; a file may do so as well.
       ParameterHandler prm;
       rubber.declare(prm);
       prm.parse_input_from_string(properties);
@@ -112,7 +110,7 @@ namespace StepGreville
       const double wave_modulus = moduli.bulk + 4. / 3. * moduli.shear;
       crossing_time = std::sqrt(rubber.density / wave_modulus) / n_cells;
 
-      // The points are those of a lattice whose centres lie in the disk.
+      // The points are the points of a lattice that lie in the disk.
       body_parameters.shape                = shape;
       body_parameters.points_per_direction = {4};
       bodies.resize(1);
@@ -127,8 +125,9 @@ namespace StepGreville
 
     // @sect4{find_velocity}
 
-    // The velocity of the grid from the momentum of the points, where row sums
-    // stand for the mass matrix. Functions without points keep zero.
+    // Compute the velocity of the grid from the momentum of the points, with
+    // row sums in place of the mass matrix. It is zero for functions without
+    // points.
     void
     divide_by_mass(VectorField<dim> &field, const VectorType &mass)
     {
@@ -147,14 +146,13 @@ namespace StepGreville
 
     // @sect4{sum_forces}
 
-    // The force of the stresses for a displacement $u$ of the grid, less the
-    // load of gravity and floor, and the derivative of both on all levels. The
-    // stress is the one whose work is the change of the strain energy, which is
-    // why the matrix is not symmetric. The load is that of the middle of the
-    // step, where the share $1/2$ of the displacement has brought the points;
-    // it is given per area of a surface, or per mass of a body. A point that
-    // breaks does so on one process: all of them throw, so that they end
-    // together.
+    // Sum up the force of the stresses for a displacement $u$ of the grid,
+    // minus the load of gravity and floor, and the derivative of both on all
+    // levels. The work of the stress equals the change of the strain energy;
+    // the matrix is therefore not symmetric. The load acts in the middle of the
+    // step, after the share $1/2$ of the displacement; it is given per area of
+    // a surface, or per mass of a body. A point may fail on one process only:
+    // all processes throw, so that they end together.
     void
     sum_forces(const VectorField<dim> &u,
                const double            dt,
@@ -175,14 +173,14 @@ namespace StepGreville
 
     // @sect4{solve}
 
-    // Here the multigrid is put together. Each level adds $c$ times its mass to
-    // its stiffness; it is a <code>LevelOperator</code>, all that the cycle,
-    // the smoothers and the transfers ask of an operator. The cycle is a
+    // Assemble the multigrid and solve. Each level adds $c$ times its mass to
+    // its stiffness; it is a <code>LevelOperator</code>, the interface that the
+    // cycle, the smoothers and the transfers need. The cycle is a
     // preconditioner for any Krylov solver of deal.II. Its parts are chosen by
     // name: a Chebyshev polynomial of IC(0) as smoother, $M_k^{-1} P$ with the
     // mixed mass matrix $P$ of two orders as prolongation, its transpose as
-    // restriction. The system of order 1 is solved by an algebraic method, once
-    // per cycle, for the tolerance is 1.
+    // restriction. An algebraic method is applied to the system of order 1 once
+    // per cycle, because the tolerance is 1.
     unsigned int
     solve(VectorType &x, const VectorType &b, const double mass_factor)
     {
@@ -209,11 +207,11 @@ namespace StepGreville
 
     // @sect4{count_iterations}
 
-    // How good is the preconditioner? The right-hand side is as rough as the
-    // grid can have it, a number without pattern for each function. Systems are
-    // those of steps in which a pressure wave runs through 1, 10 and 100 cells.
-    // From a field, such as a sum over points, <code>restrict()</code> leads to
-    // the right-hand side of the unknowns by $E^T$.
+    // Measure the quality of the preconditioner. The right-hand side is as
+    // rough as the grid allows, with an irregular number for each function. The
+    // systems belong to steps in which a pressure wave crosses 1, 10 and 100
+    // cells. <code>restrict()</code> applies $E^T$ to a field, such as a sum
+    // over points, and returns the right-hand side of the unknowns.
     void
     count_iterations(TableHandler &table)
     {
@@ -246,10 +244,10 @@ namespace StepGreville
 
     // @sect4{update_points}
 
-    // Points take the change of their velocity from the grid, and keep what the
-    // grid cannot see of it (FLIP). They move with the velocity of the grid,
-    // and its gradient deforms them, which gives them a new stress. Those that
-    // have left their cell then go to the new one, on whichever process it is.
+    // Add the change of the grid velocity to the velocities of the points
+    // (FLIP). Points move with the velocity of the grid, and its gradient
+    // deforms them, which changes their stress. Points that have left their
+    // cell are then moved to the new cell and its process.
     void
     update_points(const VectorField<dim> *acceleration,
                   const double            velocity_step,
@@ -273,10 +271,11 @@ namespace StepGreville
 
     // @sect4{explicit_step}
 
-    // The velocity Verlet method with lumped mass: half a kick, a move with the
-    // velocity of the middle of the step, and the other half of the kick with
-    // the forces at its end. Forces are those of the stresses less the loads,
-    // hence the sign. This scheme needs no solver.
+    // Take a step of the velocity Verlet method with lumped mass: half a kick,
+    // a move with the velocity in the middle of the step, and the other half of
+    // the kick with the forces at its end. The sign of the kick is negative
+    // because <code>force</code> is stress minus load. This scheme needs no
+    // solver.
     void
     explicit_step(const double dt)
     {
@@ -294,16 +293,16 @@ namespace StepGreville
 
     // @sect4{implicit_step}
 
-    // The midpoint rule for the displacement $u$ of the grid,
+    // Take a step of the midpoint rule for the displacement $u$ of the grid,
     // @f[
     //   M \left( \frac{2 u}{\Delta t^2} - \frac{2 v_n}{\Delta t} \right)
     //   + f(u) - b(u) = 0, \qquad
     //   v_{n+1} = \frac{2 u}{\Delta t} - v_n.
     // @f]
-    // First the mass gives the velocity $v_n$ of the grid from the momentum of
-    // the points; then Newton's method begins with a free flight. From the
-    // solution of a system to all coefficients of a field leads $E$
-    // (<code>extend()</code>). The acceleration of the grid is
+    // First a solve with the mass gives the velocity $v_n$ of the grid from the
+    // momentum of the points; Newton's method then starts with a free flight.
+    // <code>extend()</code> applies $E$ to the solution of a system and returns
+    // all coefficients of a field. The acceleration of the grid is
     // $(v_{n+1} - v_n) / \Delta t$, and its mean velocity $u / \Delta t$.
     void
     implicit_step(const double dt)
@@ -345,10 +344,10 @@ namespace StepGreville
 
     // @sect4{write}
 
-    // Files for ParaView have the points and the velocity of the grid, a row of
-    // the table has the energies. Until the disk meets the floor, its centre is
-    // at $0.625 - g t^2 / 2$. At all times the sum of the energies should stay
-    // as it was.
+    // Write the points and the velocity of the grid to files for ParaView, and
+    // the energies to a row of the table. The centre of the disk is at
+    // $0.625 - g t^2 / 2$ until it touches the floor. The sum of the energies
+    // should be constant.
     void
     write(const double time, FieldOutput<dim> &files, TableHandler &table)
     {
@@ -387,9 +386,9 @@ namespace StepGreville
 
     // @sect4{run}
 
-    // An explicit step must not be longer than a wave takes through a cell. An
-    // implicit one is as long as what happens wants it to be: two milliseconds
-    // show the impact.
+    // Run a scheme to the end. An explicit step must be shorter than the time
+    // in which a wave crosses a cell. The length of an implicit step follows
+    // from the process to resolve: two milliseconds resolve the impact.
     void
     run(const std::string &scheme)
     {
@@ -432,7 +431,7 @@ namespace StepGreville
 
 // @sect3{The main function}
 
-// First the table of iterations, then both kinds of steps with quadratic
+// Print the table of iterations, then run both kinds of steps with quadratic
 // splines.
 int
 main(int argc, char **argv)
