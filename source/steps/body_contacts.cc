@@ -16,27 +16,27 @@ namespace greville
 
   namespace
   {
-    // Of the larger cell size: how far away the other side is looked for, and
-    // how deep surfaces may overlap initially.
+    // Multiples of the larger cell size: the search distance for the other
+    // side, and the largest initial overlap of surfaces.
     constexpr double reach_in_cells  = farthest_gap_in_cells,
                      deepest_overlap = 0.05;
 
-    // Of the larger cell size, too: bodies that touch have gaps of round-off.
-    // It has to be small beside the overlaps of stiff bodies: a gap that counts
-    // as closed and has no force makes Newton's method stall.
+    // A multiple of the larger cell size: touching bodies have gaps of
+    // round-off. It must be small compared with the overlaps of stiff bodies,
+    // because Newton's method stalls on a closed gap without a force.
     constexpr double touching_in_cells = 1e-8;
 
-    // The stiffness against slip, over that against overlap.
+    // The ratio of tangential to normal stiffness.
     constexpr double shear_share = 0.5;
 
-    // ContactParameters::penalty where none is given.
+    // Defaults of ContactParameters::penalty.
     constexpr double implicit_penalty = 10., explicit_penalty = 1.;
 
 
 
     /**
-     * The modulus of plane strain E / (1 - nu^2), Pa: of fluids the bulk
-     * modulus.
+     * Return the plane-strain modulus E / (1 - nu^2), Pa, or the bulk modulus
+     * of a fluid.
      */
     double
     contact_modulus(const Material &material)
@@ -244,7 +244,8 @@ namespace greville
                                                              contact.corner,
                                                              contact.cell_sizes,
                                                              comm);
-    // Of each side against one that moves the other way.
+    // If the other side can move in the opposite direction, the stiffness of
+    // each side doubles.
     const bool meets_free =
       contact.rigid >= 0 && rigid_bodies[contact.rigid].is_free();
     const double factor = law.has_two_sides || meets_free ? 2. : 1.;
@@ -406,7 +407,7 @@ namespace greville
     for (Contact &contact : contacts)
       {
         check_overlaps(contact);
-        // Implicit steps do it at their start, see TrialContacts.
+        // Implicit steps renew contactors at their start, see TrialContacts.
         if (contact.given.is_by_material_points() &&
             (!are_implicit || state.n_steps == 0))
           renew_contactors(contact);
@@ -430,7 +431,7 @@ namespace greville
                 stored += point.force.norm() * std::max(-point.gap, 0.);
             contact.stored_energy = Utilities::MPI::sum(stored, comm);
           }
-        // Implicit steps have left loads and slip that belong to their end.
+        // Implicit steps have already set loads and slip at their end.
         if (!are_implicit || state.n_steps == 0)
           give(contact, points);
       }
@@ -485,7 +486,7 @@ namespace greville
                 p[load + d] = point->force[d] / p.mass();
                 p[slip + d] = point->new_slip[d];
               }
-            // Implicit steps see farther.
+            // Implicit steps search farther.
             const double farthest = reach_in_cells * contact.cell_size;
             p[gap] =
               point->is_facing ? std::min(point->gap, farthest) : farthest;

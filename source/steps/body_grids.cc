@@ -20,13 +20,13 @@ namespace greville
   namespace
   {
     /**
-     * What a body knows of the whole grid that is meant for it.
+     * The lattice of the whole grid of a body, and the cells of the body in it.
      */
     template <int dim>
     struct BodyOnGrid
     {
       Lattice<dim> lattice;
-      /// The cells from first to before end hold all points.
+      /// The range [first, end) of cells that holds all points.
       MultiIndex<dim> first, end;
 
       void
@@ -106,9 +106,9 @@ namespace greville
 
 
     /**
-     * Cells of the part in one direction: @p margin more on each side, and then
-     * as many more as make their number a multiple of @p multiple, where the
-     * grid has them.
+     * The range of cells of a part in one direction. extend() adds @p margin
+     * cells on each side, and then more until their number is a multiple of @p
+     * multiple, if the grid has them.
      */
     struct Range
     {
@@ -131,7 +131,7 @@ namespace greville
 
 
     /**
-     * Let a wall of the part do nothing, in all stages.
+     * Make wall w of the part free in all stages.
      */
     void
     set_free(SimulationParameters &part, const unsigned int w)
@@ -152,8 +152,8 @@ namespace greville
 
 
     /**
-     * A power of two. Meshes whose numbers of cells have it as a common factor
-     * are small on each process, see create_box_mesh().
+     * Return a power of two. If it divides all numbers of cells, meshes are
+     * small on each process, see create_box_mesh().
      */
     unsigned int
     common_factor(const unsigned int fewest_cells)
@@ -167,7 +167,8 @@ namespace greville
 
 
     /**
-     * The pressure of pore water has cells of twice the size.
+     * Return the smallest factor of the numbers of cells: cells of the pore
+     * pressure have twice the size.
      */
     unsigned int
     smallest_factor(const SimulationParameters &part)
@@ -178,7 +179,8 @@ namespace greville
 
 
     /**
-     * Cut the part around the body out of the @p grid, and walls off it.
+     * Cut the part around the body out of the @p grid, and free its walls that
+     * are not walls of the whole grid.
      */
     template <int dim>
     void
@@ -334,7 +336,7 @@ namespace greville
   std::vector<std::vector<std::string>>
   SimulationParameters::body_groups() const
   {
-    // The group of each body that a contact names, or that has its own grid.
+    // The group of each body that is in a contact or has its own grid.
     std::map<std::string, unsigned int> group_of;
     unsigned int                        n_groups = 1; // 0: all others
     const auto join = [&](const std::vector<std::string> &names) {

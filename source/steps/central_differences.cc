@@ -12,11 +12,13 @@ namespace greville
 
   namespace
   {
-    // Accelerations that change velocities by this fraction of the norm of all
-    // velocities in a step are solved for to the tolerance times that change.
+    // A change of velocity in a step, as a fraction of the norm of all
+    // velocities. Accelerations are solved for to the tolerance times this
+    // change.
     constexpr double negligible_kick = 1e-6;
 
-    // Of a step: the moment in the difference quotient of a displacement.
+    // The time increment in the difference quotient of a displacement, as a
+    // fraction of the step.
     constexpr double moment = 1e-3;
   } // namespace
 
@@ -83,7 +85,7 @@ namespace greville
     StepScheme scheme;
     scheme.deforms_by_mapped_velocity = deforms_by_mapped_velocity();
     scheme.apic                       = apic;
-    // Smaller shares have the shorter step, and dt is not known yet.
+    // A smaller FLIP share has a shorter step; dt is not known yet.
     scheme.flip =
       std::min(parameters.scheme.flip, flip_share(state, state.velocity_step));
     scheme.damping = damping.factor();
@@ -168,7 +170,7 @@ namespace greville
   void
   CentralDifferences<dim>::begin_step(State<dim> &state)
   {
-    // Both ends do work.
+    // Gravity at both ends of the step enters its work.
     fail_with(
       [&]() {
         loads.gravity(state.time);
@@ -221,7 +223,7 @@ namespace greville
     set_guesses(state);
     constrain(state);
     add_gravity(state.time);
-    // Forces of round-off need no solve.
+    // Do not solve for forces of round-off.
     solve({&field.velocity, &field.acceleration},
           {&field.momentum, &field.force},
           {1., dt > 0. ? negligible_kick / dt : 0.});
@@ -285,7 +287,7 @@ namespace greville
                  parameters.scheme.filter,
                  trial.step);
     field.mass->extend(correction);
-    // Without walls it keeps the momentum.
+    // Without walls the filter conserves momentum.
     walls.add_constrained(field.momentum_of_walls,
                           [&](const unsigned int c, const unsigned int i) {
                             return -lumped.local_element(i) *
@@ -382,11 +384,11 @@ namespace greville
   void
   CentralDifferences<dim>::finish(State<dim> &state)
   {
-    // Nothing moves: what is left of the kick acts where the points are.
+    // Apply the rest of the kick at the current positions of the points.
     if (!velocities_are_late(state))
       return;
     const auto reactions = state.reactions;
-    row                  = nullptr; // of a step that has failed
+    row                  = nullptr; // left by a failed step
     trial.step           = 0.;
     trial.velocity_step  = 0.5 * state.step;
     trial.motion         = PointMotion();
@@ -410,8 +412,8 @@ namespace greville
   double
   CentralDifferences<dim>::energy_swing(const State<dim> &state) const
   {
-    // Steps that map velocities with lumped mass before they deform points damp
-    // high modes, and keep another energy.
+    // With lumped mass, steps that map velocities before they deform points
+    // damp high modes and conserve a different energy.
     if (!field.mass->is_exact() && deforms_by_mapped_velocity())
       return 0.;
     double square = 0.; // a^T M a
@@ -478,7 +480,7 @@ namespace greville
       return;
     find_acceleration(state);
     FieldState<dim> &kept = state.field;
-    // One that has been rejected before is taken.
+    // A step that has been rejected once is accepted.
     const bool is_too_long =
       state.n_rejections == 0 &&
       step_size.has_unstable_mode(state, kept, field, dt);
@@ -487,7 +489,7 @@ namespace greville
         kept.mode.is_known = true;
         kept.mode.force    = field.force;
       }
-    // The guess of another trial.
+    // Keep the guess for the next trial.
     std::swap(kept.acceleration, field.acceleration);
     if (is_too_long)
       throw StepRejected("accelerations show a mode of the grid that is "

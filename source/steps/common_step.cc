@@ -14,7 +14,7 @@ namespace greville
 
   namespace
   {
-    // Times that a step is rejected.
+    // The largest number of rejections of a step.
     constexpr unsigned int most_rejections = 20;
   } // namespace
 
@@ -58,7 +58,7 @@ namespace greville
     for (Simulation<dim> *simulation : simulations)
       {
         simulation->remember();
-        // All of them keep the state of the same step.
+        // All simulations keep the state of the same step.
         if (is_shared)
           simulation->last_good.take(simulation->current);
       }
@@ -71,7 +71,7 @@ namespace greville
   void
   CommonStep<dim>::begin()
   {
-    // The end of a stage needs it, too.
+    // The end of a stage needs contact forces, too.
     if (contacts)
       contacts->act();
     const bool enters_stage = simulations.front()->is_stage_finished();
@@ -79,7 +79,7 @@ namespace greville
       simulation.begin_step();
       propose();
     });
-    // All of them, or none.
+    // All simulations keep this state, or none.
     if (enters_stage)
       for_each([](Simulation<dim> &simulation) {
         simulation.last_good.take(simulation.current);
@@ -93,7 +93,7 @@ namespace greville
   CommonStep<dim>::propose()
   {
     Simulation<dim> &simulation = *simulations[current_simulation];
-    // It depends on what all processes know.
+    // The proposed step depends only on data that all processes have.
     try
       {
         proposed[current_simulation] =

@@ -13,8 +13,8 @@ namespace greville
   std::vector<ConstrainedDirections<dim>>
   Constraints<dim>::reduce(const std::vector<unsigned char> &constrained)
   {
-    // What is left of a unit vector that others span, and what an axis lacks
-    // of a component of 1.
+    // The remainder below which other directions span a unit vector, and the
+    // difference from 1 below which a component makes it an axis.
     constexpr double negligible = 1e-6, round_off = 1e-14;
     std::map<unsigned int, ConstrainedDirections<dim>> result;
     for (const auto &[i, direction] : directions)

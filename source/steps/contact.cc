@@ -8,7 +8,7 @@ namespace greville
 
   namespace
   {
-    // All contacts, one line each. The last one has the last word.
+    // All contacts, one line each. The last one acts last.
     template <int dim>
     std::vector<MakeContact<dim>> &
     contacts()

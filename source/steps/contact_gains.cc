@@ -12,8 +12,8 @@ namespace greville
 
   namespace
   {
-    // The energy from nothing that is accepted, as a fraction of the largest
-    // energy or work.
+    // The accepted spurious energy, as a fraction of the largest energy or
+    // work.
     constexpr double accepted_gain = 0.1;
   } // namespace
 
@@ -23,7 +23,7 @@ namespace greville
   std::vector<std::optional<double>>
   BodyContacts<dim>::given_energies(double &largest) const
   {
-    // Of each part, the work of each source.
+    // The work of each source in each part.
     std::vector<double>      works;
     std::vector<std::size_t> firsts;
     for (const Simulation<dim> *part : parts)
@@ -105,7 +105,7 @@ namespace greville
           continue;
         Contact           &contact = contacts[k];
         const std::string &name    = contact.name;
-        // A run that was resumed does not know what was stored at its start.
+        // A resumed run does not know the energy that was stored at its start.
         if (!contact.is_start_counted && parts.front()->current.n_steps > 1)
           contact.stored_energy += std::max(*given[k], 0.);
         contact.is_start_counted = true;

@@ -15,38 +15,40 @@ namespace greville
 
   namespace
   {
-    // A point is ahead of the others by this fraction of its spacing.
+    // The distance from a point to the surface ahead of it, as a fraction of
+    // its spacing.
     constexpr double default_radius = 0.5;
 
-    // The spacings over which a point slides until it has forgotten its initial
+    // The number of spacings over which a sliding point forgets its initial
     // radius.
     constexpr double memory = 10.;
 
-    // By the spacing: a point that has been set back is at the surface but for
-    // round-off.
+    // The smallest lift, as a fraction of the spacing: a lifted point is at the
+    // surface up to round-off.
     constexpr double smallest_lift = 1e-6;
 
-    // Forces of less than this part of the modulus, by the area of a point,
-    // need not go on in the next step.
+    // Forces below this fraction of the modulus times the area of a point may
+    // be dropped in the next step.
     constexpr double negligible_pressure = 1e-10;
 
-    // The critical step is estimated anew where more than this part of the
-    // contactors joins them in a step.
+    // The critical step is estimated anew if more than this fraction of the
+    // contactors joins in a step.
     constexpr double largest_joined_fraction = 0.1;
 
-    // One that is initially so little inside, by the spacing, touches.
+    // A point touches if its initial depth is below this fraction of its
+    // spacing.
     constexpr double deepest_initially = 0.25;
 
 
 
     /**
-     * Return the gap up to which points of this @p spacing are the outermost
-     * layer, which is one spacing thick, if @p lowest is the smallest gap
-     * nearby. Where nothing is closer than half a spacing, the layer ends in
-     * the middle between two rows.
+     * Return the gap at which the outermost layer of points of this @p spacing
+     * ends, if @p lowest is the smallest gap nearby. The layer is one spacing
+     * thick. It ends midway between two rows if no point is closer than half a
+     * spacing.
      * A point that @p joins the layer is at most half of its spacing behind the
-     * foremost one: a row that comes closer behind another one would take part
-     * in the mean gap, and the energy of the contact would change by a jump.
+     * foremost one: a second row that comes closer would otherwise enter the
+     * mean gap, and the contact energy would jump.
      */
     double
     end_of_layer(const double lowest, const double spacing, const bool joins)
@@ -76,11 +78,10 @@ namespace greville
 
 
     /**
-     * A row for a material point, from the one that it has had in the last
-     * step, if it has had one: its force stays. A radius that is not the
-     * default one belongs to the initial place, and is forgotten as the point
-     * slides. The pressure of its pores is the number @p pore of the point,
-     * null without water.
+     * Return the row of a contactor for a material point. The row of the last
+     * step, if any, passes its force on. A radius other than the default one
+     * belongs to the initial position and is forgotten as the point slides. @p
+     * pore is the field of the pore pressure, null without water.
      */
     template <int dim, typename MaterialPoint>
     std::vector<double>
@@ -139,8 +140,8 @@ namespace greville
 
 
     /**
-     * Let a point that leaves the layer have its force, but no weight in the
-     * averages of the contact.
+     * Take a point that leaves the layer out of the averages of the contact,
+     * but keep its force.
      */
     template <int dim>
     void
@@ -155,8 +156,8 @@ namespace greville
 
 
     /**
-     * Move a point, and where its last step began, unless it would leave the
-     * grid.
+     * Move a point and its position at the start of the last step by @p way,
+     * unless it would leave the grid.
      */
     template <int dim>
     void
@@ -182,8 +183,8 @@ namespace greville
 
     /**
      * Collective. Return, for each point that faces the other side, the
-     * smallest gap in its box of the size @p h and the neighbors of that among
-     * points of the first side on all processes.
+     * smallest gap of points of the first side, on all processes, in its box of
+     * size @p h and the neighboring boxes.
      */
     template <int dim>
     std::vector<double>
@@ -243,7 +244,8 @@ namespace greville
   template <int dim>
   struct BodyContacts<dim>::Candidates
   {
-    /// Points of all surfaces of the first side, and then the second side.
+    /// The points of all surfaces of the first side, followed by the second
+    /// side.
     std::vector<ContactPoint<dim>> points;
     struct MaterialPoint
     {
@@ -251,10 +253,10 @@ namespace greville
       unsigned int  cell;
       double        spacing; // m
     };
-    /// Of the first side.
+    /// The material points of the first side.
     std::vector<MaterialPoint> material_points;
     std::vector<std::size_t>   ends; // of surfaces
-    /// See lowest_in_boxes().
+    /// The result of lowest_in_boxes().
     std::vector<double> lowest;
   };
 
@@ -273,7 +275,7 @@ namespace greville
           largest = std::max(largest, p.extent(body_of(place).points.layout()));
         });
     largest = Utilities::MPI::max(largest, comm);
-    // Steps may bring points from farther away, and those before have to be
+    // A step may bring points from farther away, and the steps before must be
     // short enough for their stiffness.
     const double reach =
       largest + (are_implicit ? longest_trial_motion : longest_motion) *
@@ -289,7 +291,8 @@ namespace greville
         result.material_points.reserve(n_near);
         for (const NearCell &cell : near)
           for_each_in_cell(all, cell.cell, [&](const PointRef<dim> p) {
-            // Distances change by no more than what separates two places.
+            // The distances of two positions differ at most by the distance
+            // between them.
             const double distance =
               cell.distance - p.position().distance(cell.center);
             if (distance > reach)
@@ -308,7 +311,7 @@ namespace greville
         if (point.side == 1)
           points.push_back(point);
     find_gaps(contact, points, reach);
-    // The layer begins at the lowest point, if that is inside already: else
+    // The layer begins at the lowest point if that is inside already: otherwise
     // points above would hide it in the mean.
     result.lowest = lowest_in_boxes(points, contact.cell_size, comm);
     return result;
@@ -360,7 +363,7 @@ namespace greville
         const bool is_in_layer =
           point.is_facing &&
           gap < end_of_layer(candidates.lowest[k], candidate.spacing, joins);
-        // Implicit steps begin with the forces of the last one.
+        // Implicit steps begin with the forces of the last step.
         const double *const last_row =
           found == last.end() ? nullptr : &last_rows[found->second];
         const bool leaves =
@@ -399,7 +402,7 @@ namespace greville
                                          unsigned(last.size()),
                                          unsigned(left.size())};
     Utilities::MPI::sum(numbers, comm, numbers);
-    // The critical step is that with the stiffness of all contactors.
+    // The critical step depends on the stiffness of all contactors.
     if (numbers[0] > largest_joined_fraction * numbers[1])
       part.current.estimates.next = part.current.n_steps;
     if (numbers[2] == 0)

@@ -137,7 +137,7 @@ namespace greville
     const NewtonParameters &newton       = first_steps.parameters.newton;
     NewtonResult            result       = solve_newton(x, *this, newton);
     const unsigned int      n_iterations = result.n_iterations();
-    // Pressures of augmented contacts, in rounds.
+    // Update the pressures of augmented contacts in rounds.
     while (result.converged && contacts && contacts->augment())
       {
         const NewtonResult next = solve_newton(x, *this, newton);
@@ -170,7 +170,7 @@ namespace greville
                             const std::string &reason,
                             const std::string &changing)
   {
-    // Of the iterate that is reported, which need not be the last trial.
+    // Evaluate the reported iterate, which need not be the last trial.
     constexpr double round_off_factor = 1e4;
     std::string      rejection        = reason + changing;
     for (const Part &part : parts)
@@ -413,7 +413,7 @@ namespace greville
     };
     return TangentSystem<dim>::solve_together(
       systems, tolerance, [&](const unsigned int n) {
-        // Restarts of FGMRES lose what couples the parts.
+        // Restarts of FGMRES lose the coupling of the parts.
         return solve_krylov({tolerance, n},
                             multiply,
                             precondition,
@@ -431,7 +431,7 @@ namespace greville
   {
     ImplicitSteps<dim> &steps  = *parts[k].steps;
     TangentSystem<dim> &system = steps.system;
-    // Fields that nothing else needs before the next evaluate().
+    // These fields are free until the next evaluate().
     VectorField<dim> &direction = steps.work, &force = steps.water_force;
     for (VectorType &component : direction)
       component = 0.;

@@ -15,14 +15,14 @@ namespace greville
     constexpr double       tolerance    = 0.01;
     constexpr unsigned int max_products = 40;
 
-    // The part of the square of the norm of the first vector that is noise,
-    // where an eigenvector is known.
+    // The fraction of noise in the squared norm of the first vector, if an
+    // eigenvector is known.
     constexpr double noise_part = 0.05;
 
 
 
     /**
-     * Between -1 and 1, the same for any number of processes.
+     * Return a number between -1 and 1, the same for any number of processes.
      */
     double
     noise(const std::uint64_t function, const unsigned int component)
@@ -225,7 +225,7 @@ namespace greville
           transfer.add_stiffness(
             body->points, stiffness, source, target, body == bodies[0]);
         }
-      // Dashpots see an extrapolated velocity, which counts twice.
+      // Dashpots act on an extrapolated velocity and count twice.
       for (const Surface<dim> &surface : surfaces)
         {
           const double k = factor * (elastic * surface.stiffness +
@@ -243,16 +243,16 @@ namespace greville
       read_field(y, target);
     };
 
-    // The dt with dt^2 a + dt b = 1.
+    // Return the dt with dt^2 a + dt b = 1.
     const auto root = [](const double a, const double b) {
       return a > 0. || b > 0. ? 2. / (b + std::sqrt(b * b + 4. * a))
                               : std::numeric_limits<double>::infinity();
     };
 
-    // A vector x has a step of its own, that with x^T B^-1 x =
-    // x^T (dt^2 / 4 K + dt / 2 C) x, and the critical step is the smallest of
-    // all. So begin with that of the first vector, and repeat with that of the
-    // eigenvector. Without viscosity any dt will do.
+    // Each vector x has a step dt with x^T B^-1 x = x^T (dt^2 / 4 K + dt / 2 C)
+    // x; the smallest one is the critical step. Begin with the step of the
+    // first vector and repeat with the step of the eigenvector. Without
+    // viscosity any dt will do.
     double              step = 1.;
     std::vector<double> x(n), y(n);
     if (is_viscous)

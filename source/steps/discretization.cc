@@ -20,7 +20,7 @@ namespace greville
 
   namespace
   {
-    // Steps between two sortings of the groups of points.
+    // Steps between two defragmentations of the points.
     constexpr unsigned int defragment_every = 200;
 
 
@@ -50,7 +50,7 @@ namespace greville
 
 
     /**
-     * Throw where parameters contradict each other.
+     * Throw if parameters contradict each other.
      */
     void
     check_parameters(const SimulationParameters &parameters)
@@ -77,8 +77,8 @@ namespace greville
 
 
     /**
-     * Whether values of functions are means over domains, too: where no mass
-     * matrix is that of the points.
+     * Return whether values of functions are averaged over domains, too: this
+     * requires that no consistent mass matrix is used.
      */
     bool
     averages_values(const SimulationParameters &parameters)
@@ -92,12 +92,13 @@ namespace greville
 
 
     /**
-     * The orders that solvers make use of, as MultigridParameters::coarsening.
+     * Return the orders that solvers use, as in
+     * MultigridParameters::coarsening.
      */
     std::string
     coarsening_of(const SimulationParameters &parameters)
     {
-      // A program's own integrator may be implicit.
+      // An integrator that a program adds may be implicit.
       if (!is_explicit_scheme(parameters.scheme.stress_update))
         return parameters.implicit_solver.multigrid.coarsening;
       return parameters.scheme.has_consistent_mass() &&
@@ -178,13 +179,13 @@ namespace greville
       {
         windows = std::make_unique<CellWindows<dim>>();
         windows->reinit(space(), averages_values(parameters));
-        // Lumped masses are those of all functions that domains reach.
+        // All functions that domains reach have lumped masses.
         if (has_lumped_steps(parameters))
           windows->reach_all_neighbors();
       }
     make_field();
     grid_walls.reinit(space());
-    // The grid of total Lagrangian steps is that of initial positions.
+    // The grid of total Lagrangian steps contains initial positions.
     grid_walls.check_paths(space(),
                            parameters.time.start,
                            parameters.time.end,
@@ -260,8 +261,8 @@ namespace greville
       return;
     version_of_sums       = 0;
     GridField<dim> &field = grid_field;
-    // The force sees the cells that reach their neighbours by the extension
-    // of the mass.
+    // The force needs the windows of cells, which follow from the extension of
+    // the mass.
     const bool force_waits = field.mass->has_windows();
     {
       const PartTimer timer(log, "points to grid");
@@ -422,8 +423,8 @@ namespace greville
         points.defragment();
       return result;
     };
-    // Points, removed ones, and the mass of the last: integers are exact in
-    // doubles.
+    // Numbers of points and of removed points, exact in doubles, and the
+    // removed mass.
     std::vector<double> counts(3);
     for (unsigned int b = 0; b < state.bodies.size(); ++b)
       {

@@ -10,13 +10,13 @@ namespace greville
 
   namespace
   {
-    // Times at which a moving body is looked for in the grid.
+    // The number of times at which a moving body is checked against the grid.
     constexpr unsigned int n_times = 200;
 
 
 
     /**
-     * How a rigid body comes to a region between two times, s.
+     * Whether a rigid body comes near a region, and whether it moves.
      */
     struct Course
     {
@@ -26,7 +26,8 @@ namespace greville
 
 
     /**
-     * Follow a rigid body whose motion is given.
+     * Follow a rigid body with prescribed motion between two times, s, until it
+     * comes near the region.
      */
     template <int dim, typename IsNear>
     Course
@@ -54,7 +55,7 @@ namespace greville
         }
       catch (const ExceptionBase &)
         {
-          // The run ends with the message about this formula.
+          // The run will end with a message about this formula.
           course.comes = true;
         }
       return course;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-// CentralDifferences moves points after a solve, and adds to the balances of
+// Motion of points in CentralDifferences after a solve, and its balances of
 // energy and momentum.
 namespace greville
 {
@@ -126,7 +126,8 @@ namespace greville
   void
   CentralDifferences<dim>::add_work(State<dim> &state)
   {
-    // The potential of gravity belongs to positions: its mean over the step.
+    // The potential of gravity depends on positions: use the mean of gravity
+    // over the step.
     const Tensor<1, dim> g     = 0.5 * (loads.gravity(state.time) +
                                     loads.gravity(state.time + trial.step));
     double               power = 0.;
@@ -138,7 +139,7 @@ namespace greville
                    field.new_velocity[d].local_element(i);
     state.energy.add_work(EnergyBalance::gravity, trial.step * power);
 
-    // The work of their force on the kinetic energy.
+    // The work of loads on the kinetic energy.
     add_work_of_point_loads(state, false);
     for (unsigned int k = 0; k < state.surfaces.size(); ++k)
       {
@@ -158,8 +159,8 @@ namespace greville
           row->energy.add_work(source, row->part_of_work(before, after));
       }
 
-    // Walls and contacts that constrain give what a = (v' - v) / dt' needs
-    // beyond the force.
+    // Walls and constraining contacts supply the force that a = (v' - v) / dt'
+    // needs beyond the sum of forces.
     if ((walls.have_moving() || have_constraints) && trial.velocity_step > 0.)
       {
         double power_of_walls = 0.;
@@ -209,12 +210,12 @@ namespace greville
   void
   CentralDifferences<dim>::add_work_of_damping(State<dim> &state)
   {
-    // It is for the guard, and costs a product with the mass matrix.
+    // Only the guard needs this work; it costs a product with the mass matrix.
     if (damping.factor() == 0. || !parameters.scheme.looks_at_energy())
       return;
     const PartTimer timer(log, "energy");
 
-    // P' of the points. That of APIC is of the grid.
+    // The momenta P' of the points, or with APIC of the grid.
     const double      dt   = trial.velocity_step;
     const double      flip = kept_share(state);
     VectorField<dim> &sum = surface_velocity, &momenta = work_field;
@@ -234,7 +235,7 @@ namespace greville
       discretization.transfer().multiply_mass(field.points, sum, momenta);
     for (unsigned int d = 0; d < dim; ++d)
       momenta[d].add(flip, field.momentum[d]);
-    // Damping takes as much from the momenta before and after the kick.
+    // The damping work with the momenta before and after the kick.
     const double before = 2. * dt * damping.power(field, field.momentum),
                  after  = 2. * dt * damping.power(field, momenta);
     state.energy.add_damping(0.5 * (before + after));
@@ -267,7 +268,7 @@ namespace greville
   CentralDifferences<dim>::inform_guard()
   {
     guard.set(trial.motion);
-    // Constraints and damping take some that nobody adds up.
+    // The momentum that constraints and damping take is not summed.
     if (have_constraints || damping.factor() != 0.)
       return;
     for (const Tensor<1, dim> &given : field.momentum_of_walls)

@@ -67,9 +67,9 @@ namespace greville
             const double friction_limit =
               walls.friction_coefficient(w) *
               std::max(0., sign * without_water[normal].local_element(i));
-            const double size = along.norm();
-            const double share =
-              friction_limit < size ? friction_limit / size : 1.; // is lost
+            const double size  = along.norm();
+            const double share = friction_limit < size ? friction_limit / size
+                                                       : 1.; // lost fraction
             moved[normal].local_element(i) = 0.;
             for (unsigned int c = 0; c < dim; ++c)
               if (c != normal)
@@ -123,7 +123,7 @@ namespace greville
                 change_of_v / velocity_step;
               friction_work +=
                 0.5 * impulse * (field.velocity[c].local_element(i) + after);
-              // Of a corner, once.
+              // Count functions in corners once.
               displacement[c].local_element(i) = moved[c].local_element(i);
             }
       }

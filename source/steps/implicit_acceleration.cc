@@ -25,8 +25,8 @@ namespace greville
   namespace
   {
     /**
-     * Let the accelerations that points keep and their velocities change
-     * places, so that transfers take the ones for the others.
+     * Swap the accelerations that points keep with their velocities, so that
+     * transfers of velocities act on accelerations.
      */
     template <int dim>
     void
@@ -51,7 +51,7 @@ namespace greville
   {
     if (scheme.keeps_acceleration && state.field.history.n > 0)
       {
-        // The kept one is that of all forces.
+        // The kept acceleration is due to all forces.
         if (parameters.scheme.is_total_lagrangian())
           {
             if (find_contact_acceleration())

@@ -13,8 +13,8 @@
 #include <limits>
 #include <sstream>
 
-// The forces in a step of ImplicitSteps, what it refuses and says, and tells
-// the balance of energy.
+// The forces in a step of ImplicitSteps, its checks and messages, and its
+// energy balance.
 namespace greville
 {
   using namespace dealii;
@@ -30,7 +30,7 @@ namespace greville
     std::string problem = system.evaluate(
       bodies, displacement, dt, scheme.stress, with_stiffness, force);
     has_stiffness = with_stiffness;
-    // Formulas may have no value where the step would bring the points.
+    // Formulas may have no value at the trial positions of the points.
     if (!surfaces.empty())
       try
         {
@@ -59,7 +59,7 @@ namespace greville
   {
     contact_force = of_contacts;
     const PartTimer timer(log, "residual");
-    // All loads, while the forces of stresses wait.
+    // Sum all loads; force still holds the forces of stresses.
     for (unsigned int d = 0; d < dim; ++d)
       {
         work[d] = new_loads[d];
@@ -132,8 +132,8 @@ namespace greville
   ImplicitSteps<dim>::find_round_off() const
   {
     constexpr double units = 16. * std::numeric_limits<double>::epsilon();
-    // The displacement of points is of the size of its mean: coefficients of
-    // functions that points hardly see may be any number.
+    // The mean displacement gives the size of the points' displacements.
+    // Coefficients of functions of hardly any mass may have any value.
     const VectorType   &mass = field().lumped_mass;
     std::vector<double> sums(2);
     for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
@@ -175,7 +175,7 @@ namespace greville
     refuse(discretization.walls().have_friction(),
            "'Walls' = friction",
            "implicit steps have fixed, sliding and moving walls.");
-    // The contacts of the library are checked above.
+    // The library's own contacts are checked above.
     refuse(
       !make_contacts(parts).empty(),
       "a contact of add_contact()",
@@ -293,7 +293,7 @@ namespace greville
     const auto        &is_constrained =
       system.finest().extended().unknowns().has_constrained();
     std::string free;
-    // Rings resist radial motion.
+    // Hoop stresses resist radial motion.
     for (unsigned int d = parameters.grid.is_axisymmetric() ? 1 : 0; d < dim;
          ++d)
       if (!is_constrained[d])
@@ -312,7 +312,7 @@ namespace greville
   std::string
   ImplicitSteps<dim>::describe_residual() const
   {
-    // The largest entry of all processes, and where its function is.
+    // The largest entry on all processes, and the position of its function.
     const SplineSpace<dim> &space   = system.space();
     double                  largest = 0.;
     unsigned int            place   = 0;
@@ -374,10 +374,10 @@ namespace greville
                                const VectorField<dim> &reaction,
                                const double            dt)
   {
-    // Forces are those in the middle of the step, or means of both ends. At
-    // the begin, old_loads has those on surfaces, too, and walls give what M a
-    // needs beyond them and the stresses, where a is known. The reaction is
-    // that of the balance.
+    // Forces are taken in the middle of the step, or as means of both ends. At
+    // the start, old_loads includes surface loads, and walls supply the force
+    // that M a needs beyond loads and stresses, if a is known. The reaction
+    // follows from the balance.
     const bool        is_mean        = scheme.load_time == 1.;
     const double      share          = is_mean ? 0.5 : 1.;
     const bool        knows_a        = scheme.needs_acceleration();
@@ -387,7 +387,7 @@ namespace greville
     VectorField<dim> &old_rows       = work;
     if (!scheme.is_static)
       {
-        // One that has been kept belongs to another time.
+        // A kept acceleration belongs to another time.
         VectorField<dim> a = acceleration;
         const double     late =
           scheme.keeps_acceleration ? scheme.alpha_f - scheme.alpha_m : 0.;
@@ -434,9 +434,9 @@ namespace greville
       state.energy.add_work(EnergyBalance::loads, on_points);
     state.energy.add_work(EnergyBalance::walls, by_walls);
 
-    // Loads on surfaces one by one, and then loads that follow the points of
-    // bodies, which are among the loads on points at the start. Contacts count
-    // their own.
+    // Surface loads one by one, and then loads that follow the points of
+    // bodies; at the start, old_loads contains the latter. Contacts count their
+    // own work.
     const unsigned int n_surfaces = loads.surfaces().n_loads();
     const auto         add_power  = [&](const unsigned int      k,
                                const VectorField<dim> &load,

@@ -64,8 +64,8 @@ namespace greville
                                              parameters);
     for (VectorType &component : water_force)
       system.space().initialize_vector(component);
-    // With one IC(0) for all components p = 3 takes four times the iterations,
-    // and ten times where the soil is nearly undrained.
+    // With one IC(0) for all components, p = 3 takes four times the iterations,
+    // and ten times in nearly undrained soil.
     system.smooth_components();
   }
 
@@ -292,7 +292,7 @@ namespace greville
                                                    dt);
         find_acceleration(state);
       }
-    // v + share (v' - v) without u.
+    // The part of v + share (v' - v) that does not depend on u.
     const double share = scheme.load_time;
     for (unsigned int d = 0; d < dim && !surfaces.empty(); ++d)
       {
@@ -311,7 +311,8 @@ namespace greville
   ImplicitSteps<dim>::guess_displacement(const State<dim> &state,
                                          const double      dt)
   {
-    // Walls move by their displacement, or by their velocity in the middle.
+    // Walls move by their displacement, or with their velocity in the middle of
+    // the step.
     for (unsigned int d = 0; d < dim; ++d)
       displacement[d].equ(dt, velocity[d]);
     discretization.walls().impose_velocity(
@@ -358,8 +359,9 @@ namespace greville
   void
   ImplicitSteps<dim>::find_reactions(State<dim> &state, const double dt)
   {
-    // Walls give what is left of the balance at constrained coefficients, in
-    // which force has f - F', and work inertia, both over 1 - alpha_f.
+    // Wall reactions are the residual of the balance at constrained
+    // coefficients. There, force holds f - F' and work the inertia, both
+    // divided by 1 - alpha_f.
     const Walls<dim> &walls    = discretization.walls();
     VectorField<dim>  reaction = velocity, known = force;
     for (unsigned int d = 0; d < dim; ++d)
@@ -411,7 +413,8 @@ namespace greville
   {
     if (scheme.is_static)
       return;
-    // Points lose it with FLIP's kick, or take a velocity that is without it.
+    // Points lose this momentum with the FLIP kick, or take a velocity without
+    // it.
     const bool   is_taken = !scheme.keeps_constrained_momentum;
     const double flip     = flip_share(parameters.scheme,
                                    discretization.cell_size(),
@@ -512,7 +515,7 @@ namespace greville
   {
     if (!water)
       return;
-    // The work of the pressure on the soil, which bodies store.
+    // The work of the pore pressure on the soil, which bodies store.
     state.energy.add_work(EnergyBalance::loads, water->work());
     state.water_of_step = water->advance(state.bodies, state.water_of_step);
     state.water_step    = dt;
@@ -533,7 +536,7 @@ namespace greville
     state.n_iterations  = n_linear;
     state.n_all_iterations += n_all_linear;
     ++state.n_steps;
-    // The length of a step that was cut doubles after an easy one.
+    // A step that was cut doubles its length after an easy step.
     constexpr unsigned int easy_iterations = 6;
     if (n_newton <= easy_iterations)
       state.step_fraction = std::min(1., 2. * state.step_fraction);

@@ -34,17 +34,17 @@ namespace greville
 
 
     /**
-     * Throw where two bodies share basis functions: in total Lagrangian steps
-     * they would stick to one another wherever they go.
+     * Throw if two bodies share basis functions: in total Lagrangian steps they
+     * would stick together wherever they move.
      */
     template <int dim>
     void
     check_distances(const std::vector<Body<dim>> &bodies,
                     const SplineSpace<dim>       &space)
     {
-      // The sum of the numbers of all bodies that a function sees, and the sum
-      // of their squares: of one body, the square of the first is the second
-      // times the number of cells.
+      // For each function: the number of cells in its support with points, and
+      // the sums of their body numbers and of the squares. If all cells belong
+      // to one body, sum^2 = squares * count.
       VectorType count, sum, squares;
       for (VectorType *vector : {&count, &sum, &squares})
         space.initialize_vector(*vector);
@@ -78,7 +78,7 @@ namespace greville
 
 
     /**
-     * The fastest of a body's points on this process.
+     * Update the signals by the points of a body on this process.
      */
     template <int dim>
     void
@@ -111,7 +111,7 @@ namespace greville
 
 
     /**
-     * Collective. Give surfaces in contact the initial pressure of their pores.
+     * Collective. Set the initial pore pressure of surfaces in contact.
      */
     template <int dim>
     void
@@ -139,8 +139,8 @@ namespace greville
   void
   check_overlap(const BodyList<dim> &bodies, const SplineSpace<dim> &space)
   {
-    // Fractions of cells: where the bodies before fill more than what this
-    // one leaves, two of them are in the same place.
+    // Filled fractions of cells. If the bodies before fill more than this one
+    // leaves free, two of them overlap.
     const unsigned int  n_cells = space.owned_cells().size();
     std::vector<double> before(n_cells, 0.), own(n_cells);
     for (unsigned int b = 0; b < bodies.size(); ++b)
@@ -172,15 +172,15 @@ namespace greville
 
 
 
-  // By the points of each of two bodies that are inside of the other one.
+  // Checks the points of each of two bodies that are inside of the other one.
   // Bodies that touch may share a layer of points on their common boundary.
   template <int dim>
   void
   check_overlap_of_shapes(const BodyList<dim>    &bodies,
                           const SplineSpace<dim> &space)
   {
-    // Volumes in both of two bodies are errors above these parts of a cell,
-    // and of the smaller body.
+    // A common volume of two bodies is an error above these fractions of a cell
+    // or of the smaller body.
     constexpr double    allowed_part_of_cell = 0.4, allowed_part_of_body = 0.5;
     const std::size_t   n_bodies = bodies.size();
     const unsigned int  n_cells  = space.owned_cells().size();
@@ -194,7 +194,7 @@ namespace greville
           return bodies[b].parameters->points_file.empty() &&
                  bodies[b].parameters->displacement.empty();
         };
-        // Of each cell, the volume of points of a that are inside of b.
+        // Return, for each cell, the volume of the points of a inside of b.
         const auto volumes_of = [&](const std::size_t a, const std::size_t b) {
           std::vector<double> result(n_cells, 0.);
           bodies[a].points.for_each(
@@ -350,7 +350,8 @@ namespace greville
                    const SimulationParameters   &parameters,
                    const SplineSpace<dim>       &space)
   {
-    // A layer between the bodies and a wall, in cells, that is round-off.
+    // The thickness, in cells, below which a layer between bodies and a wall is
+    // round-off.
     constexpr double negligible_layer = 0.1;
     if (!parameters.general.pore_water || parameters.water.bulk_modulus > 0. ||
         is_drained(parameters))

@@ -17,7 +17,7 @@ namespace greville
     if (is_kicked)
       for (unsigned int d = 0; d < dim; ++d)
         {
-          // (v' - v) / dt', without what walls take from the points.
+          // (v' - v) / dt', without the momentum that walls take from points.
           VectorType &a = kept.acceleration[d], &v = kept.velocity[d];
           a = field.new_velocity[d];
           a -= v;
@@ -29,11 +29,11 @@ namespace greville
         state               = now;
         state.velocity_time = now.time;
         kept.velocity       = field.velocity;
-        // The step has moved them.
+        // Undo the motion of rigid bodies in this step.
         for (RigidBodyState<dim> &body : state.rigid_bodies)
           body.now = body.before;
       }
-    // The points of both are in the same order.
+    // The points of both states are in the same order.
     for (unsigned int b = 0; b < now.bodies.size(); ++b)
       {
         std::vector<double> velocities;

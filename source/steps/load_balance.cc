@@ -16,10 +16,10 @@ namespace greville
 
   namespace
   {
-    // p4est takes integers: the weight of a point.
+    // The weight of a point: p4est takes integers.
     constexpr double weight_of_point = 1000.;
 
-    // The work of a cell without points, in units of that of a point.
+    // The work of a cell without points, in units of the work of a point.
     constexpr double empty_cell = 0.1;
 
 
@@ -36,7 +36,7 @@ namespace greville
 
 
     /**
-     * Call @p action(points) for those of all bodies and surfaces.
+     * Call @p action(points) for the points of each body and surface.
      */
     template <typename StateType, typename Action>
     void
@@ -51,8 +51,8 @@ namespace greville
 
 
     /**
-     * Bring points that lie in the cells @p old_cells of this process to where
-     * these cells are now.
+     * Move the points in the cells @p old_cells of this process to the
+     * processes that now own these cells.
      */
     template <int dim>
     void
@@ -157,7 +157,7 @@ namespace greville
       if (cell->is_locally_owned())
         weights[position_of(cell)] = empty;
 
-    // Rows of a file may be those of other cells.
+    // Rows of a file may belong to cells of other processes.
     std::map<unsigned int, std::vector<double>> to_send;
     for (std::size_t k = 0; k < partition.rows.size(); k += 2)
       {

@@ -11,8 +11,8 @@ namespace greville
 
   namespace
   {
-    // Surfaces do not see functions all of whose cells are filled by less than
-    // this.
+    // Surfaces ignore functions if all cells of their support are filled by
+    // less than this.
     constexpr double smallest_filling = 0.1;
   } // namespace
 
@@ -91,7 +91,7 @@ namespace greville
         extended->unknowns.reinit(extended->stencil);
       }
     transfer.filling(bodies, extended->filled_part);
-    // Beyond the body, for surfaces, is also what is hardly filled.
+    // For surfaces, hardly filled cells also count as outside of the body.
     std::vector<double> &filled_part = extended->filled_part;
     for (double &part : filled_part)
       part = part < smallest_filling ? -part : part;

@@ -12,8 +12,8 @@ namespace greville
 
   namespace
   {
-    // Steps between two exchanges of volume, and what of a difference they
-    // take in the time that a wave needs for a cell.
+    // Steps between two exchanges of volume, and the fraction of a difference
+    // that they remove in the time in which a wave crosses a cell.
     constexpr unsigned int share_every = 10;
     constexpr double       share_rate  = 0.025;
   } // namespace
@@ -90,7 +90,7 @@ namespace greville
         update.time               = time;
         update.strength_reduction = body.material->strength_reduction(time);
         PointReport report;
-        // A law may throw on one process, and the next body is moved by all.
+        // A law may throw on one process, but all processes move the next body.
         try
           {
             report = transfer.grid_to_points(body.points, update);

@@ -14,18 +14,18 @@ namespace greville
 
   namespace
   {
-    // Iterations without a line search that may pass until the residual becomes
-    // smaller than it was before.
+    // Iterations without a line search that may pass until the residual falls
+    // below the smallest one so far.
     constexpr unsigned int watch = 4;
 
-    // Linear systems are solved no more exactly than to this relative residual.
+    // The smallest relative residual to which linear systems are solved.
     constexpr double smallest_forcing = 1e-8;
 
 
 
     /**
-     * Where Newton's method is, and what it knows of that place. At a trial far
-     * away the forces may have any size.
+     * An iterate with its residual and the scale of its forces. At a distant
+     * trial the forces may have any size.
      */
     struct Iterate
     {
@@ -43,7 +43,7 @@ namespace greville
 
 
     /**
-     * Newton's method from a guess.
+     * The iterations of Newton's method from a guess.
      */
     class NewtonIterations
     {
@@ -61,7 +61,7 @@ namespace greville
       }
 
       /**
-       * Iterate, and leave the last iterate in @p x.
+       * Iterate, and store the last iterate in @p x.
        */
       NewtonResult
       run(VectorType &x)
@@ -74,7 +74,7 @@ namespace greville
 
     private:
       /**
-       * Return an empty text, or why it does not converge.
+       * Return an empty text, or the reason for a failure.
        */
       std::string
       iterate()
@@ -110,7 +110,7 @@ namespace greville
         return "";
       }
 
-      /// The norm that counts as zero there.
+      /// Return the norm that counts as zero at an iterate.
       double
       limit(const Iterate &at) const
       {
@@ -144,7 +144,7 @@ namespace greville
         return text.str();
       }
 
-      /// Return an empty text, or why there is no direction.
+      /// Return an empty text, or the reason why there is no direction.
       std::string
       solve_linear_system()
       {
@@ -159,9 +159,9 @@ namespace greville
       }
 
       /**
-       * Set the trial to a full step, or with a line search to one that reduces
-       * the residual, and @p wrong to what is wrong there. Return whether there
-       * is such a step; if not, @p wrong says why.
+       * Set the trial to a full step or, with a line search, to a step that
+       * reduces the residual, and @p wrong to the error there, if any. Return
+       * whether there is such a step; if not, @p wrong says why.
        */
       bool
       find_trial(std::string &wrong)
@@ -177,7 +177,7 @@ namespace greville
             norm  = trial_r.l2_norm();
             if (wrong.empty() && !std::isfinite(norm))
               wrong = "the residual is infinite or NaN";
-            // Round-off does not let it become smaller than 10 limits.
+            // Round-off may keep the residual from falling below 10 limits.
             if (is_free || (wrong.empty() &&
                             (norm <= (1. - decrease * row.step) * best.norm ||
                              norm <= 10. * limit(now))))
@@ -190,7 +190,8 @@ namespace greville
           }
       }
 
-      /// Go back to where the residual was smallest, and search along lines.
+      /// Return to the iterate with the smallest residual, and use line
+      /// searches.
       void
       go_back()
       {
@@ -237,8 +238,8 @@ namespace greville
 
 
     /**
-     * Whether a guess that Newton's method could not use is worse than zero:
-     * the residual is infinite or NaN there, or much larger.
+     * Return whether zero is a better guess than the one that failed: there,
+     * the residual is infinite or NaN, or much larger.
      */
     bool
     zero_is_better(const NewtonResult &failed,

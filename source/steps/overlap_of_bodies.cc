@@ -14,8 +14,8 @@ namespace greville
   namespace
   {
     /**
-     * Collective. Find the box that the boxes around the points of both sides
-     * have in common. Returns whether there is one.
+     * Collective. Find the intersection of the boxes around the points of both
+     * sides. Return whether there is one.
      */
     template <int dim>
     bool
@@ -61,7 +61,7 @@ namespace greville
     Point<dim> lower, upper;
     if (!find_common_box(sides, lower, upper, comm))
       return {};
-    // Around it by what the fractions of a place depend on.
+    // Add the range of points that affect volume fractions in the box.
     lower -= 2. * h;
     upper += 2. * h;
     double                        sums[2] = {}; // of spacings, and their number

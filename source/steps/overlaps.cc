@@ -18,19 +18,19 @@ namespace greville
 
   namespace
   {
-    // Of the larger cell size: how deep a point of a body may be inside of
-    // another one, at the start and later; and the way after which the later
-    // check is made again.
+    // Multiples of the larger cell size: the largest depth of a point inside of
+    // another body, at the start and later, and the motion after which the
+    // later check is repeated.
     constexpr double deepest_of_added = 0.05, way_between_checks = 0.25;
 
-    // Halvings of the interval in which the depth of a point is looked for.
+    // The number of bisections to find the depth of a point.
     constexpr unsigned int n_bisections = 20;
 
 
 
     /**
-     * Return the depth (m) of a point, at least @p smallest_step: larger values
-     * are found, 0 stands for all smaller ones.
+     * Return the depth (m) of a point, or 0 if it is less than @p
+     * smallest_depth.
      */
     template <int dim>
     double
@@ -55,8 +55,8 @@ namespace greville
 
 
     /**
-     * Return what tells whether a place is inside of the initial shape of a
-     * body.
+     * Return a function that tells whether a position is inside of the initial
+     * shape of a body.
      */
     template <int dim>
     Inside<dim>
@@ -91,7 +91,7 @@ namespace greville
         {
           if (place.is_known || body_of(place).n_points == 0)
             continue;
-          // Bodies of contacts are there in all stages.
+          // Bodies of contacts exist in all stages.
           if (is_start)
             added.emplace_back(side, &place);
           place.is_known = true;
@@ -185,7 +185,8 @@ namespace greville
                                 p.position(),
                                 "'Rigid body " + rigid.name() + "'");
         };
-        // Cells of total Lagrangian points are not where the points are.
+        // Total Lagrangian points are not in the cells of their current
+        // positions.
         if (body.points.layout().is_total_lagrangian())
           body.points.for_each(
             [&](const unsigned int, const ConstPointRef<dim> p) { look(p); });
@@ -301,7 +302,7 @@ namespace greville
     for (unsigned int k = 0; k < n_trials; ++k)
       {
         const auto positions = moved_bodies(dt);
-        double     share     = 0.; // of what is allowed
+        double     share     = 0.; // of the allowed motion
         for (const Contact &contact : contacts)
           {
             double way = contact.speed * dt;

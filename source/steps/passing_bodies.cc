@@ -15,13 +15,13 @@ namespace greville
   {
     constexpr unsigned int steps_between_looks = 10;
 
-    // Of the larger cell size.
+    // The motion between two tests, as a fraction of the cell size.
     constexpr double way_between_tests = 0.25;
 
 
 
     /**
-     * Return whether a contact names both.
+     * Return whether a contact names both on opposite sides.
      */
     bool
     have_contact(const SimulationParameters &parameters,
@@ -60,7 +60,7 @@ namespace greville
         pair.rigid = rigid;
         pair.way   = std::numeric_limits<double>::infinity();
       };
-    // Bodies of one grid stick where they meet.
+    // Bodies on one grid stick together if they meet.
     std::vector<std::vector<std::string>> names;
     for (const Simulation<dim> *part : parts)
       names.push_back(part->parameters.general.bodies);
@@ -183,7 +183,7 @@ namespace greville
         const Motion *first = find_by(pair.names[0]);
         const Motion *second =
           pair.rigid < 0 ? find_by(pair.names[1]) : nullptr;
-        // Stages take bodies away.
+        // Bodies may be removed in a stage.
         if (pair.is_warned_of || !first || (pair.rigid < 0 && !second))
           continue;
         double speed = first->largest.back();

@@ -156,7 +156,7 @@ namespace greville
     Vector             velocity =
       old_velocity + dt * ((1. - scheme.gamma) * old_acceleration +
                            scheme.gamma * acceleration(q));
-    // What a' lacks of the impulse.
+    // The part of the contact impulse that a' does not contain.
     if (load && scheme.needs_acceleration())
       velocity += dt * (1. - 0.5 * scheme.gamma * scheme.alpha_u) *
                   acceleration_by(*load);
@@ -182,7 +182,8 @@ namespace greville
                             scheme.alpha_m * old_acceleration);
     if constexpr (dim == 3)
       {
-        // M has the inertia over arm^2, and q is arm times the rotation.
+        // M contains the inertia divided by arm^2, and q is arm times the
+        // rotation.
         const RotationVector<dim> spin = rotation_of(q) / dt;
         const RotationVector<dim> momentum =
           arm * rotation_of(arm / dt * (M * q));

@@ -23,8 +23,8 @@ namespace greville
 
   namespace
   {
-    // The imbalance that cells are shared anew for, over the one that the last
-    // time has left.
+    // Cells are redistributed if the imbalance exceeds the one after the last
+    // redistribution by this factor.
     constexpr double worth_it = 1.05;
 
 
@@ -46,7 +46,8 @@ namespace greville
 
 
     /**
-     * Throw if 'Time/Step' is no step, or no step of the whole stage.
+     * Throw if 'Time/Step' is not a valid step or, with @p is_of_whole_stage,
+     * too small for the stage.
      */
     template <int dim>
     void
@@ -73,7 +74,7 @@ namespace greville
   template <int dim>
   Simulation<dim>::Simulation(const SimulationParameters &given,
                               const MPI_Comm              comm)
-    : parameters(first_stage_of(given)) // what others refer to
+    : parameters(first_stage_of(given)) // others refer to it
     , comm(comm)
     , loads(in_stage(parameters, 0, [&]() { return Loads<dim>(parameters); }))
     , discretization(parameters, loads, log, comm)
@@ -91,7 +92,7 @@ namespace greville
     }))
   {
     make_later_bodies(current.bodies, parameters, discretization);
-    // All stages, the first one last: what is wrong with one is found now.
+    // Enter all stages, the first one last, to find their errors now.
     for (unsigned int k = parameters.n_stages(); k-- > 0;)
       {
         if (parameters.n_stages() > 1)
@@ -194,7 +195,7 @@ namespace greville
         current.step = current.velocity_step = 0.;
       }
     current.reactions = {};
-    // What an implicit scheme keeps is part of its solution.
+    // The history of an implicit scheme is part of its solution.
     AccelerationHistory<dim> kept;
     if (keeps_integrator && is_implicit())
       kept = current.field.history;
@@ -246,7 +247,7 @@ namespace greville
   void
   Simulation<dim>::start_stage()
   {
-    // What has been found with other walls, mass or integrator.
+    // Reset results for other walls, mass or integrator.
     discretization.initialize_field(current);
     current.step_fraction = 1.;
     current.estimates     = StepEstimates();
@@ -274,7 +275,7 @@ namespace greville
               p[affine->first + k] = 0.;
         });
       }
-    // For the loads of this stage, and initial positions that are new.
+    // This stage may have other loads, and new initial positions.
     loads.precompute(current.bodies);
     current.points_have_changed();
 
@@ -305,7 +306,7 @@ namespace greville
     current           = state;
     requested_row     = {};
     current.partition = discretization.partition();
-    // It may be that of another simulation, which is gone before this one.
+    // The state may refer to another simulation, which may end before this one.
     for (Body<dim> &body : current.bodies)
       {
         body.parameters = &parameters.bodies.at(body.name);
@@ -314,7 +315,7 @@ namespace greville
         if (keeps_integrator)
           body.points.set_space(discretization.space());
       }
-    // A stage that is entered makes the spaces anew, and gives them to points.
+    // enter_stage() makes new spaces and gives them to points.
     if (keeps_integrator)
       for (Surface<dim> &surface : current.surfaces)
         surface.points.set_space(discretization.space());
@@ -361,7 +362,7 @@ namespace greville
     if (Utilities::MPI::n_mpi_processes(comm) == 1 ||
         partition->is_same(*current.partition))
       return;
-    // What refers to the spaces of before, and the memory of a copy.
+    // Release objects that refer to the old spaces, and the memory of a copy.
     integrator.reset();
     last_good = Snapshot<dim>();
     redistribute(current, discretization, partition);
@@ -386,7 +387,7 @@ namespace greville
     if (when.threshold == 0. || n % when.check_every != 0)
       return false;
     const PartTimer timer(log, "load balance");
-    // Where cells are few, no partition is below the threshold.
+    // With few cells, no partition is below the threshold.
     if (when.threshold > 1. &&
         imbalance(work(), comm) <=
           std::max(when.threshold, worth_it * current.imbalance))
@@ -468,8 +469,8 @@ namespace greville
     row.reactions        = current.reactions;
     row.loads =
       loads.surfaces().resultants(current.surfaces, current.time, comm);
-    // Where its formula fails at this time, a row has no potential energy, and
-    // the next step fails with a message and a last state.
+    // If the formula fails at this time, the row has no potential energy. The
+    // next step then fails with a message and writes a last state.
     try
       {
         result.gravity = loads.gravity(current.time);
@@ -521,7 +522,7 @@ namespace greville
     add_sums(result, current.bodies, late.sums, late.gravity, comm);
     result.active    = discretization.field().mass->n_active();
     result.fragments = discretization.field().mass->n_fragments();
-    // All sums over processes are one message.
+    // Send all sums over processes in one message.
     std::vector<std::pair<std::string, double>> sums;
     const auto add = [&](const std::string &name, const double own) {
       sums.emplace_back(name, own);
@@ -568,8 +569,8 @@ namespace greville
   namespace
   {
     /**
-     * Let the normal stresses and @p others change places, which are total ones
-     * where they are empty: less the pressure of the pore water.
+     * Swap the normal stresses with @p others. If @p others is empty, first set
+     * it to the total stresses: less the pore pressure.
      */
     template <int dim>
     void
@@ -603,7 +604,8 @@ namespace greville
     loaded_surfaces();
     VectorField<dim> force;
     discretization.initialize(force);
-    // That of total stresses; effective ones come back to the bit.
+    // The force of total stresses. The second swap restores effective stresses
+    // exactly.
     std::vector<double> stresses;
     exchange_with_total_stress(current.bodies, stresses);
     discretization.find_force(current, loads.gravity(current.time), force);

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <sstream>
 
-// How a simulation goes from one time to the next, and back to a good state.
+// The steps of a simulation, and its return to a good state.
 namespace greville
 {
   using namespace dealii;
@@ -26,7 +26,8 @@ namespace greville
   bool
   Simulation<dim>::keeps_state() const
   {
-    // Implicit steps are few, and go until there is no solution.
+    // Implicit steps are few, and a run may continue until there is no
+    // solution.
     return current.n_steps == 0 || current.n_steps % remember_every == 0 ||
            is_stage_finished() || is_implicit();
   }
@@ -62,7 +63,7 @@ namespace greville
   void
   Simulation<dim>::take_step(const double dt)
   {
-    // The guard judges the state before the step, whose energy is then known.
+    // The guard checks the state before the step, whose energy is then known.
     const bool is_for_guard =
       rows_are_late() && !requested_row.is_wanted &&
       (guard.looks_at_energy(current.n_steps + 1) || is_last_step(dt));
@@ -122,7 +123,7 @@ namespace greville
     else if (is_due && !rows_are_late())
       guard.check_energy(current, energy_totals());
     else if (is_implicit())
-      // There may be a few steps only, between which loads come and go.
+      // A run may have few steps, between which loads appear and vanish.
       current.energy.remember(energy_totals());
   }
 

@@ -19,17 +19,17 @@ namespace greville
 
   namespace
   {
-    // Stored energies that differ by less are those of the same elastic law.
+    // Elastic laws are the same if their stored energies differ by less.
     constexpr double energy_tolerance = 1e-10;
 
-    // What the strength is divided by where a stress is taken over: a point
+    // The divisor of the strength while a stress is transferred: a point
     // outside of the new yield surface returns to it in the next step.
     constexpr double any_strength = 1e-9;
 
 
 
     /**
-     * What schemes and loads of all stages keep in points.
+     * Add the fields that schemes and loads of all stages keep in points.
      */
     template <int dim>
     void
@@ -96,8 +96,8 @@ namespace greville
 
 
     /**
-     * Throw if a body begins with what is at rest under gravity, which acts
-     * between periodic walls.
+     * Throw if a body begins at rest under gravity that acts between periodic
+     * walls.
      */
     template <int dim>
     void
@@ -136,7 +136,7 @@ namespace greville
 
 
     /**
-     * A body whose points get another material.
+     * The change of a body to another material.
      */
     template <int dim>
     class NewMaterial
@@ -155,7 +155,7 @@ namespace greville
       {}
 
       /**
-       * Whether both are of the same model.
+       * Return whether both materials are of the same model.
        */
       bool
       is_same_model() const
@@ -165,8 +165,8 @@ namespace greville
       }
 
       /**
-       * Whether points of this process have the same stress with both, with
-       * the deformation and history that they have.
+       * Return whether the points of this process, with their deformation and
+       * history, have the same stress with both materials.
        */
       bool
       fits() const
@@ -196,7 +196,7 @@ namespace greville
       }
 
       /**
-       * New points with the old stresses.
+       * Replace the points by new ones with the old stresses.
        */
       void
       replace(const double time)
@@ -231,7 +231,7 @@ namespace greville
 
     private:
       /**
-       * The state of a new point with the stress of an old one.
+       * Set the state of a new point q with the stress of the old point p.
        */
       void
       set_state(const ConstPointRef<dim> p,
@@ -268,7 +268,7 @@ namespace greville
         q.set_F(state.F);
         if (layout.initial_F != 0)
           {
-            // F = F_motion F_initial, and the motion is as it was.
+            // F = F_motion F_initial, and F_motion does not change.
             Tensor<2, dim> old_F, old_initial, new_F;
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int j = 0; j < dim; ++j)
@@ -290,7 +290,8 @@ namespace greville
       }
 
       /**
-       * The box that is as large today as the old one, see PointLayout.
+       * Set the box of q that is currently as large as the old one, see
+       * PointLayout.
        */
       void
       set_domain(const ConstPointRef<dim> p, const PointRef<dim> q) const

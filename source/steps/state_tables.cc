@@ -39,7 +39,7 @@ namespace greville
 
     /**
      * Call @p all(name, number) for each number that all processes share, and
-     * @p sum(name, number) for those of which each has its part.
+     * @p sum(name, number) for each number that is a sum over processes.
      */
     template <int dim, typename StateType, typename All, typename Sum>
     void
@@ -106,7 +106,7 @@ namespace greville
 
 
     /**
-     * The fields of the grid with their names.
+     * Return the fields of the grid with their names.
      */
     template <typename StateType>
     auto
@@ -137,7 +137,7 @@ namespace greville
 
 
     /**
-     * The points in the order in which insert() makes the same lists of them.
+     * Return the points in the order in which insert() makes the same lists.
      */
     template <int dim>
     DistributedTable
@@ -175,7 +175,7 @@ namespace greville
 
 
     /**
-     * Give the points of a body or surface the place of those of a file.
+     * Replace the points of a body or surface by the points of a file.
      */
     template <int dim, typename Owner>
     void
@@ -414,11 +414,11 @@ namespace greville
   namespace
   {
     /**
-     * The rows of a table with the columns of another layout. Numbers that the
-     * loads and the scheme of a run keep at points are zero where the table
-     * does not have them: loads find their points again, APIC begins without an
-     * affine velocity, and generalized-alpha finds its first acceleration. The
-     * projected J begins with J.
+     * Return the rows of a table with the columns of another layout. Numbers of
+     * the loads and of the scheme are zero if the table lacks them: loads find
+     * their points again, APIC begins without an affine velocity, and
+     * generalized-alpha finds its first acceleration. The projected J begins
+     * with J.
      */
     template <int dim>
     std::vector<double>
@@ -462,8 +462,8 @@ namespace greville
 
 
     /**
-     * Give a body or surface the points of another run, in the cells of its own
-     * grid.
+     * Replace the points of a body or surface by the points of another run, in
+     * the cells of the present grid.
      */
     template <int dim, typename Owner>
     void
@@ -517,7 +517,7 @@ namespace greville
   {
     for (Body<dim> &body : state.bodies)
       {
-        // Those of later stages are not there.
+        // Bodies of later stages have no points.
         if (body.n_points == 0)
           continue;
         set_points_anew(body, content, discretization);

@@ -170,7 +170,7 @@ namespace greville
   namespace
   {
     /**
-     * The largest of all processes.
+     * Set each number to its maximum over all processes.
      */
     void
     find_largest(const std::vector<Largest *> &numbers, const MPI_Comm comm)
@@ -195,7 +195,7 @@ namespace greville
            const MPI_Comm                   comm)
   {
     constexpr unsigned int n_spins = RowSums<dim>::n_spins;
-    // All sums are one message. Numbers of points are exact as doubles.
+    // Send all sums in one message. Numbers of points are exact as doubles.
     std::vector<double> values;
     for (const RowSums<dim> &own : sums)
       {
@@ -249,7 +249,7 @@ namespace greville
         first_moment += moment;
         for (unsigned int i = 0; i < n_spins; ++i)
           row.angular_momentum[i] += spins[i];
-        // Where the grid is periodic, gravity has no potential.
+        // In periodic directions, gravity has no potential.
         for (unsigned int d = 0; d < dim; ++d)
           if (!bodies[b].points.space().is_periodic(d))
             row.gravitational -= gravity[d] * moment[d];
@@ -277,7 +277,7 @@ namespace greville
   {
     constexpr unsigned int n_bars = 1024;
 
-    // Edges and masses of the points of this process that can be the one.
+    // Edges and masses of the points of this process that can be the quantile.
     std::vector<std::pair<double, double>> points;
     double                                 all = 0.;
     for (const RowSums<dim> *own : sums)
@@ -287,7 +287,7 @@ namespace greville
         all += own->mass_above;
       }
     all = Utilities::MPI::sum(all, comm);
-    // Of the interval in which it is: minus the lower end, and the upper one.
+    // The interval of the quantile: minus the lower end, and the upper end.
     std::vector<double> ends(2, Largest::none);
     for (const auto &point : points)
       {
@@ -311,7 +311,7 @@ namespace greville
         for (const auto &[x, mass] : points)
           bars[bar_of(x)] += mass;
         Utilities::MPI::sum(bars, comm, bars);
-        // Equal points can hold the share exactly: sums have round-off.
+        // Allow for round-off: equal points can hold exactly this share.
         unsigned int bar = n_bars - 1;
         while (bar > 0 &&
                beyond + bars[bar] <= mass_beyond_runout * all * (1. + 1e-9))

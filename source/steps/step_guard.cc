@@ -15,36 +15,36 @@ namespace greville
 
   namespace
   {
-    // Steps between two looks at the balance of energy, and before the first.
+    // Steps between two checks of the energy balance, and before the first.
     constexpr unsigned int energy_every = 100;
 
-    // The part of set_energy_swing() that is no energy from nothing. With modes
-    // at 0.95 of their critical step, E swings by a factor of ten, and what is
-    // left by two; a mode that grows keeps a tenth of its energy.
+    // The fraction of set_energy_swing() that does not count as spurious
+    // energy. With modes at 0.95 of their critical step, E swings by a factor
+    // of ten, and the rest by two. A growing mode keeps a tenth of its energy.
     constexpr double swing_left_out = 0.9;
 
-    // The gain that is accepted, as a fraction of the largest energy or
-    // work of one source so far.
+    // The accepted gain, as a fraction of the largest energy or work of one
+    // source so far.
     constexpr double accepted_gain = 0.1;
 
-    // The part of the mass that rounding may change.
+    // The fraction of the mass that rounding may change.
     constexpr double mass_tolerance = 1e-10;
 
-    // J and 1 / J at most.
+    // The largest J and 1 / J.
     constexpr double largest_volume_change = 1e4;
 
-    // Explicit steps: cells that points and pressure waves cross at most. No
-    // explicit scheme is stable with waves that are half as fast.
+    // The largest numbers of cells that points and pressure waves may cross in
+    // an explicit step. No explicit scheme is stable with waves half as fast.
     constexpr double most_cells_of_points = 1., most_cells_of_waves = 3.;
 
-    // The part of the mass times the fastest signal that rounding, and
-    // functions of hardly any mass, may change of the momentum; and iterative
-    // solvers.
+    // The change of momentum, as a fraction of the mass times the fastest
+    // signal, that rounding, functions of hardly any mass and iterative solvers
+    // may cause.
     constexpr double momentum_tolerance = 1e-6;
 
     /**
-     * The sum of n values, of which several go side by side: one alone waits
-     * for its last addition.
+     * Return the sum of n values by several independent partial sums: a single
+     * sum would wait for each addition.
      */
     template <typename Value>
     double
@@ -132,7 +132,7 @@ namespace greville
   StepGuard<dim>::start(State<dim> &state) const
   {
     weigh(state);
-    // Speeds of 1e-8 times that of waves are round-off.
+    // Speeds of 1e-8 times the wave speed are round-off.
     state.energy.reinit(energy_of_bodies<dim>(state.bodies,
                                               discretization.transfer(),
                                               discretization.communicator()),
@@ -227,7 +227,7 @@ namespace greville
     Utilities::MPI::max(extremes, comm, extremes);
     const double smallest_J = -extremes[0], largest_J = extremes[1];
     const double largest_change = largest_volume_change;
-    // Points have been weighed before they were removed.
+    // Points are weighed before their removal.
     const double before = state.mass - state.removed_mass;
     if (!(std::abs(mass - before) <= mass_tolerance * state.mass))
       throw StepFailed("the mass of the points is " + text_of(mass) +
@@ -270,7 +270,7 @@ namespace greville
            : "'Time/Step', which is <" + formula_text(parameters.time.step) +
                ">") +
         ", or a 'Velocity' of a body");
-    // Who takes larger steps has been warned by the step size.
+    // StepSize has warned of larger steps that are allowed.
     if (parameters.time.refuses_too_large_steps() &&
         extremes[3] * dt / h > most_cells_of_waves)
       throw StepFailed(
@@ -438,7 +438,7 @@ namespace greville
     if (!scheme.looks_at_energy() || !(gain > limit))
       return;
     // A stiff body that is pressed between others stores far less than the work
-    // that passes through it, whose parts have errors of their own.
+    // that passes through it, and each part of this work has an error.
     const unsigned int n_sources =
       EnergyBalance::surfaces + state.surfaces.size();
     double largest_work = 0.;

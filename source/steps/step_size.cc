@@ -15,26 +15,28 @@ namespace greville
 
   namespace
   {
-    // Runs with more are an error in a parameter.
+    // More steps are due to an error in a parameter.
     constexpr double most_steps = 1e9;
 
-    // Estimates of the critical step of which the smallest counts.
+    // The number of estimates of the critical step of which the smallest
+    // counts.
     constexpr unsigned int n_estimates = 3;
 
-    // With consistent mass, cells that a point crosses in a step at most, times
-    // the order: the filter of the velocity cannot keep up with longer steps.
+    // With consistent mass, the largest number of cells that a point crosses in
+    // a step, times the order. The velocity filter cannot keep up with longer
+    // steps.
     constexpr double largest_crossing = 0.6;
 
-    // Where an estimate is closer to the last one than this part, the time to
-    // the next one is twice as long, up to a factor.
+    // If an estimate differs from the last one by less than this fraction, the
+    // time to the next estimate doubles, up to a factor.
     constexpr double       negligible_change = 0.02;
     constexpr unsigned int longest_delay     = 8;
 
-    // Growth of the largest wave speed that asks for an estimate at once.
+    // The growth of the largest wave speed that requires an estimate at once.
     constexpr double wave_growth = 1.1;
 
-    // Accelerations that change a speed by less than this part of c + |v| in a
-    // step are noise.
+    // Accelerations that change a speed by less than this fraction of c + |v|
+    // in a step are noise.
     constexpr double noise_of_acceleration = 1e-8;
 
   } // namespace
@@ -150,9 +152,8 @@ namespace greville
                                              scheme,
                                              state.field.mode);
 
-    // Derivatives that are averaged over domains make the highest frequency
-    // depend more on where points are in their cells than the estimates of a
-    // few places show.
+    // With derivatives averaged over domains, the highest frequency depends
+    // more on the positions of points in their cells than a few estimates show.
     constexpr double of_domains = 0.85;
     if (discretization.cell_windows() &&
         discretization.field().mass->is_exact())
@@ -265,7 +266,7 @@ namespace greville
   double
   StepSize<dim>::propose(State<dim> &state, const StepScheme &scheme)
   {
-    // A given step is estimated only to warn.
+    // With a given step, the estimate is only for a warning.
     const bool has_estimate =
       is_estimate_due(state) &&
       (!formula || parameters.looks_at_too_large_steps());
@@ -280,8 +281,8 @@ namespace greville
     };
     const double left = parameters.end - state.time;
     check_step(step, left, parameters, reason);
-    // Equal steps to the end where a step is given; a last one that is not tiny
-    // otherwise.
+    // With a given step, take equal steps to the end; otherwise avoid a tiny
+    // last step.
     if (formula)
       return left / std::max(1., std::ceil(left / step - 1e-9));
     if (step >= left)

@@ -33,7 +33,7 @@ namespace greville
               }};
     }
 
-    // All integrators, one line each: explicit ones, and all.
+    // All integrators, one line each: the explicit ones, and then all.
     template <int dim>
     std::vector<Entry<dim>>
     explicit_integrators()

@@ -14,18 +14,18 @@ namespace greville
 
   namespace
   {
-    // Of the larger cell size: how far away the other side is looked for in a
-    // trial.
+    // The search distance for the other side in a trial, as a multiple of the
+    // larger cell size.
     constexpr double trial_reach = 1.;
 
-    // The method of Uzawa ends where pressures change by less than this
-    // fraction of the largest one, or after so many rounds.
+    // Uzawa's method ends if pressures change by less than this fraction of the
+    // largest one, or after this number of rounds.
     constexpr double       augmented_tolerance = 1e-3;
     constexpr unsigned int most_rounds         = 5;
-    // The share of the stiffness of single points that preconditioners have.
-    // Against a rigid body it is all. Of two bodies, most modes near the
-    // surface move both, and do not feel the contact: as much as makes kappa
-    // this has the fewest iterations.
+    // The kappa of preconditioners, which take a share of the stiffness of
+    // single points. Against a rigid body they take all of it. With two bodies,
+    // most modes near the surface move both bodies and do not feel the contact:
+    // this kappa needs the fewest iterations.
     constexpr double preconditioned_penalty = 0.1;
 
     double
@@ -42,8 +42,8 @@ namespace greville
 
 
     /**
-     * Return whether keys have begun or ended to slide, or slide the other way,
-     * by KeyMemory::sliding before and now.
+     * Return whether a key has begun or stopped sliding, or has reversed its
+     * direction. The arguments are KeyMemory::sliding before and now.
      */
     template <typename Directions>
     bool
@@ -257,7 +257,7 @@ namespace greville
           [&](const ConstPointRef<dim> p, const SurfaceState<dim> &state) {
             point->side = side.side;
             BodyContacts<dim>::set_place(*point, p, state, radius);
-            // Areas are those at the start of the step.
+            // Areas are taken at the start of the step.
             const SurfaceState<dim> start  = surface_state<dim>(p, layout);
             const Tensor<1, dim>    normal = start.area_vector();
             if (start.is_axisymmetric)
@@ -335,7 +335,7 @@ namespace greville
   std::string
   TrialContacts<dim>::describe_changes() const
   {
-    // With a larger Penalty contact is stiffer than what it acts on.
+    // With a larger penalty, the contact is stiffer than the bodies.
     constexpr double   soft_penalty = 1.;
     std::ostringstream text;
     for (unsigned int c = 0; c < n_changes.size(); ++c)
@@ -408,7 +408,7 @@ namespace greville
   TrialContacts<dim>::add_product(std::vector<VectorType>       &dst,
                                   const std::vector<VectorType> &src)
   {
-    // Its velocity is the displacement then.
+    // The velocity of a surface state is then the displacement times share.
     SurfaceMotion<dim> motion;
     motion.share  = 0.;
     motion.v_by_u = share;
@@ -425,7 +425,7 @@ namespace greville
             *u++ = state.velocity;
           });
       }
-    // What a rigid body moves by, points move back by against it.
+    // Subtract the motion of the rigid bodies from the displacements.
     if (!free_bodies.empty())
       {
         const auto all = all_of(src.back());
@@ -542,8 +542,8 @@ namespace greville
   void
   TrialContacts<dim>::add_work() const
   {
-    // Those in the middle or at the end, and without inertia means of both
-    // ends.
+    // The forces in the middle or at the end of the step; without inertia, the
+    // means of both ends.
     const double part_of_new = steps.front()->scheme.is_static ? 0.5 : 1.;
     for (const Side &side : sides)
       {

@@ -12,14 +12,16 @@ namespace greville
 
   namespace
   {
-    // Linear functions have kinks that cross points, which excites them more.
+    // Kinks of linear functions cross points, which excites the filtered modes
+    // more.
     constexpr double more_if_linear = 5.;
 
 
 
     /**
-     * For each run of p + 2 coefficients the jump of the p-th derivative across
-     * the knot that all of their functions share, scaled; entry by entry.
+     * Return the scaled weights of each run of p + 2 coefficients in the jump
+     * of the p-th derivative across the knot that their functions share, entry
+     * by entry.
      */
     std::vector<double>
     make_differences(const KnotVector &knots, const unsigned int n_functions)
@@ -30,8 +32,8 @@ namespace greville
       std::vector<double> result(std::size_t(n_runs) * (p + 2));
       for (unsigned int run = 0; run < n_runs; ++run)
         {
-          // Row i: how coefficient run + i of the kth derivative depends on the
-          // coefficients of the run.
+          // Row i: the weights of the run's coefficients in coefficient run + i
+          // of the kth derivative.
           std::vector<std::vector<double>> rows(p + 2,
                                                 std::vector<double>(p + 2));
           for (unsigned int i = 0; i < p + 2; ++i)
@@ -66,8 +68,8 @@ namespace greville
     const auto &extents = space->n_functions();
     const auto &owned   = space->owned_functions();
 
-    // Counted without periods, functions go from -reach to n + reach in
-    // periodic directions. All of them are shifted to be positive.
+    // In periodic directions, unwrapped indices of functions go from -reach to
+    // n + reach. The shift makes them nonnegative.
     MultiIndex<dim> shift, all;
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -89,7 +91,7 @@ namespace greville
       return std::binary_search(owned.begin(), owned.end(), position);
     };
 
-    // Functions of this process, and what else is in their runs.
+    // Functions of this process, and other functions in their runs.
     std::vector<MultiIndex<dim>> functions;
     std::vector<std::uint64_t>   near, others;
     for (const std::uint64_t position : owned)
@@ -244,7 +246,7 @@ namespace greville
           }
         for (unsigned int d = 0; d < dim; ++d)
           {
-            // The places that all functions of a run have.
+            // The range of x in which all functions of a run exist.
             int begin = line.begin, end = line.end - (d == 0 ? length - 1 : 0);
             for (int k = 1; k < length && d > 0; ++k)
               {
@@ -311,8 +313,8 @@ namespace greville
             const int   begin = line.first_run[d], end = line.end_of_runs[d];
             if (begin >= end)
               continue;
-            // In x each run has its own differences, in other directions all
-            // runs of the line have the same.
+            // In x each run has its own differences; in other directions, all
+            // runs of a line share them.
             const int  first    = d == 0   ? 0
                                   : d == 1 ? int(l % n_lines_y) + low_y
                                            : int(l / n_lines_y) + low_z;
