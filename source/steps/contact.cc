@@ -8,7 +8,7 @@ namespace greville
 
   namespace
   {
-    // All contacts, one line each. The last one acts last.
+    // All contacts, one line each, in the order in which they act.
     template <int dim>
     std::vector<MakeContact<dim>> &
     contacts()

@@ -249,9 +249,9 @@ namespace greville
                               : std::numeric_limits<double>::infinity();
     };
 
-    // Each vector x has a step dt with x^T B^-1 x = x^T (dt^2 / 4 K + dt / 2 C)
-    // x; the smallest one is the critical step. Begin with the step of the
-    // first vector and repeat with the step of the eigenvector. Without
+    // A vector x with x^T B^-1 x = x^T (dt^2 / 4 K + dt / 2 C) x has the step
+    // dt; the smallest step of all x is the critical one. Begin with the step
+    // of the first vector and repeat with the step of the eigenvector. Without
     // viscosity any dt will do.
     double              step = 1.;
     std::vector<double> x(n), y(n);

@@ -26,10 +26,10 @@ namespace greville
    * The contacts of bodies that are parts of CoupledSimulations, and the rigid
    * bodies that they meet. At the start of each explicit step, with all parts
    * at the same time, a contact gives forces to the points of its surfaces, as
-   * loads that the parts sum up; and it remembers what it has to know of the
-   * step there (ContactPoint::slip). See AveragedContact and SurfaceSearch.
-   * Implicit steps have TrialContacts, which leave the loads of the end of the
-   * step at the points, and the slip there.
+   * loads that the parts sum up; and it stores the data of the step there
+   * (ContactPoint::slip). See AveragedContact and SurfaceSearch. Implicit steps
+   * have TrialContacts, which leave loads and slip of the end of the step at
+   * the points.
    */
   template <int dim>
   class BodyContacts
@@ -244,14 +244,14 @@ namespace greville
     Candidates
     find_candidates(Contact &contact);
 
-    /// The same for the surface number @p s of the first side.
+    /// Replace only the surface number @p s of the first side.
     void
     renew_contactors(const Contact     &contact,
                      const Candidates  &candidates,
                      const unsigned int s);
 
-    /// How far a point, or a rigid body, may move in an implicit step, in units
-    /// of the larger cell size.
+    /// The largest motion of a point or a rigid body in an implicit step, in
+    /// units of the larger cell size.
     static constexpr double longest_trial_motion = 0.5;
 
     /// The largest motion of a point or a rigid body in an explicit step.
@@ -262,7 +262,7 @@ namespace greville
     {
       unsigned int       cell;
       dealii::Point<dim> center;
-      double             distance; // at least, of the center; 0: not known
+      double             distance; // lower bound, of the center; 0: unknown
     };
 
     /**
@@ -315,8 +315,8 @@ namespace greville
     check_added(Contact &contact, const unsigned int side, Place &place) const;
 
     /**
-     * Collective. Return the point that is too far inside, empty if there is
-     * none.
+     * Collective. Return a text about the point that is too far inside, empty
+     * if there is none.
      */
     std::string
     find_inside_of_rigid(Contact &contact);

@@ -8,15 +8,15 @@
 namespace greville
 {
   /**
-   * Collective. The simulations that CoupledSimulations consists of: one of
-   * each body where bodies have grids of their own, and otherwise the one that
-   * is given.
+   * Collective. Return the parameters of the parts of CoupledSimulations: one
+   * part for each group of bodies on a common grid, if there are grids of
+   * bodies or contacts; otherwise only the given parameters.
    *
-   * A body gets the part of its grid around it: the cells with points and p
-   * more on each side, so that all functions that reach the body are the
-   * functions of the whole grid. Walls act on the sides of the part that are
-   * sides of the grid; all other sides are free, as well as contact walls,
-   * beyond which the grid continues.
+   * In total Lagrangian steps, a part has only the cells of its grid that
+   * contain points, and p more on each side, so that all functions that reach
+   * its bodies are functions of the whole grid. Walls act on the sides of the
+   * part that are sides of the grid of the parameters; all other sides are
+   * free.
    *
    * Throws dealii::ExcMessage if a body is invalid.
    */

@@ -13,7 +13,7 @@
 namespace greville
 {
   /**
-   * Explicit steps, of which USL and MUSL are two. A step from t_n to
+   * Explicit steps, such as USL and MUSL. A step from t_n to
    * t_(n+1) = t_n + dt, with the sums of PointTransfer at the positions x_n, is
    * for each GridField
    *
@@ -32,14 +32,14 @@ namespace greville
    * see GridMass::constrained_residual(); otherwise, they would keep it
    * forever.
    *
-   * With velocities at half steps, dt' is the mean of dt and the previous step,
-   * in the first step dt / 2: central differences, of second order, where v
-   * belongs to t_(n-1/2), v' to t_(n+1/2). With full steps dt' = dt: symplectic
-   * Euler, of first order.
+   * With velocities at half steps, v belongs to t_(n-1/2) and v' to t_(n+1/2),
+   * and dt' is the mean of dt and the previous step, or dt / 2 in the first
+   * step: central differences, of second order. With full steps, dt' = dt:
+   * symplectic Euler, of first order.
    *
-   * Automatic steps with consistent mass are rejected where they show a mode
-   * that they are too long for: the critical step can fall from one step to the
-   * next, where points have left a hole.
+   * Automatic steps with consistent mass are rejected if they show a mode for
+   * which they are too long: the critical step can fall from one step to the
+   * next if points leave a hole.
    *
    * The references are @ref Sulsky1994 "Sulsky, Chen and Schreyer, 1994", and
    * @ref Bardenhagen2002 "Bardenhagen, 2002".
@@ -73,8 +73,8 @@ namespace greville
     }
 
     /**
-     * Velocities at half steps get the other half of their kick. Reactions
-     * stay.
+     * Give velocities at half steps the other half of their kick. Reactions do
+     * not change.
      */
     void
     finish(State<dim> &state) override;
@@ -88,14 +88,15 @@ namespace greville
     virtual void
     take_points(State<dim> &state) = 0;
 
-    /// M x = sum for pairs of them; the x hold guesses and the values at walls.
+    /// Solve M x = sum for pairs of fields; x holds guesses and values at
+    /// walls.
     void
     solve(const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &sums,
           const std::vector<double>                   &shares = {});
 
-    /// Take from a velocity that has been found from the points what contacts
-    /// do not let through.
+    /// Remove the components that contacts block from a velocity that was
+    /// computed from the points.
     void
     stop(VectorField<dim> &velocity) const;
 
@@ -154,41 +155,41 @@ namespace greville
     ContactStep<dim>
     contact_step(State<dim> &state);
 
-    /// Guesses of velocity and acceleration with the values at walls, and the
-    /// momentum of the points. Accelerations are those of the state, which gets
-    /// others in exchange.
+    /// Set guesses of velocity and acceleration with the values at walls, and
+    /// add the momentum of the points to the balance. The acceleration is
+    /// swapped with the one of the state.
     void
     set_guesses(State<dim> &state);
 
-    /// Hold what contacts constrain, see Contact::constrain().
+    /// Apply the constraints of contacts, see Contact::constrain().
     void
     constrain(State<dim> &state);
 
     void
     add_gravity(const double t);
 
-    /// Points to grid, and one solve for velocity and acceleration.
+    /// Sum points to the grid, and solve for velocity and acceleration at once.
     void
     find_fields(State<dim> &state);
 
-    /// The momentum that walls give in the step: @p factor times what they
-    /// add to the sum of the pair @p k of the last solve().
+    /// Add the momentum that walls give in the step: @p factor times their
+    /// contribution to the sum of the pair @p k of the last solve().
     void
     add_momentum_of_walls(const VectorField<dim> &x,
                           const VectorField<dim> &b,
                           const unsigned int      k,
                           const double            factor);
 
-    /// The acceleration at the start of the step.
+    /// Compute the acceleration at the start of the step.
     void
     find_acceleration(State<dim> &state);
 
-    /// The fraction of the velocity that points keep in the step at hand; none
+    /// Return the fraction of the velocity that points keep in this step; zero
     /// with APIC.
     double
     kept_share(const State<dim> &state) const;
 
-    /// Collective. Add what the pressure of pore water gives.
+    /// Collective. Add the effect of the pore pressure.
     void
     add_pressure(const State<dim> &state);
 
@@ -215,7 +216,7 @@ namespace greville
     void
     count_step(State<dim> &state, const double dt);
 
-    /// Filter the new velocity, and add what that takes to the acceleration.
+    /// Filter the new velocity, and change the acceleration accordingly.
     void
     filter_velocity();
 
@@ -290,7 +291,7 @@ namespace greville
     VectorField<dim>    work_field, surface_velocity;
     // Velocities and accelerations of surfaces if GridMass::extends_surfaces().
     std::array<VectorField<dim>, 3> surface_fields;
-    LateRow<dim>                   *row = nullptr; // that the step sums up
+    LateRow<dim>                   *row = nullptr; // of this step
   };
 } // namespace greville
 

@@ -164,9 +164,9 @@ namespace greville
     VectorType                               diagonal;  // for "cg-jacobi"
     std::unique_ptr<ExtendedMultigrid<dim>>  multigrid; // "cg-p-multigrid"
     std::unique_ptr<ExtendedMassSolver<dim>> mass_solver;
-    // Implicit steps have a mass of their own: this one is made where a solve
-    // asks for it, from the bodies of the last update(), a list that follows
-    // its state.
+    // Implicit steps have a mass of their own. This matrix is assembled when a
+    // solve needs it, from the list of bodies of the last update(), which
+    // follows the state.
     bool has_matrix = false, is_assembled = false;
     bool has_new_unknowns                                      = false;
     const std::vector<const MaterialPoints<dim> *> *bodies     = nullptr;

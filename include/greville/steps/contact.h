@@ -56,8 +56,8 @@ namespace greville
     virtual ~Contact() = default;
 
     /**
-     * Collective. Add to GridField::constraints, and set the velocity and the
-     * acceleration that is given there.
+     * Collective. Add to GridField::constraints, and set the prescribed
+     * velocity and acceleration there.
      */
     virtual void
     constrain(ContactStep<dim> &)
@@ -74,8 +74,8 @@ namespace greville
     {}
 
     /**
-     * Take from a velocity that has been found from the points what this
-     * contact does not let through.
+     * Remove the components that this contact blocks from a velocity that was
+     * computed from the points.
      */
     virtual void
     stop(VectorField<dim> &) const
@@ -92,7 +92,7 @@ namespace greville
     }
 
     /**
-     * Forget what earlier steps have left, see TimeIntegrator::forget().
+     * Forget data of earlier steps, see TimeIntegrator::forget().
      */
     virtual void
     forget()

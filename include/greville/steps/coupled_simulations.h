@@ -20,7 +20,7 @@ namespace greville
   {
   public:
     /**
-     * Collective. Throws dealii::ExcMessage where parameters are wrong.
+     * Collective. Throws dealii::ExcMessage for invalid parameters.
      */
     CoupledSimulations(const SimulationParameters &parameters,
                        const MPI_Comm              comm = MPI_COMM_WORLD);
@@ -32,7 +32,7 @@ namespace greville
     fill_grid();
 
     /**
-     * Collective. A common step, see Simulation::step().
+     * Collective. Take a common step, see Simulation::step().
      */
     void
     step();
@@ -41,7 +41,7 @@ namespace greville
     is_finished() const;
 
     /**
-     * See Simulation::exceeds_displacement(): true if it is true of one part,
+     * Return whether Simulation::exceeds_displacement() is true for any part,
      * which ends the run.
      */
     bool
@@ -123,14 +123,15 @@ namespace greville
     }
 
     /**
-     * Collective. The states as tables, see make_tables().
+     * Collective. Return the states as tables, see make_tables().
      */
     std::vector<DistributedTable>
     tables() const;
 
     /**
-     * Collective. Go on from tables() of others with the same parameters.
-     * Later steps have the same bits on the same number of processes.
+     * Collective. Continue from tables() of simulations with the same
+     * parameters. Later steps are bitwise equal on the same number of
+     * processes.
      */
     void
     set_from_tables(const TablesFile &content);
@@ -152,7 +153,7 @@ namespace greville
     struct AllBodies
     {
       std::vector<Body<dim>>    later, of_materials;
-      std::list<BodyParameters> parameters; // of these
+      std::list<BodyParameters> parameters; // of later bodies and of_materials
       BodyList<dim>             list;
     };
 
@@ -191,8 +192,8 @@ namespace greville
     finish();
 
     /**
-     * Collective. Ask the next step for the row of all parts as they are, see
-     * Simulation; @p watch gets the number of the part besides.
+     * Collective. Request the row of the current state of all parts from the
+     * next step, see Simulation; @p watch also gets the number of the part.
      */
     void
     ask_for_row(const std::function<void(const unsigned int part,

@@ -59,7 +59,7 @@ namespace greville
     std::string
     residual(VectorType &r, const VectorType &x) override;
 
-    /// The tolerance of a residual is not smaller than round-off.
+    /// Return the scale of the residual; its tolerance is not below round-off.
     double
     scale() override;
 

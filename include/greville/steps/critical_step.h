@@ -30,9 +30,9 @@ namespace greville
    * is one. K is the stiffness matrix of the bodies, with the moduli of their
    * materials scaled by the wave moduli of the points, and C is the matrix of
    * their largest viscosities, which do not depend on the state of a point: a
-   * torn fluid has no pressure, but its viscosity. Without viscosity, dt is 2 /
-   * omega with the largest eigenvalue omega^2 of B K; without stiffness, 2 /
-   * gamma with the largest eigenvalue gamma of B C. Since K and C enter
+   * torn fluid has no pressure, but keeps its viscosity. Without viscosity, dt
+   * is 2 / omega with the largest eigenvalue omega^2 of B K; without stiffness,
+   * 2 / gamma with the largest eigenvalue gamma of B C. Since K and C enter
    * together, a stiff body beside a viscous one does not give a step that is
    * too short for both.
    *
@@ -54,13 +54,13 @@ namespace greville
    *   \frac{2 s - (1 - f) s^2}{1 + f} A \quad \text{(MUSL)}.
    * @f]
    * APIC is PIC with an s that is nearer to one: (2 - s) A (USL), A (MUSL).
-   * Lumped USL, with s near 0 for the highest frequency, has a step that
-   * is shorter by up to the root of 2 than that of A K, lumped MUSL a longer
-   * one. Cundall's damping multiplies
-   * forces by 1 + alpha at most, and the step is that of stiffness times
-   * 1 + alpha. With other masses than lumped it is that of (1 + alpha)^2: the
-   * damping changes its signs from step to step, and with the root of that
-   * factor a block that slid on its base gained strain energy again and again.
+   * For the highest frequency, s is near 0: the step of lumped USL is then
+   * shorter than the step of A K by up to the root of 2, the step of lumped
+   * MUSL is longer. Cundall's damping multiplies forces by at most 1 + alpha,
+   * and so the stiffness is multiplied by 1 + alpha. With other masses than
+   * lumped, the factor is (1 + alpha)^2: the damping changes its signs from
+   * step to step, and with 1 + alpha, a block that slides on its base
+   * repeatedly gains strain energy.
    *
    * The eigenvalue is computed by largest_eigenvalue(), until it changes by
    * less than 1 % per step. It converges from below, so the result needs a

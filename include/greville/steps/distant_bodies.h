@@ -11,9 +11,9 @@
 namespace greville
 {
   /**
-   * Return notes about rigid bodies that are away from their @p regions, the
-   * grids of the bodies that meet them, and move, or whose bodies may leave the
-   * grid. Throws dealii::ExcMessage if one stays away.
+   * Return notes about rigid bodies that stay away from their @p regions, the
+   * grids of the bodies that may meet them. Throws dealii::ExcMessage if such a
+   * rigid body does not move and bodies cannot leave their grid.
    */
   template <int dim>
   std::vector<std::string>

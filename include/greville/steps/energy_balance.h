@@ -163,8 +163,8 @@ namespace greville
 
     /**
      * Call @p all(name, number) for the numbers that are equal on all
-     * processes, and @p sum(name, number) for the numbers of which each process
-     * has its part, including the first @p n_sources sources of work.
+     * processes, and @p sum(name, number) for numbers that are sums over
+     * processes, including the first @p n_sources sources of work.
      */
     template <typename All, typename Sum>
     void
@@ -206,7 +206,7 @@ namespace greville
     std::vector<double> own_work; // of sources
     double              start = 0., largest = 0.;
     double              own_damping = 0., own_friction = 0.;
-    double              lowest_damping = 0.; // of D, where gain() has seen it
+    double              lowest_damping = 0.; // of D in calls of gain()
   };
 
 } // namespace greville

@@ -45,7 +45,7 @@ namespace greville
 
     /**
      * Return whether solve() applies the exact inverse of the points' mass
-     * matrix, and not of an approximation, which loses part of what it maps.
+     * matrix, and not an approximation, which loses part of the mapped field.
      */
     virtual bool
     is_exact() const = 0;
@@ -145,8 +145,8 @@ namespace greville
                      const unsigned int      k) const = 0;
 
     /**
-     * Collective. Give functions that are no unknowns the coefficients that
-     * depend on those of unknowns, see ExtendedMass::extend().
+     * Collective. Set the coefficients of functions that are not unknowns,
+     * which depend on unknowns, see ExtendedMass::extend().
      */
     virtual void
     extend(VectorField<dim> &) const
@@ -173,9 +173,8 @@ namespace greville
     }
 
     /**
-     * Let the mass update, in windows of cells, which cells reach their
-     * neighbours by extended functions. They are kept by reference, null if
-     * there are none.
+     * Set the windows of cells, kept by reference, in which update() stores the
+     * cells that reach their neighbours by extended functions; null for none.
      */
     virtual void
     set_windows(CellWindows<dim> *)
@@ -222,8 +221,8 @@ namespace greville
     {}
 
     /**
-     * Forget the factorizations of earlier matrices: results then depend on the
-     * points alone, to the bit and not only to the tolerance of the solver.
+     * Forget the factorizations of earlier matrices: results then depend only
+     * on the points, bitwise and not just within the tolerance of the solver.
      */
     virtual void
     forget()

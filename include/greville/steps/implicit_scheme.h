@@ -12,9 +12,9 @@
 namespace greville
 {
   /**
-   * The coefficients of an implicit scheme. From the displacement u of the grid
-   * in a step, and from its velocity v and acceleration a at the start, follow
-   * the acceleration and velocity at the end,
+   * The coefficients of an implicit scheme. The displacement u of the grid in a
+   * step, and its velocity v and acceleration a at the start, give the
+   * acceleration and velocity at the end,
    * @f{align*}{
    *   a' &= (\alpha_u u / dt - \alpha_v v) / dt - \alpha_a a, \\
    *   v' &= v + dt ((1 - \gamma) a + \gamma a'),
@@ -31,8 +31,8 @@ namespace greville
    * second order depends.
    *
    * If a included contact forces @f$f_c@f$ that appear or vanish in a step,
-   * energy would grow. In schemes with a, a and a' therefore include the other
-   * forces only, and contacts act as impulses at the end of the step (@ref
+   * energy would grow. In schemes with a, a and a' therefore include only the
+   * other forces, and contacts act as impulses at the end of the step (@ref
    * Kane1999 "Kane et al., 1999"; @ref Chen2013 "Chen et al., 2013"): to v'
    * they add @f$dt M^{-1} f_c@f$, and to u half of that times dt. In the
    * equation for u this is @f$f_c@f$ times contact_weight(). These steps keep a

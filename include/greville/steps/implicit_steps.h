@@ -154,8 +154,8 @@ namespace greville
     void
     sum_forces(State<dim> &state, const double dt);
 
-    /// Take contact forces, which are impulses of the steps they belong to,
-    /// from old_force, if the scheme has an acceleration.
+    /// Subtract contact forces from old_force if the scheme has an
+    /// acceleration: they act as impulses at the end of their steps.
     void
     set_contact_impulses_apart(const State<dim> &state);
 
@@ -177,14 +177,14 @@ namespace greville
     void
     guess_displacement(const State<dim> &state, const double dt);
 
-    /// The displacement, the forces of stresses and of loads at x, and the
-    /// stiffness there. Returns what is wrong with a point, empty if nothing
-    /// is.
+    /// Compute the displacement, the forces of stresses and of loads, and the
+    /// stiffness at x. Returns an error message about a point, or an empty
+    /// text.
     std::string
     evaluate(const VectorType &x, const double dt, const bool with_stiffness);
 
-    /// Return the residual of the last evaluate(), with the weighted contact
-    /// force, which is kept and may be null.
+    /// Compute the residual of the last evaluate(), with the weighted contact
+    /// force, which is kept by reference and may be null.
     void
     find_residual(VectorType             &r,
                   const double            dt,
@@ -297,7 +297,7 @@ namespace greville
     VectorField<dim>        contact_load, contact_acceleration;
     VectorType              last_residual;
     double      force_scale = 0., round_off = 0.; // of the last residual
-    double      inertia_at_begin = 0.;            // its terms, N
+    double      inertia_at_begin = 0.;            // of known inertia terms, N
     bool        has_stiffness    = false;         // of the last residual
     bool        forces_vanish    = false; // where Newton's method failed
     std::string rejection;

@@ -42,7 +42,7 @@ namespace greville
     /// The energy of StepGuard::set_energy_swing().
     double energy_swing = 0.;
 
-    /// Called with points as they are before they are kicked, and after that
+    /// A function called with the points before their kick, and again after it,
     /// before they go to other cells, with the weights of their velocities.
     std::function<void(const double weight, const bool is_kicked)> watch;
 

@@ -25,7 +25,7 @@ namespace greville
   {
   public:
     /**
-     * Collective. K = @p n_terms; 1 is M_L^-1.
+     * Collective. @p n_terms is K; K = 1 is M_L^-1.
      */
     LumpedMass(const unsigned int         n_terms,
                const OrderHierarchy<dim> &orders,

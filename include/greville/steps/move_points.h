@@ -20,7 +20,7 @@ namespace greville
     PointSums sums;
     /// The cells that at least one point has left, by body.
     std::vector<std::vector<unsigned int>> left_cells;
-    /// The same by surface.
+    /// The cells that at least one point of a surface has left, by surface.
     std::vector<std::vector<unsigned int>> left_surface_cells;
     /// A message about an invalid point, empty if there is none.
     std::string problem;
@@ -48,10 +48,10 @@ namespace greville
   stop_points(State<dim> &state);
 
   /**
-   * Collective. Update the points of all bodies in one pass, except those that
-   * the @p update does not change. Its material is replaced by each body's,
-   * with the strength at the @p time (s) that the points reach. A kick sums up
-   * the @p row unless null.
+   * Collective. Update the points of all bodies in one pass. The material of
+   * the @p update is replaced by the material of each body, with the strength
+   * at the @p time (s) that the points reach. A kick sums up the @p row unless
+   * null.
    */
   template <int dim>
   PointMotion

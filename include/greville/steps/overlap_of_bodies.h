@@ -47,7 +47,7 @@ namespace greville
               const std::string        &other);
 
   /**
-   * Return the same for an overlap.
+   * Return this text for an overlap.
    */
   template <int dim>
   std::string
@@ -63,7 +63,8 @@ namespace greville
           const dealii::Point<dim> &x,
           const double              distance);
 
-  /// Return the same for axisymmetric bodies, which continue beyond the axis.
+  /// Return @p is_inside for axisymmetric bodies, which continue beyond the
+  /// axis.
   template <int dim>
   Inside<dim>
   mirrored(const Inside<dim> &is_inside, const bool is_axisymmetric);

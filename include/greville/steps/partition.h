@@ -21,7 +21,7 @@ namespace greville
     /**
      * Collective. @p rows has the lexicographic position of a cell
      * (SplineSpace::owned_cells()) and its weight, one cell after the other,
-     * each on one process, whichever it is.
+     * each on any one process.
      */
     Partition(std::vector<double> rows, const MPI_Comm comm);
 

@@ -46,8 +46,8 @@ namespace greville
     guess() const;
 
     /**
-     * Return its position after a share of the step, with the velocity at the
-     * end, which includes the effect of a @p load if given.
+     * Return the position of the body after a share of the step, with the
+     * velocity at the end, which includes the effect of a @p load if given.
      */
     RigidPosition<dim>
     position(const Vector &q,

@@ -24,7 +24,7 @@ namespace greville
    * The material point method on a grid of B-splines: a State on a
    * Discretization, which a TimeIntegrator takes from step to step. Each stage
    * of the parameters has its own integrator, walls, mass and loads; State and
-   * mesh stay. All bodies share the grid. Those with a grid each are the
+   * mesh stay. All bodies share the grid. Bodies with a grid each are
    * simulations of CoupledSimulations.
    */
   template <int dim>
@@ -144,16 +144,16 @@ namespace greville
     }
 
     /// Collective. Give points the rest of their kick, so that velocities
-    /// belong to State::time: for what is read at the end of a run. Later steps
-    /// go on from there. Where the kick fails, as the next step will do as
-    /// well, velocities stay those of State::velocity_time, with a warning.
+    /// belong to State::time, for results at the end of a run. Later steps
+    /// continue from there. If the kick fails, as the next step will, too,
+    /// velocities still belong to State::velocity_time, and there is a warning.
     void
     finish();
 
-    /// Collective. Ask the next step for the row of the state as it is, see
-    /// LateRow; late_row() gives it after the step. @p outer_mass is the mass
-    /// of the outermost points that a front may be among, and @p watch as in
-    /// LateRow. set_state(), and a step that fails, forget it.
+    /// Collective. Request the row of the current state from the next step, see
+    /// LateRow; late_row() returns it after the step. @p outer_mass is the mass
+    /// of the outermost points that may determine the run-out, @p watch is as
+    /// in LateRow. set_state() and a failed step cancel the request.
     void
     ask_for_row(const double                         outer_mass,
                 const decltype(LateRow<dim>::watch) &watch = {});
@@ -224,7 +224,7 @@ namespace greville
       return integrator->is_implicit();
     }
 
-    /// Collective. The balance of energy of the state as it is.
+    /// Collective. Return the energy balance of the current state.
     EnergyTotals
     energy_totals();
 
@@ -344,7 +344,7 @@ namespace greville
 
     // The current step.
     bool         is_first_step_of_stage = false;
-    unsigned int entered_stage          = 0; // that of the parameters
+    unsigned int entered_stage          = 0; // stage of the parameters
   };
 } // namespace greville
 

@@ -168,13 +168,13 @@ namespace greville
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
 
     /**
-     * Volumes of pore water since the begin, the share of this process, m^3
+     * Volumes of pore water since the start, the share of this process, m^3
      * (2D: m^2): the inflow to the pores, and the outflow through all
      * boundaries and through each wall, each surface, and the free surface.
      */
     std::vector<double> water;
     /**
-     * The same for the last step, and its length; 0 if it belongs to another
+     * The volumes in the last step, and its length; 0 if it belongs to another
      * stage.
      */
     std::vector<double> water_of_step;
@@ -205,7 +205,7 @@ namespace greville
   struct State : StateWithoutBodies<dim>
   {
     std::vector<Body<dim>> bodies;
-    /// One for each of SurfaceLoads, in its order.
+    /// One surface for each of SurfaceLoads, in its order.
     std::vector<Surface<dim>> surfaces;
 
     /**
@@ -214,7 +214,7 @@ namespace greville
      */
     std::uint64_t points_version = 0;
 
-    /// Set a new stamp; to be called after points have been moved or kicked.
+    /// Set a new version; to be called after points have been moved or kicked.
     void
     points_have_changed()
     {

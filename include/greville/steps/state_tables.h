@@ -9,14 +9,15 @@
 namespace greville
 {
   /**
-   * Collective. All numbers of a state as tables that do not depend on how
-   * cells are shared among processes: a row of points begins with the
-   * lexicographic position of its cell (SplineSpace::owned_cells()), one of
-   * coefficients with that of its B-spline (SplineSpace::n_functions()).
+   * Collective. Return all numbers of a state as tables that do not depend on
+   * the distribution of cells among processes: a row of a point begins with the
+   * lexicographic position of its cell (SplineSpace::owned_cells()), a row of
+   * coefficients with the position of their B-spline
+   * (SplineSpace::n_functions()).
    *
-   * Points have tables `body NAME` and `surface NAME`. Those of the rest begin
-   * with the @p prefix: `state` and `step_estimates` with numbers, `partition`
-   * (see Partition), and those of fields of the grid.
+   * Points have tables `body NAME` and `surface NAME`. The names of all other
+   * tables begin with the @p prefix: `state` and `step_estimates` with numbers,
+   * `partition` (see Partition), and the fields of the grid.
    */
   template <int dim>
   std::vector<DistributedTable>

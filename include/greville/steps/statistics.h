@@ -16,7 +16,7 @@
 namespace greville
 {
   /**
-   * Work since the begin, J (2D: J / m). See EnergyBalance.
+   * Work since the start, J (2D: J / m). See EnergyBalance.
    */
   struct Work
   {
@@ -24,7 +24,7 @@ namespace greville
     double loads    = 0.; // by loads on points
     double walls    = 0.; // by moving walls
     double friction = 0.; // by friction walls
-    double damping  = 0.; // Cundall's and kinetic
+    double damping  = 0.; // Cundall's and kinetic damping
     /// The work of each of Statistics::loads, in their order.
     std::vector<double> surfaces;
     /// The work of contacts by name, on both sides.
@@ -82,7 +82,7 @@ namespace greville
     /// The number of cells whose points have no host (consistent mass).
     std::uint64_t fragments = 0;
     std::uint64_t n_points  = 0;
-    /// The number of steps repeated with a shorter length, since the begin.
+    /// The number of steps repeated with a shorter length, since the start.
     std::uint64_t redone = 0;
     Work          work;
     /// Reactions of walls in implicit steps, which are not among the columns().
@@ -116,7 +116,8 @@ namespace greville
 
     /**
      * Add the statistics of other bodies, with their loads, at the same time.
-     * front_99, which does not follow from the parts, becomes the larger value.
+     * runout_99, which does not follow from the parts, becomes the larger
+     * value.
      */
     void
     add(const Statistics &other);
@@ -140,7 +141,7 @@ namespace greville
 
   /**
    * Collective. Return the smallest x beyond which lies at most the fraction
-   * mass_beyond_runout of the mass of all points that count for fronts, where x
+   * mass_beyond_runout of the mass of all points that count for the run-out; x
    * of a point is its position plus half of its size. Unlike the outermost
    * point, it does not depend on single points. @p sums have outer_points() of
    * at least this mass. Points are not sent: nested histograms of masses, each
@@ -151,7 +152,7 @@ namespace greville
   runout_quantile(const std::vector<const RowSums<dim> *> &sums,
                   const MPI_Comm                           comm);
 
-  /// Collective. Return the same for all points above @p runout_above.
+  /// Collective. Return this quantile for all points above @p runout_above.
   template <int dim>
   Largest
   runout_quantile(

@@ -46,22 +46,22 @@ namespace greville
    * A check of each step, which throws StepFailed unless
    * - no point is lost, except those that have left the grid;
    * - the mass of the points is unchanged;
-   * - mass and momentum are finite (stresses and J are looked at where the laws
-   *   give them);
+   * - mass and momentum are finite (stresses and J are checked where laws
+   *   compute them);
    * - J is within plausible bounds;
    * - explicit steps: no point crosses more than a cell, no pressure wave more
    *   than three;
-   * - the momentum of the points is what it was and what forces and walls have
-   *   given. Explicit steps take forces and walls as they are on the grid;
-   *   implicit ones, whose forces are those of Newton's method, what the grid
-   *   gives to the points. It is not known with contacts that constrain and
-   *   with Cundall's damping.
+   * - the momentum of the points is their previous momentum plus the impulse of
+   *   forces and walls. Explicit steps take this impulse on the grid; implicit
+   *   steps, whose forces come from Newton's method, take the momentum that the
+   *   grid gives to the points. Steps with constraining contacts or Cundall's
+   *   damping are not checked.
    * The sums are computed in the passes over points and grid of the step
    * itself.
    *
-   * Every hundred steps, and after the last one, it looks at the EnergyBalance
-   * of the state, in explicit steps of that before this step, and warns or
-   * stops the run where energy has come from nothing.
+   * Every hundred steps, and after the last one, it checks the EnergyBalance of
+   * the state (in explicit steps, of the state before the step), and warns or
+   * stops the run if energy is spurious.
    */
   template <int dim>
   class StepGuard
@@ -93,9 +93,9 @@ namespace greville
 
     /**
      * For integrators, with a LateRow: dt^2 / 8 a^T M a of this process, J (2D:
-     * J / m). In linear vibrations, central differences keep E less that, with
-     * the energy E of finished states: E swings, the more the closer modes are
-     * to their critical step. check() forgets it.
+     * J / m). In linear vibrations, central differences conserve the energy E
+     * of finished states minus this value. E itself oscillates, the more the
+     * closer modes are to their critical step. check() resets it.
      */
     void
     set_energy_swing(const double energy)
@@ -104,15 +104,15 @@ namespace greville
     }
 
     /**
-     * Collective. Check a state after a step of an integrator that is implicit
-     * or not. Data that it has not passed are not checked. Throws StepFailed.
+     * Collective. Check a state after a step. Data that the integrator has not
+     * passed are not checked. Throws StepFailed.
      */
     void
     check(State<dim> &state, const bool is_implicit);
 
     /**
      * Return whether check_energy() is due after this number of steps: every
-     * hundred steps, and after the last one if there have been some.
+     * hundred steps, and after the last one if there are more than a hundred.
      */
     bool
     looks_at_energy(const unsigned int n_steps) const;
@@ -122,7 +122,7 @@ namespace greville
 
     /**
      * Collective. Check the balance of energy; @p now belongs to a finished
-     * state. Most, but not all of its oscillation is subtracted, which would
+     * state. Most of its oscillation is subtracted. Subtracting all of it would
      * hide modes beyond their critical step, too. Warns, or throws StepFailed.
      */
     void

@@ -71,8 +71,8 @@ namespace greville
     advance(State<dim> &state, const double dt) = 0;
 
     /**
-     * Discard data of earlier steps, so that the next step depends only on the
-     * state, to the bit.
+     * Discard data of earlier steps, so that the next step depends bitwise only
+     * on the state.
      */
     virtual void
     forget()
@@ -90,8 +90,8 @@ namespace greville
     }
 
     /**
-     * Collective. Let velocities, and coefficients of the grid, belong to
-     * State::time: for a stage with another integrator, and the last row.
+     * Collective. Advance velocities and coefficients of the grid to
+     * State::time, for a stage with another integrator and for the last row.
      * Throws StepFailed.
      */
     virtual void
@@ -112,8 +112,8 @@ namespace greville
     }
 
     /**
-     * Return it as the steps that 'Simulation/Contacts' can couple by one
-     * Newton's method; null otherwise.
+     * Return the integrator as steps that 'Simulation/Contacts' can couple by a
+     * common Newton's method, or null.
      */
     virtual ImplicitSteps<dim> *
     implicit_steps()
@@ -122,8 +122,8 @@ namespace greville
     }
 
     /**
-     * The levels of its solver, the coarsest first; none where it solves with
-     * the mass of the Discretization only.
+     * Return the levels of its solver, the coarsest first; none if it solves
+     * only with the mass of the Discretization.
      */
     virtual std::vector<SolverLevel>
     solver_levels() const

@@ -66,8 +66,8 @@ namespace greville
     }
 
     /**
-     * Collective. Initialize their vector, which belongs to the first process,
-     * for motion with constant velocity.
+     * Collective. Initialize the vector of these unknowns, which belongs to the
+     * first process, for motion with constant velocity.
      */
     void
     initialize_rigid(VectorType &q) const;
@@ -76,7 +76,8 @@ namespace greville
     void
     set_rigid(const VectorType &q);
 
-    /// Compute their residual after evaluate(), and the largest of its forces.
+    /// Compute the residual of rigid bodies and their largest force, after
+    /// evaluate().
     void
     find_rigid_residual(VectorType &r);
 
@@ -233,8 +234,8 @@ namespace greville
     std::vector<VectorField<dim>>               forces;
     std::vector<KeyMemory<dim>>                 memories;
     // The number of tangents of this trial; and, by contact, the tangents
-    // before which keys of this process have begun or ended to slide, or
-    // changed their direction.
+    // before which keys of this process have started or stopped sliding, or
+    // reversed their direction.
     unsigned int              n_tangents = 0;
     std::vector<unsigned int> n_changes;
     std::vector<double>       shares; // of ContactPoint::stiffness in matrices

@@ -8,21 +8,21 @@
 namespace greville
 {
   /**
-   * Friction walls, which go with lumped mass and FMPM: each coefficient for
-   * itself, see Walls::add_contact().
+   * Friction walls for lumped mass and FMPM, applied to each coefficient
+   * separately, see Walls::add_contact().
    */
   template <int dim>
   class WallFriction : public Contact<dim>
   {
   public:
     /**
-     * Null without friction walls.
+     * Return the contact; null without friction walls.
      */
     static std::unique_ptr<Contact<dim>>
     make(const IntegratorParts<dim> &parts);
 
     /**
-     * Both are kept by reference.
+     * Both arguments are kept by reference.
      */
     WallFriction(const Walls<dim> &walls, GridField<dim> &field);
 
@@ -30,7 +30,7 @@ namespace greville
     apply(ContactStep<dim> &step) override;
 
     /**
-     * By Walls::stop().
+     * Call Walls::stop().
      */
     void
     stop(VectorField<dim> &velocity) const override
