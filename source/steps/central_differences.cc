@@ -12,9 +12,8 @@ namespace greville
 
   namespace
   {
-    // A change of velocity in a step, as a fraction of the norm of all
-    // velocities. Accelerations are solved for to the tolerance times this
-    // change.
+    // The smallest change of velocities in a step, as a fraction of their norm,
+    // to which the tolerance for accelerations is relative.
     constexpr double negligible_kick = 1e-6;
 
     // The time increment in the difference quotient of a displacement, as a

@@ -77,8 +77,8 @@ namespace greville
 
 
     /**
-     * Return whether values of functions are averaged over domains, too: this
-     * requires that no consistent mass matrix is used.
+     * Return whether values of functions are averaged over domains, too: in
+     * lumped explicit and in static implicit steps.
      */
     bool
     averages_values(const SimulationParameters &parameters)

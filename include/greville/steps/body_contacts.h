@@ -367,7 +367,7 @@ namespace greville
     std::vector<RigidBody<dim>>         rigid_bodies;
     std::vector<Contact>                contacts;
     std::unique_ptr<PassingBodies<dim>> passing;
-    bool are_implicit = false; // steps, at set_laws()
+    bool are_implicit = false; // steps, at the last set_laws()
     std::vector<std::uint64_t>
             points_versions; // of the parts, at the last act()
     Results now, at_start;

@@ -100,7 +100,6 @@ namespace greville
     void
     stop(VectorField<dim> &velocity) const;
 
-    /// A member of GridField.
     using Member = VectorField<dim> GridField<dim>::*;
 
     /// Do one pass over the points. Null arguments omit a part.

@@ -82,8 +82,8 @@ namespace greville
     {}
 
     /**
-     * Return whether constrain() may constrain anything. Its momentum is not
-     * added up, and its work is counted as work of walls.
+     * Return whether constrain() may constrain anything. The momentum of these
+     * constraints is not summed, and their work counts as work of walls.
      */
     virtual bool
     constrains() const

@@ -178,7 +178,7 @@ namespace greville
     Statistics<dim>
     statistics();
 
-    /// Return whether rows lag, see Simulation.
+    /// Return whether rows are late, see Simulation.
     bool
     rows_are_late() const
     {

@@ -86,7 +86,7 @@ namespace greville
     /**
      * Collective. Add the contribution of the pore water of part k to the
      * product with the blocks; and apply its part of the preconditioner, before
-     * that of the displacement.
+     * the part of the displacement.
      */
     void
     add_water(const unsigned int k);

@@ -126,7 +126,7 @@ namespace greville
       return windows.get();
     }
 
-    /// Return the projection of changes of volume, null if there is none.
+    /// Return the projection of volume changes, null if there is none.
     VolumeProjection<dim> *
     volume_projection()
     {
@@ -226,7 +226,7 @@ namespace greville
     std::unique_ptr<CellWindows<dim>>      windows;
     PointTransport<dim>                    point_transport;
 
-    std::uint64_t version_of_sums = 0;     // of no state
+    std::uint64_t version_of_sums = 0;     // 0: no state
     bool          mass_is_known   = false; // for all states
   };
 } // namespace greville

@@ -286,13 +286,14 @@ namespace greville
     VectorField<dim>
       constrained_momentum; // that walls give to the mapped velocity
     VectorField<dim> old_force, old_loads, new_loads, force, work;
-    // For surfaces, and for bodies behind them if loads depend on the position
-    // of points: the part of the velocity that does not depend on the
+    // For surfaces, followed by bodies if their loads depend on the position of
+    // points: the part of the velocity that does not depend on the
     // displacement, and loads. The loads at the start do not include the
     // bodies.
     VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
     // If contacts act as impulses: the force of TrialContacts with its weight,
-    // and loads and accelerations at the start, and then in the trial.
+    // and the contact load and its acceleration, first at the start, then in
+    // the trial.
     const VectorField<dim> *contact_force = nullptr;
     VectorField<dim>        contact_load, contact_acceleration;
     VectorType              last_residual;

@@ -20,8 +20,8 @@ namespace greville
    *   v_n = (1 - f) v(n - 1/2) + f v(n + 1/2),
    * where f is the fraction of the time between the two: 1/2 if steps are
    * equal, 0 in the first step. Positions and stresses are taken before the
-   * step. Work by a displacement is complete at t_n; of the kick from one
-   * velocity to the other, the fraction f acts before t_n and does work on (v(n
+   * step. Work by a displacement is complete at t_n. The fraction f of the kick
+   * from one velocity to the other acts before t_n and does work on (v(n
    * - 1/2) + v_n) / 2.
    */
   template <int dim>
@@ -71,8 +71,8 @@ namespace greville
     State<dim> state;
 
     /**
-     * Take the state @p now, which is in the step that sums up the row, and its
-     * @p field of the grid.
+     * Take the state @p now, within the step that sums up the row, and its grid
+     * @p field.
      */
     void
     take(const State<dim>     &now,

@@ -27,9 +27,10 @@ namespace greville
                   const MPI_Comm                        comm);
 
     /**
-     * Collective. Add warnings to those of the first part. Overlaps are checked
-     * at the start, in every tenth explicit step and in each implicit one, if
-     * both bodies may have moved by a quarter of a cell since the last check.
+     * Collective. Add warnings to the log of the first part. Overlaps are
+     * checked at the start, in every tenth explicit step and in each implicit
+     * one, if both bodies may have moved by a quarter of a cell since the last
+     * check.
      */
     void
     check();

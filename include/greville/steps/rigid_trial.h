@@ -55,8 +55,8 @@ namespace greville
              const Vector *load = nullptr) const;
 
     /**
-     * Return a force and a moment about the reference point, N and N m (2D: N /
-     * m and N), in terms of q.
+     * Return the load, in terms of q, of a force and a moment about the
+     * reference point, N and N m (2D: N / m and N).
      */
     Vector
     load(const dealii::Tensor<1, dim> &force,

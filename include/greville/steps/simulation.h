@@ -49,8 +49,8 @@ namespace greville
      * Collective. Take one step, not beyond the end. Throws StepGivenUp with
      * step, time and point if a point is lost or breaks, or if a StepGuard
      * finds an error; the state is then the last stored good one, to single
-     * precision. For an exact one, keep a copy of state(). Several simulations
-     * take a CommonStep.
+     * precision. For an exact state, keep a copy of state(). Several
+     * simulations take a CommonStep.
      */
     void
     step();
@@ -83,8 +83,8 @@ namespace greville
     }
 
     /**
-     * Return whether the next step begins with a copy of the state for
-     * restoring it.
+     * Return whether the next step first copies the state, to restore it after
+     * a failure.
      */
     bool
     keeps_state() const;
@@ -172,8 +172,8 @@ namespace greville
     }
 
     /**
-     * Collective. Return the force on the functions of a velocity field of the
-     * grid by stresses, gravity and loads in the current state, N (2D: N / m).
+     * Collective. Return the force on the functions of the grid by stresses,
+     * gravity and loads in the current state, N (2D: N / m).
      */
     VectorField<dim>
     grid_force();
@@ -208,8 +208,7 @@ namespace greville
     }
 
     /**
-     * Return the mass of the first velocity field; all others are of the same
-     * kind.
+     * Return the mass of the grid.
      */
     const GridMass<dim> &
     mass() const

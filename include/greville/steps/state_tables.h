@@ -52,7 +52,7 @@ namespace greville
 
   /**
    * Collective. Replace the points of bodies and surfaces in @p state, the
-   * initial one of another simulation, by the points of the same names in @p
+   * initial state of another simulation, by the points of the same names in @p
    * content. The grid and all other initial data may differ. Data of loads and
    * APIC at points are zero if the other simulation did not have them. Throws
    * dealii::ExcMessage if a body or surface is missing, has another material,

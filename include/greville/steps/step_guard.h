@@ -19,7 +19,7 @@ namespace greville
     dealii::Tensor<1, dim> expected;
 
     /**
-     * Add @p factor times the sum over the owned coefficients.
+     * Add @p factor times the sum of the owned coefficients of @p field.
      */
     void
     add(const VectorField<dim> &field, const double factor);
@@ -54,8 +54,8 @@ namespace greville
    * - the momentum of the points is their previous momentum plus the impulse of
    *   forces and walls. Explicit steps take this impulse on the grid; implicit
    *   steps, whose forces come from Newton's method, take the momentum that the
-   *   grid gives to the points. Steps with constraining contacts or Cundall's
-   *   damping are not checked.
+   *   grid gives to the points. This is not checked with constraining contacts
+   *   or Cundall's damping.
    * The sums are computed in the passes over points and grid of the step
    * itself.
    *

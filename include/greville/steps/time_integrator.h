@@ -102,8 +102,8 @@ namespace greville
      * Return whether the scheme has no critical step. Points may then cross
      * many cells in a step, and momentum is checked against the grid's transfer
      * to the points, within the tolerance of a solver (see StepGuard); cells
-     * are filled by the threshold of ImplicitParameters; and each step begins
-     * with a copy of the state for restoring it.
+     * count as filled by the threshold of ImplicitParameters; and each step
+     * begins with a copy of the state for restoring it.
      */
     virtual bool
     is_implicit() const

@@ -180,7 +180,6 @@ namespace greville
     void
     find_pore_pressures(const std::vector<VectorType> &blocks);
 
-    /// A free rigid body.
     struct FreeBody
     {
       unsigned int                     number; // of the rigid body
@@ -233,9 +232,8 @@ namespace greville
     std::vector<ContactTangent<dim>>            tangents;
     std::vector<VectorField<dim>>               forces;
     std::vector<KeyMemory<dim>>                 memories;
-    // The number of tangents of this trial; and, by contact, the tangents
-    // before which keys of this process have started or stopped sliding, or
-    // reversed their direction.
+    // The number of tangents of this trial and, by contact, of those before
+    // which keys of this process have started or stopped sliding, or reversed.
     unsigned int              n_tangents = 0;
     std::vector<unsigned int> n_changes;
     std::vector<double>       shares; // of ContactPoint::stiffness in matrices

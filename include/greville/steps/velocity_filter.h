@@ -79,8 +79,7 @@ namespace greville
     /**
      * A line of coefficients in direction x. The coefficient at x, counted from
      * the lower wall of the grid (if x is periodic, from p + 1 functions before
-     * it), has the place place + x. Other lines begin at the places of their
-     * neighbours, which are padded accordingly.
+     * it), has the place place + x.
      */
     struct Line
     {
@@ -95,7 +94,8 @@ namespace greville
     to_places(const ZeroedArray<double> &values,
               const VectorType          &vector) const;
 
-    /// Return the distance in lines of two consecutive coefficients.
+    /// Return the distance, in lines, of consecutive coefficients in a
+    /// direction.
     int
     line_step(const unsigned int direction) const
     {
