@@ -14,7 +14,8 @@ namespace greville
   Constraints<dim>::reduce(const std::vector<unsigned char> &constrained)
   {
     // The remainder below which other directions span a unit vector, and the
-    // difference from 1 below which a component makes it an axis.
+    // difference of a component from 1 below which a direction counts as an
+    // axis.
     constexpr double negligible = 1e-6, round_off = 1e-14;
     std::map<unsigned int, ConstrainedDirections<dim>> result;
     for (const auto &[i, direction] : directions)

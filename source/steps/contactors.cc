@@ -78,10 +78,10 @@ namespace greville
 
 
     /**
-     * Return the row of a contactor for a material point. The row of the last
-     * step, if any, passes its force on. A radius other than the default one
-     * belongs to the initial position and is forgotten as the point slides. @p
-     * pore is the field of the pore pressure, null without water.
+     * Return the row of a contactor for a material point. It keeps the force of
+     * the point's @p last row, if there is one. A radius other than the default
+     * one belongs to the initial position and is forgotten as the point slides.
+     * @p pore is the field of the pore pressure, null without water.
      */
     template <int dim, typename MaterialPoint>
     std::vector<double>

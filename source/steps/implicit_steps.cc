@@ -536,7 +536,7 @@ namespace greville
     state.n_iterations  = n_linear;
     state.n_all_iterations += n_all_linear;
     ++state.n_steps;
-    // A step that was cut doubles its length after an easy step.
+    // The length of cut steps doubles after an easy step.
     constexpr unsigned int easy_iterations = 6;
     if (n_newton <= easy_iterations)
       state.step_fraction = std::min(1., 2. * state.step_fraction);

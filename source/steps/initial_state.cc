@@ -139,7 +139,7 @@ namespace greville
   void
   check_overlap(const BodyList<dim> &bodies, const SplineSpace<dim> &space)
   {
-    // Filled fractions of cells. If the bodies before fill more than this one
+    // Filled fractions of cells. If the previous bodies fill more than this one
     // leaves free, two of them overlap.
     const unsigned int  n_cells = space.owned_cells().size();
     std::vector<double> before(n_cells, 0.), own(n_cells);

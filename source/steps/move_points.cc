@@ -90,7 +90,8 @@ namespace greville
         update.time               = time;
         update.strength_reduction = body.material->strength_reduction(time);
         PointReport report;
-        // A law may throw on one process, but all processes move the next body.
+        // A law may throw on one process, but all processes must move the next
+        // body.
         try
           {
             report = transfer.grid_to_points(body.points, update);

@@ -238,8 +238,8 @@ namespace greville
 
 
     /**
-     * Return whether zero is a better guess than the one that failed: there,
-     * the residual is infinite or NaN, or much larger.
+     * Return whether zero is a better guess: at the guess that failed, the
+     * residual is infinite or NaN, or much larger.
      */
     bool
     zero_is_better(const NewtonResult &failed,

@@ -23,7 +23,7 @@ namespace greville
 
   namespace
   {
-    // Cells are redistributed if the imbalance exceeds the one after the last
+    // Cells are redistributed if the imbalance exceeds its value after the last
     // redistribution by this factor.
     constexpr double worth_it = 1.05;
 

@@ -63,7 +63,8 @@ namespace greville
   void
   Simulation<dim>::take_step(const double dt)
   {
-    // The guard checks the state before the step, whose energy is then known.
+    // The guard checks the state before the step, whose energy the step sums
+    // up.
     const bool is_for_guard =
       rows_are_late() && !requested_row.is_wanted &&
       (guard.looks_at_energy(current.n_steps + 1) || is_last_step(dt));

@@ -19,7 +19,8 @@ namespace greville
 
   namespace
   {
-    // Elastic laws are the same if their stored energies differ by less.
+    // Elastic laws are the same if their stored energies differ by a smaller
+    // fraction.
     constexpr double energy_tolerance = 1e-10;
 
     // The divisor of the strength while a stress is transferred: a point

@@ -64,10 +64,10 @@ namespace greville
     end_step();
 
     /**
-     * Collective. Return an explicit step, at most the @p longest one (s), in
-     * which surfaces and rigid bodies move by a quarter of a cell relative to
-     * one another at most. Throws StepFailed if they are so fast that it is
-     * below 'Time/Smallest step'.
+     * Collective. Return an explicit step, at most @p longest (s), in which
+     * surfaces and rigid bodies move by at most a quarter of a cell relative to
+     * one another. Throws StepFailed if this step is below 'Time/Smallest
+     * step'.
      */
     double
     bounded_step(const double longest) const;

@@ -8,9 +8,9 @@
 namespace greville
 {
   /**
-   * A common step of several simulations with the same times and stages, as
-   * long as the shortest step proposed by one of them. If one rejects it, all
-   * try a shorter one; if one fails, all are restored.
+   * A common step of several simulations with the same times and stages. Its
+   * length is the shortest step that one of them proposes. If one rejects it,
+   * all try a shorter step; if one fails, all are restored.
    */
   template <int dim>
   class CommonStep

@@ -123,8 +123,8 @@ namespace greville
     const double              dt;
     unsigned int              n_residuals = 0;
     VectorType                layout;
-    VectorType              linearized; // where the stiffness has been computed
-    std::vector<VectorType> blocks, products;
+    VectorType                linearized; // x of the last stiffness
+    std::vector<VectorType>   blocks, products;
   };
 } // namespace greville
 

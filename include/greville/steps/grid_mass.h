@@ -79,9 +79,9 @@ namespace greville
           const std::vector<double>                   &shares = {}) = 0;
 
     /**
-     * Collective. Add constraints to those of walls, until the next call.
-     * Throws dealii::ExcMessage for directions that are not axes unless the
-     * mass is diagonal.
+     * Collective. Add constraints to the constraints of walls, until the next
+     * call. Throws dealii::ExcMessage for directions that are not axes unless
+     * the mass is diagonal.
      */
     void
     constrain(const Constraints<dim> &more);

@@ -113,7 +113,7 @@ namespace greville
               VectorField<dim> &loads);
 
     /// Find the acceleration of the grid at the start, without contacts: the
-    /// one that the scheme has kept, or in its first step from the forces.
+    /// acceleration kept by the scheme or, in its first step, from the forces.
     void
     find_acceleration(State<dim> &state);
 
@@ -300,7 +300,7 @@ namespace greville
     double      force_scale = 0., round_off = 0.; // of the last residual
     double      inertia_at_begin = 0.;            // of known inertia terms, N
     bool        has_stiffness    = false;         // of the last residual
-    bool        forces_vanish    = false; // where Newton's method failed
+    bool        forces_vanish    = false;         // when Newton's method failed
     std::string rejection;
 
     // Iterations of the last tried step: of Newton's method, the largest number
