@@ -14,7 +14,6 @@ namespace greville
 
   namespace
   {
-    // The largest number of rejections of a step.
     constexpr unsigned int most_rejections = 20;
   } // namespace
 

@@ -19,8 +19,7 @@ namespace greville
     // its spacing.
     constexpr double default_radius = 0.5;
 
-    // The number of spacings over which a sliding point forgets its initial
-    // radius.
+    // Spacings over which a sliding point forgets its initial radius.
     constexpr double memory = 10.;
 
     // The smallest lift, as a fraction of the spacing: a lifted point is at the
@@ -204,7 +203,6 @@ namespace greville
       };
       constexpr unsigned int own  = n_near / 2;
       constexpr double       none = std::numeric_limits<double>::max();
-      // The foremost point of each box.
       std::unordered_map<std::uint64_t, const ContactPoint<dim> *> foremost;
       for (const ContactPoint<dim> &point : points)
         if (point.is_facing && point.side == 0)

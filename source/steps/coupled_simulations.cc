@@ -123,8 +123,7 @@ namespace greville
   {
     AssertThrow(states.size() == parts.size(),
                 ExcDimensionMismatch(states.size(), parts.size()));
-    // set_state() fails only if a stage cannot be entered. All parts then
-    // return to their old state.
+    // Only entering a stage can fail. All parts then return to their old state.
     std::vector<State<dim>> before;
     for (unsigned int k = 0; k < parts.size() && before.empty(); ++k)
       if (states[k].stage != part(k).state().stage)

@@ -250,9 +250,9 @@ namespace greville
     };
 
     // A vector x with x^T B^-1 x = x^T (dt^2 / 4 K + dt / 2 C) x has the step
-    // dt; the smallest step of all x is the critical one. Begin with the step
-    // of the first vector and repeat with the step of the eigenvector. Without
-    // viscosity any dt will do.
+    // dt; the critical step is the smallest of all. Begin with the step of the
+    // first vector and repeat with the eigenvector. Without viscosity any dt
+    // will do.
     double              step = 1.;
     std::vector<double> x(n), y(n);
     if (is_viscous)

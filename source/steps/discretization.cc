@@ -49,9 +49,6 @@ namespace greville
 
 
 
-    /**
-     * Throw if parameters contradict each other.
-     */
     void
     check_parameters(const SimulationParameters &parameters)
     {

@@ -10,7 +10,7 @@ namespace greville
 
   namespace
   {
-    // The number of times at which a moving body is checked against the grid.
+    // Times at which a moving body is checked against the grid.
     constexpr unsigned int n_times = 200;
 
 
@@ -26,8 +26,8 @@ namespace greville
 
 
     /**
-     * Follow a rigid body with prescribed motion between two times, s, until it
-     * comes near the region.
+     * Follow a rigid body with prescribed motion until it comes near the
+     * region.
      */
     template <int dim, typename IsNear>
     Course

@@ -139,7 +139,7 @@ namespace greville
                    field.new_velocity[d].local_element(i);
     state.energy.add_work(EnergyBalance::gravity, trial.step * power);
 
-    // The work of loads on the kinetic energy.
+    // Loads change the kinetic energy.
     add_work_of_point_loads(state, false);
     for (unsigned int k = 0; k < state.surfaces.size(); ++k)
       {

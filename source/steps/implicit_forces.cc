@@ -132,8 +132,8 @@ namespace greville
   ImplicitSteps<dim>::find_round_off() const
   {
     constexpr double units = 16. * std::numeric_limits<double>::epsilon();
-    // The mean displacement gives the size of the points' displacements.
-    // Coefficients of functions of hardly any mass may have any value.
+    // Use the mean displacement: coefficients of functions of hardly any mass
+    // may have any value.
     const VectorType   &mass = field().lumped_mass;
     std::vector<double> sums(2);
     for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)

@@ -42,9 +42,9 @@ namespace greville
     check_distances(const std::vector<Body<dim>> &bodies,
                     const SplineSpace<dim>       &space)
     {
-      // For each function: the number of cells in its support with points, and
-      // the sums of their body numbers and of the squares. If all cells belong
-      // to one body, sum^2 = squares * count.
+      // The number of cells with points in the support of a function, the sum
+      // of their body numbers, and the sum of the squares. With a single body,
+      // sum^2 = squares * count.
       VectorType count, sum, squares;
       for (VectorType *vector : {&count, &sum, &squares})
         space.initialize_vector(*vector);

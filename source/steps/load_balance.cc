@@ -35,9 +35,6 @@ namespace greville
 
 
 
-    /**
-     * Call @p action(points) for the points of each body and surface.
-     */
     template <typename StateType, typename Action>
     void
     for_all_points(StateType &state, const Action &action)

@@ -42,9 +42,6 @@ namespace greville
 
 
 
-    /**
-     * The iterations of Newton's method from a guess.
-     */
     class NewtonIterations
     {
     public:
@@ -60,9 +57,6 @@ namespace greville
           vector->reinit(guess);
       }
 
-      /**
-       * Iterate, and store the last iterate in @p x.
-       */
       NewtonResult
       run(VectorType &x)
       {

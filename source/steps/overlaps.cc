@@ -23,7 +23,7 @@ namespace greville
     // later check is repeated.
     constexpr double deepest_of_added = 0.05, way_between_checks = 0.25;
 
-    // The number of bisections to find the depth of a point.
+    // Bisections for the depth of a point.
     constexpr unsigned int n_bisections = 20;
 
 

@@ -20,9 +20,6 @@ namespace greville
 
 
 
-    /**
-     * Return whether a contact names both on opposite sides.
-     */
     bool
     have_contact(const SimulationParameters &parameters,
                  const std::string          &a,

@@ -155,9 +155,6 @@ namespace greville
         , names(layout.names())
       {}
 
-      /**
-       * Return whether both materials are of the same model.
-       */
       bool
       is_same_model() const
       {

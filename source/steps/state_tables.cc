@@ -15,10 +15,6 @@ namespace greville
 
   namespace
   {
-    /**
-     * Call @p all(name, number) for each number of the position of a rigid
-     * body.
-     */
     template <int dim, typename Position, typename All>
     void
     visit_position(const std::string &of, Position &position, const All &all)
@@ -105,9 +101,6 @@ namespace greville
 
 
 
-    /**
-     * Return the fields of the grid with their names.
-     */
     template <typename StateType>
     auto
     fields_of(StateType &state)

@@ -18,8 +18,7 @@ namespace greville
     // More steps are due to an error in a parameter.
     constexpr double most_steps = 1e9;
 
-    // The number of estimates of the critical step of which the smallest
-    // counts.
+    // Estimates of the critical step of which the smallest counts.
     constexpr unsigned int n_estimates = 3;
 
     // With consistent mass, the largest number of cells that a point crosses in

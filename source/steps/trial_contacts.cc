@@ -22,10 +22,10 @@ namespace greville
     // largest one, or after this number of rounds.
     constexpr double       augmented_tolerance = 1e-3;
     constexpr unsigned int most_rounds         = 5;
-    // The kappa of preconditioners, which take a share of the stiffness of
-    // single points. Against a rigid body they take all of it. With two bodies,
-    // most modes near the surface move both bodies and do not feel the contact:
-    // this kappa needs the fewest iterations.
+    // The kappa of the stiffness of single points in preconditioners for two
+    // bodies. Most modes near the surface move both bodies and do not feel the
+    // contact: this kappa needs the fewest iterations. Against a rigid body,
+    // all of the stiffness counts.
     constexpr double preconditioned_penalty = 0.1;
 
     double
