@@ -131,10 +131,10 @@ namespace greville
                     ExcMessage(
                       "<" + file +
                       "> is shorter than it was at the checkpoint. Move it "
-                      "away, and the run begins a new one."));
+                      "away to begin a new one."));
         AssertThrow(found == header,
                     ExcMessage("<" + file + "> has the columns <" + found +
-                               ">, and the run that goes on writes <" + header +
+                               ">, but the resumed run writes <" + header +
                                ">."));
         std::filesystem::resize_file(file, n_bytes, error);
         errno = error.value();

@@ -257,7 +257,7 @@ namespace greville
                                ">: " + std::strerror(errno) + "."));
         AssertThrow(std::filesystem::is_regular_file(file),
                     ExcMessage("Cannot read <" + file +
-                               ">, which is no regular file."));
+                               ">, which is not a regular file."));
         n_bytes = std::filesystem::file_size(file);
         if (n_bytes >= seal_size)
           {
@@ -268,9 +268,9 @@ namespace greville
         AssertThrow(seal.rfind(seal_begin, 0) == 0,
                     ExcMessage("Cannot read <" + file +
                                ">, which does not end with its checksum: it "
-                               "is truncated, is no file of HDF5 by this "
+                               "is truncated, was not written by this "
                                "program, or comes from a version that wrote "
-                               "no such checksums."));
+                               "no checksums."));
       },
       comm);
     n_bytes                 = Utilities::MPI::broadcast(comm, n_bytes);

@@ -48,19 +48,21 @@ namespace greville
     // Faults of memory and arithmetic come first.
     constexpr unsigned int          n_crashes     = 5;
     constexpr std::array<Fault, 12> fault_signals = {
-      {{SIGSEGV, "has used memory that it does not have (SIGSEGV)"},
-       {SIGBUS, "has used memory that it does not have (SIGBUS)"},
+      {{SIGSEGV, "has accessed invalid memory (SIGSEGV)"},
+       {SIGBUS, "has accessed invalid memory (SIGBUS)"},
        {SIGFPE,
-        "has divided by zero or has another invalid operation (SIGFPE)"},
-       {SIGILL, "has an instruction that this processor lacks (SIGILL)"},
+        "has divided by zero or done another invalid operation (SIGFPE)"},
+       {SIGILL,
+        "has executed an instruction that this processor lacks "
+        "(SIGILL)"},
        {SIGABRT, "has aborted (SIGABRT)"},
-       {SIGTRAP, "has come to a trap (SIGTRAP)"},
-       {SIGSYS, "has made a system call that there is not (SIGSYS)"},
+       {SIGTRAP, "has hit a trap (SIGTRAP)"},
+       {SIGSYS, "has made an unknown system call (SIGSYS)"},
        {SIGALRM, "has been ended by SIGALRM"},
        {SIGPIPE, "has been ended by SIGPIPE"},
        {SIGUSR2, "has been ended by SIGUSR2"},
-       {SIGXCPU, "has been ended by SIGXCPU, a limit of time"},
-       {SIGXFSZ, "has been ended by SIGXFSZ, a limit for files"}}};
+       {SIGXCPU, "has been ended by SIGXCPU, a time limit"},
+       {SIGXFSZ, "has been ended by SIGXFSZ, a limit of file size"}}};
 
     std::array<struct sigaction, fault_signals.size()> earlier_actions;
 
@@ -128,9 +130,9 @@ namespace greville
       char text[4096];
       std::snprintf(text,
                     sizeof(text),
-                    "%s: the program %s. It has loaded the library <%s>, which "
-                    "may have done this, or has changed memory that is not its "
-                    "own.\n",
+                    "%s: the program %s. It has loaded the library <%s>, "
+                    "which may be the cause, or may have changed memory that "
+                    "is not its own.\n",
                     program_invocation_short_name,
                     what,
                     last_library);

@@ -28,8 +28,8 @@ namespace greville
       const std::string what =
         "The section 'Formulas' has the name <" + name + ">, which ";
       AssertThrow(names_in_formula(name) == std::vector<std::string>{name},
-                  ExcMessage(what + "has to be letters, digits and _, and to "
-                                    "begin with no digit."));
+                  ExcMessage(what + "has to consist of letters, digits and _, "
+                                    "and not to begin with a digit."));
       AssertThrow(!contains_name(variables_of_names(), name),
                   ExcMessage(what + "is a variable of formulas."));
       AssertThrow(!contains_name(Formulas::known_names(), name) &&

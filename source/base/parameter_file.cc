@@ -401,9 +401,9 @@ namespace greville
       sections.find(what.substr(0, slash == std::string::npos ? 0 : slash));
     AssertThrow(place != sections.end(),
                 ExcMessage(
-                  "There is nothing to list of the name <" + what +
-                  ">: it is no section, and no parameter, which "
-                  "has the form SECTION/PARAMETER." +
+                  "There is nothing to list under the name <" + what +
+                  ">: it is neither a section nor a parameter of the form "
+                  "SECTION/PARAMETER." +
                   hint_for_section(what.substr(0, slash), names_of(sections))));
     const std::string name  = what.substr(slash + 1);
     const auto        entry = place->second.find(name);

@@ -98,8 +98,7 @@ namespace greville
           if (take_word(words, "subsection"))
             {
               AssertThrow(!words.empty(),
-                          ExcMessage(place +
-                                     ": 'subsection' is without a name."));
+                          ExcMessage(place + ": 'subsection' has no name."));
               sections.push_back(words);
               // A section is known from its lines, so an empty one needs an
               // entry, too.
@@ -135,12 +134,12 @@ namespace greville
               AssertThrow(is_set && equal != std::string::npos,
                           ExcMessage(
                             place + ": <" + whole +
-                            "> is none of 'subsection NAME', 'set NAME = "
-                            "VALUE' and 'end'."));
+                            "> is neither 'subsection NAME' nor 'set NAME = "
+                            "VALUE' nor 'end'."));
               const std::string name = Utilities::trim(words.substr(0, equal));
               AssertThrow(!name.empty(),
                           ExcMessage(place + ": the parameter of <" + whole +
-                                     "> is without a name."));
+                                     "> has no name."));
               result.push_back({boost::algorithm::join(sections, "/"),
                                 name,
                                 Utilities::trim(words.substr(equal + 1)),
@@ -176,7 +175,7 @@ namespace greville
                              "for instance \"Grid/Cells=40, 20\"."));
       AssertThrow(setting.find_first_of("#\n") == std::string::npos,
                   ExcMessage(line.place +
-                             ": values have no '#' and only one line."));
+                             ": a value cannot contain '#' or a line break."));
       line.section = Utilities::trim(setting.substr(0, slash));
       line.name = Utilities::trim(setting.substr(slash + 1, equal - slash - 1));
       line.value = Utilities::trim(setting.substr(equal + 1));
@@ -230,7 +229,7 @@ namespace greville
                     all_sections.count(own_section) > 0,
                   ExcMessage("<" + file + "> is a file for the program " +
                              other + ": it has the section '" + section +
-                             "', and no section '" + own_section + "'."));
+                             "', but no section '" + own_section + "'."));
     for (const std::string &setting : settings)
       result.push_back(line_of(setting, result));
     return result;

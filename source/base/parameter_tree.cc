@@ -120,8 +120,7 @@ namespace greville
             name = Utilities::trim(name);
             AssertThrow(!name.empty(),
                         ExcMessage(place +
-                                   ": a section or a parameter is without a "
-                                   "name."));
+                                   ": a section or a parameter has no name."));
             if (is_described(child.second))
               add_line(path, name, child.second.get<std::string>("value"));
             else if (child.second.empty() || is_list(child.second))
@@ -154,9 +153,10 @@ namespace greville
       {
         const std::string section = boost::algorithm::join(path, "/");
         AssertThrow(value.find_first_of("#\n") == std::string::npos,
-                    ExcMessage(place + ": the parameter '" + section + "/" +
-                               name + "' is <" + value +
-                               ">; values have no '#' and only one line."));
+                    ExcMessage(
+                      place + ": the parameter '" + section + "/" + name +
+                      "' is <" + value +
+                      ">; a value cannot contain '#' or a line break."));
         AssertThrow(given.insert(section + "/" + name).second,
                     ExcMessage(place + ": the parameter '" + section + "/" +
                                name + "' is given twice" + lines_with(name) +
@@ -340,10 +340,11 @@ namespace greville
     catch (const boost::property_tree::file_parser_error &error)
       {
         AssertThrow(false,
-                    ExcMessage(
-                      "Line " + std::to_string(error.line()) + " of <" + file +
-                      (is_xml(file) ? "> is no XML: " : "> is no JSON: ") +
-                      error.message() + "."));
+                    ExcMessage("Line " + std::to_string(error.line()) +
+                               " of <" + file +
+                               (is_xml(file) ? "> is not valid XML: "
+                                             : "> is not valid JSON: ") +
+                               error.message() + "."));
       }
     if (is_xml(file))
       {

@@ -135,7 +135,7 @@ namespace greville
         }
       catch (const std::bad_alloc &)
         {
-          return "The memory is not enough: fewer cells or points need less.";
+          return "There is not enough memory: take fewer cells or points.";
         }
       catch (const ExceptionBase &error)
         {
@@ -147,7 +147,7 @@ namespace greville
         }
       catch (...)
         {
-          return "An exception has been thrown that says nothing." +
+          return "An exception without a message has been thrown." +
                  of_library();
         }
       return "";
@@ -395,7 +395,9 @@ namespace greville
       if (files.size() > 1 && action != "help")
         check_several_files(program, line);
       if (!takes_file && !files.empty() && action != "help")
-        throw CommandLineError("--" + action + " takes no file; what is <" +
+        throw CommandLineError("--" + action +
+                               " takes no file, but the "
+                               "command line has <" +
                                files[0] + ">?");
       for (const auto &option : line.given)
         if (option.first != action && action != "help" && !action.empty() &&

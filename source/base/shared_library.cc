@@ -164,9 +164,8 @@ namespace greville
           AssertThrow(has_entry && segment.p_offset <= content.size() &&
                         segment.p_filesz <= content.size() - segment.p_offset,
                       ExcMessage(begin +
-                                 "which is a part of a library only: it ends "
-                                 "before its segments do. Make or copy it "
-                                 "again."));
+                                 "which is truncated: it ends before its "
+                                 "segments do. Build or copy it again."));
         }
     }
 
@@ -264,7 +263,7 @@ namespace greville
   {
     const std::string begin = begin_of_message(file, parameter);
     AssertThrow(is_file(file),
-                ExcMessage(begin + "and there is no such file."));
+                ExcMessage(begin + "but there is no such file."));
     // Check the file before loading it, since a library stays loaded.
     const std::string content = content_of(file);
     check_is_whole(content, begin);

@@ -172,8 +172,9 @@ namespace greville
           if (!(size <= 1e100))
             {
               std::ostringstream message;
-              message << "the point of the initial position (" << p.reference()
-                      << ") m gets more than 1e100 m / s^2 at t = " << t
+              message << "the load on the point with the initial position ("
+                      << p.reference()
+                      << ") m is more than 1e100 m / s^2 at t = " << t
                       << " s from " << names(false);
               AssertThrow(false, ExcMessage(message.str()));
             }

@@ -148,9 +148,9 @@ namespace greville
             {
               std::ostringstream message;
               message << "'Surface load " << names[k]
-                      << "': the point of the initial position ("
+                      << "': the load on the point with the initial position ("
                       << p.reference()
-                      << ") m gets more than 1e100 Pa at t = " << t << " s";
+                      << ") m is more than 1e100 Pa at t = " << t << " s";
               AssertThrow(false, ExcMessage(message.str()));
             }
           for (unsigned int d = 0; d < dim; ++d)

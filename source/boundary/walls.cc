@@ -193,11 +193,10 @@ namespace greville
                                                : " displacement") +
                     "' moves the wall along its normal: by " +
                     std::to_string(path) + " m until t = " + std::to_string(t) +
-                    " s. Walls of the grid can move along themselves only (or "
-                    "a tenth of a cell, " +
+                    " s. Except in total Lagrangian steps, walls of the grid "
+                    "only move tangentially (or by a tenth of a cell, " +
                     std::to_string(0.1 * h) +
-                    " m), but for total Lagrangian steps: take one of "
-                    "'Simulation/Rigid bodies' as a piston."));
+                    " m): take one of 'Simulation/Rigid bodies' as a piston."));
               }
           }
   }

@@ -138,8 +138,8 @@ namespace greville
           }
         AssertThrow(mu >= 0. && std::isfinite(mu),
                     ExcMessage(what +
-                               ", and has to be rough, a number that is not "
-                               "negative, or a formula of p and v."));
+                               "; it has to be rough, a nonnegative number, "
+                               "or a formula of p and v."));
         return std::make_unique<CoulombFriction>(mu);
       }
     try

@@ -62,8 +62,8 @@ namespace greville
             upper[d] = box.upper_bound(d);
             AssertThrow(std::isfinite(lower[d]) && std::isfinite(upper[d]),
                         ExcMessage("'" + section +
-                                   "' is free and has a 'Density', but it is "
-                                   "not known where its shape ends: give "
+                                   "' is free and has a 'Density', but the "
+                                   "extent of its shape is unknown: give "
                                    "'Mass' and 'Inertia'."));
             const double more = 1e-3 * (upper[d] - lower[d]);
             lower[d] -= more;
@@ -180,7 +180,7 @@ namespace greville
                 ExcMessage(
                   "The parameter 'Rigid body " + body_name +
                   "/Rotation' is not zero at the start, t = " + text_of(t) +
-                  " s, where 'Shape' says how the body is turned."));
+                  " s: 'Shape' gives the initial orientation."));
     RigidPosition<dim> position;
     position.reference = reference;
     if (free)

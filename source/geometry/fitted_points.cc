@@ -203,8 +203,7 @@ namespace greville
                 ExcMessage("The parameter '" + section +
                            "/Jitter' has to be 0 with 'Placement = " +
                            word_of(placement.placement, placements) +
-                           "': points that are moved do not follow the "
-                           "boundary."));
+                           "': jittered points do not follow the boundary."));
     const auto extents = points_of_cell<dim>(placement, section);
     const auto shape   = make_fitted_shape<dim>(placement, section, space);
     const auto whole =

@@ -85,7 +85,7 @@ namespace greville
             AssertThrow(false,
                         ExcMessage(
                           lines.back() + "the point (" + text_of(points[k]->x) +
-                          ") m is in the place of another one: there are " +
+                          ") m coincides with another one: there are " +
                           std::to_string(lines.size()) +
                           " points, the first one in " +
                           lines[0].substr(lines[0].rfind(", ") + 2) +
@@ -166,7 +166,7 @@ namespace greville
         AssertThrow(columns.volume >= 0 || columns.mass >= 0,
                     ExcMessage(line.where + "there is no column 'volume' in <" +
                                line.text +
-                               ">, and no 'mass' to find it from."));
+                               ">, and no column 'mass' to compute it from."));
         columns.reference    = find_group(line, vector("reference"));
         columns.displacement = find_group(line, vector("displacement"));
         auto &further        = result.names;
@@ -308,15 +308,14 @@ namespace greville
         AssertThrow(ratio < largest_ratio && ratio > 1. / largest_ratio,
                     ExcMessage(
                       row.where + "the density is " + text_of(mass / volume) +
-                      " kg / m^3, and that of the material is " +
-                      text_of(density) + ", in <" + row.text +
-                      ">. Are volume and mass in " + volume_unit + " and kg?"));
+                      " kg / m^3, but the material has " + text_of(density) +
+                      ", in <" + row.text + ">. Are volume and mass in " +
+                      volume_unit + " and kg?"));
         AssertThrow(volume <= (1. + largest_excess) * grid_volume,
                     ExcMessage(row.where + "the volume of the point is " +
                                text_of(volume) + ' ' + volume_unit +
-                               ", and that of the grid is " +
-                               text_of(grid_volume) + ", in <" + row.text +
-                               ">."));
+                               ", but the grid has " + text_of(grid_volume) +
+                               ", in <" + row.text + ">."));
         return mass;
       }
 

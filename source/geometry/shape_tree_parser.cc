@@ -97,14 +97,13 @@ namespace greville
       AssertThrow(false,
                   ExcMessage(
                     "The parameter '" + parameter +
-                    "' has to tell where the surface is, which fitted points, "
-                    "contacts and rigid bodies need: it takes shapes, "
-                    "comparisons f < g, level_set(f) with an f that is "
-                    "negative inside, and what union(), intersection(), "
-                    "difference(), & and | make of them. <" +
+                    "' has to define a surface, which fitted points, contacts "
+                    "and rigid bodies need: it takes shapes, comparisons f < "
+                    "g, level_set(f) with f negative inside, and their "
+                    "combinations by union(), intersection(), difference(), & "
+                    "and |. <" +
                     text +
-                    "> is only true or false: write one of these in its "
-                    "place."));
+                    "> is only true or false: replace it by one of these."));
       std::abort();
     }
 
@@ -271,10 +270,9 @@ namespace greville
           };
           AssertThrow(at(one) == at(other),
                       ExcMessage("The parameter '" + parameter +
-                                 "' has to tell where the surface is, which "
-                                 "fitted points, contacts and rigid bodies "
-                                 "need: it takes shapes made of numbers only; "
-                                 "<" +
+                                 "' has to define a surface, which fitted "
+                                 "points, contacts and rigid bodies need: it "
+                                 "takes shapes made of numbers only; <" +
                                  argument + "> depends on the position."));
           result.push_back(at(one));
         }

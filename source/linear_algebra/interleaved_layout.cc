@@ -20,8 +20,8 @@ namespace greville
                 ExcMessage(
                   std::to_string(n_all) + " functions with " +
                   std::to_string(width) +
-                  " values each are more than this deal.II can number, "
-                  "which is " +
+                  " values each are more than this deal.II can number, at "
+                  "most " +
                   std::to_string(largest_index) +
                   ": use a coarser grid, a 'Scheme/Mass' other than exact "
                   "mass, or a deal.II with 64-bit indices."));

@@ -69,7 +69,7 @@ namespace greville
       }
     throw_on_all(unused.empty()
                    ? ""
-                   : "PETSc has no use for" + unused + " in <" + options +
+                   : "PETSc does not use" + unused + " in <" + options +
                        ">, the parameter "
                        "'Smoother/PETSc options'.",
                  comm);
@@ -104,8 +104,8 @@ namespace greville
     });
     check_petsc(PetscPopErrorHandler());
     AssertThrow(error == 0,
-                ExcMessage("PETSc cannot transpose this preconditioner, which "
-                           "a symmetric cycle (restriction = transpose) asks "
-                           "for."));
+                ExcMessage(
+                  "PETSc cannot transpose this preconditioner, which "
+                  "a symmetric cycle (restriction = transpose) needs."));
   }
 } // namespace greville

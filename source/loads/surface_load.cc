@@ -48,9 +48,8 @@ namespace greville
   {
     for (const KindOfLoad &kind : kinds_of_loads())
       AssertThrow(kind.name != name,
-                  ExcMessage("There is a kind of surface loads '" + name +
-                             "' already: one that is added needs another "
-                             "name."));
+                  ExcMessage("A kind of surface load '" + name +
+                             "' exists already: choose another name."));
     kinds_of_loads().push_back({name, make});
   }
 

@@ -86,12 +86,12 @@ namespace greville
       });
     AssertThrow(is_word,
                 ExcMessage("A material law has the name '" + name +
-                           "', which has to be letters, digits, - and _."));
+                           "', which has to consist of letters, digits, - and "
+                           "_."));
     for (const Entry &material : materials())
       AssertThrow(material.name != name,
-                  ExcMessage("There is a material law '" + name +
-                             "' already: one that is added needs another "
-                             "name."));
+                  ExcMessage("A material law '" + name +
+                             "' exists already: choose another name."));
     materials().push_back({name, make});
   }
 

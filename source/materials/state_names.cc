@@ -81,12 +81,14 @@ namespace greville
         AssertThrow(is_state_name(name),
                     ExcMessage("The law of '" + section +
                                "' has a history variable <" + name +
-                               ">; its name has to be letters, digits and _."));
+                               ">; its name has to consist of letters, digits "
+                               "and _."));
         // Laws store "dissipation" as a history variable.
         AssertThrow(!is_taken_by_points(name) || name == "dissipation",
                     ExcMessage("The law of '" + section +
                                "' has a history variable <" + name +
-                               ">, which all points have already."));
+                               ">, but all points have a variable of this "
+                               "name."));
         AssertThrow(std::count(names.begin(), names.end(), name) == 1,
                     ExcMessage("The law of '" + section +
                                "' has the history variable <" + name +

@@ -170,11 +170,11 @@ namespace greville
     units.clear();
     const auto given = Utilities::split_string_list(state_variables, ',');
     const auto check_number = [&](const double n) {
-      AssertThrow(
-        n <= most_state_variables,
-        ExcMessage("The parameter '" + section + "/State variables' asks for " +
-                   text_of(n) + " of them at each point; there may be " +
-                   std::to_string(most_state_variables) + " at the most."));
+      AssertThrow(n <= most_state_variables,
+                  ExcMessage(
+                    "The parameter '" + section + "/State variables' has " +
+                    text_of(n) + " variables per point; at most " +
+                    std::to_string(most_state_variables) + " are allowed."));
     };
     check_number(double(given.size()));
     if (given.size() == 1 && is_number(given[0]))
@@ -196,15 +196,16 @@ namespace greville
                       ExcMessage("The parameter '" + section +
                                  "/State variables' has <" + text +
                                  ">; it has to be a name of letters, digits "
-                                 "and _, and a unit in brackets if it has "
-                                 "one, or the number of all of them."));
+                                 "and _ with an optional unit in brackets, or "
+                                 "the number of all variables."));
           AssertThrow(!is_taken_by_points(state) &&
                         std::count(fixed_names.begin(),
                                    fixed_names.end(),
                                    state) == 0,
                       ExcMessage("The parameter '" + section +
                                  "/State variables' has the name <" + state +
-                                 ">, which all points have already."));
+                                 ">, but all points have a variable of this "
+                                 "name."));
           names.push_back(state);
           units.push_back(
             has ? Utilities::trim(text.substr(open + 1, text.size() - open - 2))
@@ -409,7 +410,7 @@ namespace greville
                   "asks for a step of " + text_of(pnewdt) +
                   " times this length (PNEWDT), which is " +
                   text_of(*memory[UmatMemory::dtime]) +
-                  " s; explicit steps take a smaller 'Time/Step' or "
+                  " s; for explicit steps, set a smaller 'Time/Step' or "
                   "'Time/Safety'")));
     if (!memory.is_finite())
       {

@@ -247,9 +247,9 @@ namespace greville
       const auto ic0 = [](P p, L level, const bool) {
         auto factorization = level.factorization(p.shift, false);
         AssertThrow(factorization,
-                    ExcMessage("The parameter 'Smoother' asks for a "
+                    ExcMessage("The parameter 'Smoother' needs a "
                                "factorization, which this operator does not "
-                               "give: take chebyshev or jacobi."));
+                               "provide: take chebyshev or jacobi."));
         return factorization;
       };
       const auto jacobi = [](P p, L level, const bool) {

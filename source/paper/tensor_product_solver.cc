@@ -14,9 +14,9 @@ namespace greville
     : space(&s)
   {
     AssertThrow(!s.lattice().is_periodic(),
-                ExcMessage("Periodic walls do not go with 'Prolongation' or "
-                           "'Restriction' = exact-l2, nor with tensor-product "
-                           "as 'Smoother' or 'Coarse preconditioner': all of "
+                ExcMessage("Periodic walls do not support 'Prolongation' or "
+                           "'Restriction' = exact-l2, nor tensor-product as "
+                           "'Smoother' or 'Coarse preconditioner': all of "
                            "them need open knot vectors."));
     for (unsigned int d = 0; d < dim; ++d)
       factors[d] = factorize(s.knots(d));

@@ -21,7 +21,7 @@ namespace greville
     {
       AssertThrow(!wrong,
                   ExcMessage(
-                    "'Grid/Geometry' = axisymmetric does not go with " +
+                    "'Grid/Geometry' = axisymmetric does not support " +
                     parameter + ": " + why));
     }
 
@@ -59,7 +59,7 @@ namespace greville
     const std::string at = text_of(grid.lower[0]);
     refuse(grid.lower[0] < 0.,
            "'Grid/Lower corner', whose x is " + at + " m",
-           "x is the distance from the axis, which is not negative.");
+           "x is the distance from the axis and cannot be negative.");
     for (const auto &[name, body_grid] : body_grids)
       refuse(body_grid.lower.size() == 2 &&
                (body_grid.lower[0] < 0. ||
@@ -68,8 +68,8 @@ namespace greville
                (body_grid.lower.size() == 2 ? text_of(body_grid.lower[0])
                                             : "") +
                " m",
-             "the grids of all bodies begin at the axis, x = 0, or none does, "
-             "as that of the section 'Grid', which begins at " +
+             "the grids of all bodies have to begin at the axis, x = 0, or "
+             "none; the section 'Grid' begins at " +
                at + " m.");
     for (const auto &[name, body] : rigid_bodies)
       {
@@ -98,7 +98,7 @@ namespace greville
   {
     refuse(walls.is_periodic(0),
            "'Walls/Left' = periodic",
-           "radii do not come again.");
+           "the radius is not periodic.");
     refuse(
       has_radial_part(loads.gravity, "Loads/Gravity", time.start, time.end),
       "'Loads/Gravity', which is <" + formula_text(loads.gravity) + ">",
@@ -107,9 +107,9 @@ namespace greville
       return;
     refuse(walls.type[0] != "sliding" && walls.type[0] != "fixed",
            "'Walls/Left' = " + walls.type[0],
-           "the grid begins at x = 0, where this wall is the axis. It holds "
-           "the radial component if it is free or sliding, and both "
-           "components if it is fixed.");
+           "the grid begins at x = 0, where this wall is the axis. It "
+           "constrains the radial component if it is free or sliding, and "
+           "both components if it is fixed.");
     refuse(!walls.velocity[0].empty() || !walls.displacement[0].empty() ||
              !walls.region[0].empty(),
            "'Walls/Left velocity', 'Left displacement' and 'Left region'",

@@ -135,11 +135,11 @@ namespace greville
                                parameters.scheme.formulation +
                                ", but the first stage has " +
                                stages[0].scheme.formulation +
-                               ": all stages have the same."));
+                               ": all stages need the same."));
         AssertThrow(!(stages[k].reset_displacements &&
                       parameters.scheme.is_total_lagrangian()),
                     ExcMessage(stage_text(k) +
-                               "'Reset displacements' does not go with "
+                               "'Reset displacements' does not support "
                                "'Scheme/Formulation' = total Lagrangian, in "
                                "which basis functions belong to the initial "
                                "positions."));
@@ -148,8 +148,8 @@ namespace greville
                       end,
                     ExcMessage(stage_text(k) + "'Time/End' is " + text_of(end) +
                                " s, but the stage begins at " + text_of(start) +
-                               " s. Time runs on over the stages: each has an "
-                               "'End' behind that of the one before."));
+                               " s. Time continues over the stages: each "
+                               "'End' has to be later than the one before."));
         for (unsigned int w = 0; w < 2 * general.dimension; ++w)
           {
             SimulationParameters first = *this;
@@ -186,9 +186,9 @@ namespace greville
         AssertThrow(
           !contact.is_by_material_points() || !scheme.is_total_lagrangian(),
           ExcMessage("'Contact " + name +
-                     "/Contactors' = material points does not go with "
-                     "'Scheme/Formulation' = total Lagrangian, where a "
-                     "surface stays whole: take surface points."));
+                     "/Contactors' = material points does not support "
+                     "'Scheme/Formulation' = total Lagrangian, in which "
+                     "surfaces stay whole: take surface points."));
       }
     for (const auto &[name, body] : rigid_bodies)
       {
@@ -242,7 +242,7 @@ namespace greville
          ++w)
       AssertThrow(!walls.is_periodic(w),
                   ExcMessage("'Walls/" + WallParameters::names[w] +
-                             "' is periodic, which does not go with "
+                             "' = periodic does not support "
                              "'Simulation/Contacts': surfaces do not meet "
                              "across periodic walls."));
   }
@@ -262,7 +262,7 @@ namespace greville
                     ExcMessage("The wall '" + name + "' has both of '" + name +
                                " velocity' (<" + v + ">) and '" + name +
                                " displacement' (<" + d +
-                               ">): one of them is enough."));
+                               ">): give one of them."));
         AssertThrow(walls.type[w] == "sliding" ||
                       (walls.type[w] == "moving") == !(v + d).empty(),
                     ExcMessage("The wall '" + name + "' is " + walls.type[w] +
@@ -271,15 +271,15 @@ namespace greville
                                 : !v.empty() ? " velocity' is <" + v + ">"
                                              : " velocity' and '" + name +
                                                  " displacement' are empty") +
-                               ": a moving wall has one, a sliding wall may "
-                               "have one, others have none."));
+                               ": a moving wall needs one of them, a sliding "
+                               "wall may have one, other walls have none."));
         AssertThrow(walls.region[w].empty() || walls.type[w] == "fixed" ||
                       walls.type[w] == "sliding" || walls.type[w] == "moving",
                     ExcMessage("The wall '" + name + "' is " + walls.type[w] +
                                ", and '" + name + " region' is <" +
                                formula_text(walls.region[w]) +
-                               ">: fixed, sliding and moving walls may have "
-                               "one."));
+                               ">: only fixed, sliding and moving walls may "
+                               "have a region."));
       }
     for (unsigned int w = 0; w < 2 * dim; w += 2)
       {
@@ -289,7 +289,7 @@ namespace greville
                                "' is " + walls.type[w] + " and '" +
                                WallParameters::names[w + 1] + "' is " +
                                walls.type[w + 1] +
-                               ": both or none of them are periodic."));
+                               ": both or none have to be periodic."));
         const unsigned int n = grid.cells.size() == dim ? grid.cells[w / 2] : 0;
         AssertThrow(!is_periodic || n == 0 || n > grid.degree,
                     ExcMessage(
@@ -299,7 +299,7 @@ namespace greville
                       "', which are periodic: B-splines of 'Grid/Order' " +
                       std::to_string(grid.degree) + " need " +
                       std::to_string(grid.degree + 1) +
-                      " or more, so that none meets itself."));
+                      " or more, so that none overlaps itself."));
       }
     check_mass_name(scheme.mass, "Scheme/Mass");
     if (grid.is_axisymmetric())
@@ -314,10 +314,10 @@ namespace greville
                 ExcMessage("The parameter 'Scheme/FLIP share' is " +
                            text_of(scheme.flip) +
                            ", but 'Scheme/Transfer' is " + scheme.transfer +
-                           ": a share belongs to FLIP."));
+                           ": only FLIP has a share."));
     AssertThrow(time.start <= time.end,
                 ExcMessage("'Time/Start' is " + text_of(time.start) +
-                           " s, behind 'Time/End', " + text_of(time.end) +
+                           " s, after 'Time/End', " + text_of(time.end) +
                            " s."));
     AssertThrow(!time.step.empty() || (time.cfl > 0. && time.safety > 0.),
                 ExcMessage("Without a 'Time/Step', the parameters 'Time/CFL "
@@ -328,7 +328,9 @@ namespace greville
     for (unsigned int w = 0; w < 2 * dim; ++w)
       AssertThrow(walls.friction[w] == 0. || walls.type[w] == "friction",
                   ExcMessage("The wall '" + WallParameters::names[w] + "' is " +
-                             walls.type[w] + ", but has a friction."));
+                             walls.type[w] +
+                             ", but has a coefficient of "
+                             "friction."));
     for (unsigned int w = 2 * dim; w < 6; ++w)
       {
         const std::string &name = WallParameters::names[w];
@@ -359,8 +361,8 @@ namespace greville
                             const std::string &parameter,
                             const std::string &why) {
       AssertThrow(!wrong,
-                  ExcMessage("'Scheme/Formulation' = total Lagrangian does not "
-                             "go with " +
+                  ExcMessage("'Scheme/Formulation' = total Lagrangian does "
+                             "not support " +
                              parameter + ": " + why));
     };
     refuse(scheme.transfer == "APIC",
@@ -383,7 +385,7 @@ namespace greville
                     !scheme.has_consistent_mass() ||
                     is_implicit_scheme(scheme.stress_update),
                   ExcMessage("'Walls/" + WallParameters::names[w] +
-                             "' = friction does not go with 'Scheme/Mass' = "
+                             "' = friction does not support 'Scheme/Mass' = "
                              "consistent: take lumped, or a rigid body that "
                              "'Contacts' name, such as half_space(0, 1, 0)."));
   }
@@ -397,7 +399,7 @@ namespace greville
                            const std::string &parameter,
                            const std::string &why) {
       AssertThrow(!wrong,
-                  ExcMessage("'Scheme/Functions' = domains does not go with " +
+                  ExcMessage("'Scheme/Functions' = domains does not support " +
                              parameter + ": " + why));
     };
     refuse(scheme.is_total_lagrangian(),
@@ -405,7 +407,7 @@ namespace greville
            "points stay where they are in their cells; take points.");
     refuse(scheme.has_projection(),
            "'Scheme/Volumetric projection' = " + scheme.volumetric_projection,
-           "it projects what gradients at points give; take none.");
+           "it projects gradients at points; take none.");
     refuse(is_explicit_scheme(scheme.stress_update) &&
              !scheme.has_consistent_mass() && !scheme.has_lumped_mass(),
            "'Scheme/Mass' = " + scheme.mass,

@@ -23,7 +23,7 @@ namespace greville
     {
       AssertThrow(!wrong,
                   ExcMessage(
-                    "'Simulation/Pore water' = true does not go with " +
+                    "'Simulation/Pore water' = true does not support " +
                     parameter + ": " + why));
     }
 
@@ -34,8 +34,7 @@ namespace greville
     {
       AssertThrow(!is_given,
                   ExcMessage("The parameter '" + parameter +
-                             "' is for pore water, and 'Simulation/Pore water' "
-                             "is false."));
+                             "' needs 'Simulation/Pore water' = true."));
     }
 
 
@@ -54,8 +53,7 @@ namespace greville
       AssertThrow(pressure.empty() || flux.empty(),
                   ExcMessage("The parameters '" + section + names[0] +
                              "' and '" + names[2] +
-                             "' are both given: water has one of them at a "
-                             "boundary."));
+                             "' are both given: give one of them."));
       AssertThrow(!pressure.empty() || !is_seepage_face,
                   ExcMessage("The parameter '" + section + names[1] +
                              "' is true and needs '" + names[0] +
@@ -200,8 +198,8 @@ namespace greville
         AssertThrow(material->density >= material->porosity * water.density,
                     ExcMessage("The parameter '" + section + "Density' is " +
                                text_of(material->density) +
-                               " kg / m^3, that of soil and water together, "
-                               "but the water in the pores alone has " +
+                               " kg / m^3 for soil and water together, but "
+                               "the water in the pores alone has " +
                                text_of(material->porosity * water.density) +
                                " kg / m^3 ('Porosity' times 'Water/"
                                "Density')."));
@@ -254,19 +252,19 @@ namespace greville
       AssertThrow(std::isfinite(value),
                   ExcMessage(std::string("The parameter 'Water/") + name +
                              "' is " + text_of(value) +
-                             ": it has to be finite. Water of the 'Bulk "
-                             "modulus' 0 is incompressible, and pores of the "
-                             "'Capillary height' 0 stay full."));
+                             ": it has to be finite. 'Bulk modulus' = 0 makes "
+                             "water incompressible, and 'Capillary height' = "
+                             "0 keeps pores full."));
     const auto check_cells = [](const std::string               &section,
                                 const std::vector<unsigned int> &cells) {
       for (const unsigned int n : cells)
         AssertThrow(n % 2 == 0,
                     ExcMessage("The parameter '" + section +
-                               "Grid/Cells' has a direction of " +
+                               "Grid/Cells' has a direction with " +
                                std::to_string(n) +
-                               " cells: with 'Simulation/Pore water' numbers "
-                               "of cells are even, as the pressure has cells "
-                               "of twice the size."));
+                               " cells: 'Simulation/Pore water' needs even "
+                               "numbers, because cells of the pressure are "
+                               "twice as large."));
     };
     check_cells("", grid.cells);
     for (const auto &[name, own] : body_grids)
@@ -281,9 +279,10 @@ namespace greville
       refuse_with_water(body.K0 >= 0. && water.table.empty() &&
                           has_pores(*this, {name}),
                         "'Body " + name + "/K0' without a 'Water/Table'",
-                        "it is the weight of the soil less the pressure of "
-                        "the water. Give the table, the effective 'Stress', "
-                        "or begin with a stage that finds it.");
+                        "the effective stress is the weight of the soil less "
+                        "the pressure of the water. Give the table or the "
+                        "effective 'Stress', or begin with a stage that finds "
+                        "it.");
   }
 
 
@@ -325,13 +324,12 @@ namespace greville
                           "the wall is the axis, through which nothing flows.");
         refuse_with_water(walls.is_periodic(w),
                           given,
-                          "the wall is periodic, so that it has no end there.");
+                          "the wall is periodic and has no boundary there.");
         refuse_with_water(
           scheme.is_total_lagrangian(),
           "'Scheme/Formulation' = total Lagrangian and " + given,
-          "bodies leave the wall, whose place is that of the initial "
-          "configuration. Give that of a 'Surface load', or take updated "
-          "Lagrangian.");
+          "the wall stays in the initial configuration, and bodies move away "
+          "from it. Give it for a 'Surface load', or take updated Lagrangian.");
       }
     if (!general.pore_water)
       return;
@@ -348,7 +346,7 @@ namespace greville
                       "half as many, and B-splines of 'Grid/Order' " +
                       std::to_string(grid.degree) + " need " +
                       std::to_string(2 * (grid.degree + 1)) +
-                      " cells or more, so that none meets itself."));
+                      " cells or more, so that none overlaps itself."));
       }
     const std::string &outside = water.free_surface_pressure;
     if (!outside.empty())
@@ -358,21 +356,21 @@ namespace greville
         refuse_with_water(scheme.is_total_lagrangian(),
                           "'Scheme/Formulation' = total Lagrangian and " +
                             given,
-                          "its layer of points is found in the cells in which "
-                          "they are; take updated Lagrangian, or give 'Pore "
-                          "pressure' of a 'Surface load'.");
+                          "the layer of points at the free surface is found "
+                          "from their current cells; take updated Lagrangian, "
+                          "or give 'Pore pressure' of a 'Surface load'.");
         refuse_with_water(!contacts.empty(),
                           "'Simulation/Contacts' and " + given,
-                          "surfaces that touch are impervious, and the layer "
-                          "of points does not know them. Give 'Pore pressure' "
-                          "of a 'Surface load'.");
+                          "surfaces in contact are impervious, which the "
+                          "layer of points at the free surface ignores. Give "
+                          "'Pore pressure' of a 'Surface load'.");
         for (const auto &[name, load] : surface_loads)
           refuse_with_water(load.passes_water(),
                             given + " and 'Surface load " + name +
                               (load.flux.empty() ? "/Pore pressure'"
                                                  : "/Flux'"),
-                            "that surface is a part of the free one. Give one "
-                            "of them.");
+                            "that surface is a part of the free surface. Give "
+                            "one of them.");
       }
     const std::string given_scheme =
       "'Scheme/Stress update' = " + scheme.stress_update;
@@ -381,7 +379,7 @@ namespace greville
         refuse_with_water(scheme.stress_update != "USL",
                           given_scheme,
                           "points deform with the velocity that the pressure "
-                          "leaves; take USL.");
+                          "has corrected; take USL.");
         refuse_with_water(water.is_second_order,
                           "'Water/Integration' = BDF2 and " + given_scheme,
                           "the pressure belongs to the end of an explicit "
@@ -398,7 +396,7 @@ namespace greville
       }
     refuse_with_water(scheme.stress_update == "implicit-midpoint",
                       given_scheme,
-                      "it conserves energy, and water that flows does not; "
+                      "it conserves energy, but seepage dissipates energy; "
                       "take newmark or generalized-alpha.");
     refuse_with_water(scheme.has_projection(),
                       "'Scheme/Volumetric projection' = " +

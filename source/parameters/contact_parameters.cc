@@ -75,7 +75,7 @@ namespace greville
     AssertThrow(is_free || (density == 0. && !has_mass),
                 ExcMessage("'" + section +
                            "' has a 'Density', 'Mass' or 'Inertia', which "
-                           "belong to 'Free' = true."));
+                           "need 'Free' = true."));
     if (!is_free)
       return;
     AssertThrow((density > 0.) != has_mass,
@@ -94,10 +94,10 @@ namespace greville
       std::accumulate(inertia.begin(), inertia.end(), 0.) * (1. + 1e-9);
     AssertThrow(!has_mass || dim == 2 ||
                   2. * *std::max_element(inertia.begin(), inertia.end()) <= sum,
-                ExcMessage("'" + section +
-                           "' has an 'Inertia' that no body has: none of the "
-                           "three numbers is larger than the sum of the "
-                           "others."));
+                ExcMessage(
+                  "'" + section +
+                  "' has an impossible 'Inertia': none of the three "
+                  "numbers can be larger than the sum of the others."));
     AssertThrow(!has_mass || !reference_point.empty(),
                 ExcMessage("'" + section +
                            "' has a 'Mass': it needs a 'Reference point', its "
@@ -105,12 +105,11 @@ namespace greville
     AssertThrow(has_mass || reference_point.empty(),
                 ExcMessage("'" + section +
                            "' has a 'Density': its reference point is its "
-                           "center of mass, and 'Reference point' is not "
-                           "given."));
+                           "center of mass; leave out 'Reference point'."));
     AssertThrow(rotation.empty(),
                 ExcMessage("'" + section +
-                           "' is free: it turns by the moments of contacts, "
-                           "and has no 'Rotation'."));
+                           "' is free: moments of contacts turn it; leave out "
+                           "'Rotation'."));
   }
 
 
@@ -194,7 +193,7 @@ namespace greville
     for (const auto &side : both)
       AssertThrow(!side.empty(),
                   ExcMessage("The parameter '" + section + "/Bodies' is <" +
-                             bodies + ">, of which one side is empty."));
+                             bodies + ">: one side is empty."));
     for (const auto &side : both)
       for (const std::string &name : side)
         {
@@ -208,16 +207,16 @@ namespace greville
                                  did_you_mean(name, names)));
           AssertThrow(std::count(named.begin(), named.end(), name) == 0,
                       ExcMessage(parameter +
-                                 " twice: contact of a body with itself is not "
-                                 "known."));
+                                 " twice: contact of a body with itself is "
+                                 "not supported."));
           named.push_back(name);
           if (rigid.count(name) > 0)
             {
               AssertThrow(sides()[1] == std::vector<std::string>{name},
                           ExcMessage(parameter +
-                                     ", which is a rigid body: it is the "
-                                     "second side, alone, and the first side "
-                                     "deforms."));
+                                     ", which is a rigid body: it has to be "
+                                     "the second side, alone, and the first "
+                                     "side has to deform."));
               continue;
             }
           const BodyParameters &body = all_bodies.at(name);
@@ -226,13 +225,13 @@ namespace greville
           AssertThrow(!needs_surface || body.points_file.empty(),
                       ExcMessage(parameter +
                                  ", which has a 'Points file': its surface is "
-                                 "not known. Give it a 'Shape' or a 'Shape "
-                                 "file', or let its 'Contactors' be material "
+                                 "unknown. Give it a 'Shape' or a 'Shape "
+                                 "file', or take 'Contactors' = material "
                                  "points."));
         }
     AssertThrow(!is_by_material_points() || !is_augmented(),
                 ExcMessage("'" + section +
-                           "/Method' = augmented does not go with "
+                           "/Method' = augmented does not support "
                            "'Contactors' = material points."));
   }
 } // namespace greville

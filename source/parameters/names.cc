@@ -66,8 +66,8 @@ namespace greville
             {"Walls/",
              "contact",
              "A floor that contacts name is a rigid body, such as 'Rigid body "
-             "NAME/Shape' = half_space(0, 1, 0) for y < 0, in a grid that goes "
-             "on behind it."},
+             "NAME/Shape' = half_space(0, 1, 0) for y < 0, in a grid that "
+             "extends behind it."},
             {"Output/Points format",
              "",
              "Remove the line: points are always written as .vtu files, one "

@@ -197,8 +197,8 @@ namespace greville
                    bearer.placement == Placement::fitted_lattice),
                 ExcMessage(
                   "'" + section + "' acts on the surface of 'Body " + body +
-                  "', which is known of a 'Shape' with 'Placement' = fitted or "
-                  "fitted lattice only; here " +
+                  "', which needs a 'Shape' with 'Placement' = fitted or "
+                  "fitted lattice; here " +
                   (bearer.points_file.empty()
                      ? "'Placement' is " + word_of(bearer.placement, placements)
                      : "there is a 'Points file'") +

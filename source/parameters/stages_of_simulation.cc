@@ -133,8 +133,8 @@ namespace greville
                           contains(stage.bodies, body),
                         ExcMessage(
                           "The parameter '" + parameter + "' names the body <" +
-                          body + ">, which is not there: 'Stage " + stage.name +
-                          "/Bodies' is " +
+                          body + ">, which is not in this stage: 'Stage " +
+                          stage.name + "/Bodies' is " +
                           boost::algorithm::join(stage.bodies, ", ") + "."));
             named.push_back(body);
             stage.material_of[body] = law;
@@ -172,11 +172,11 @@ namespace greville
               AssertThrow(n == 0 || last + 1 == k,
                           ExcMessage(
                             stage_text(k) + "the body <" + name +
-                            "> has been taken away before ('Stage " +
+                            "> was removed before ('Stage " +
                             stages[last + 1].name +
-                            "/Bodies' does not name it), and does not come "
-                            "back. Another body of the same shape can, with "
-                            "a name and a section of its own."));
+                            "/Bodies' does not name it) and cannot return. "
+                            "Add another body of the same shape, with its own "
+                            "name and section."));
               ++n;
               last = k;
             }
@@ -188,18 +188,18 @@ namespace greville
                                "names it."));
         AssertThrow(!scheme.is_total_lagrangian(),
                     ExcMessage("'Body " + name +
-                               "' comes or goes ('Stage NAME/Bodies'), which "
-                               "does not go with 'Scheme/Formulation' = total "
-                               "Lagrangian, in which bodies do not see one "
-                               "another. Take updated Lagrangian."));
+                               "' appears or disappears ('Stage "
+                               "NAME/Bodies'), but bodies do not interact "
+                               "with 'Scheme/Formulation' = total Lagrangian. "
+                               "Take updated Lagrangian."));
         for (const auto &[contact, given] : contacts)
           for (const auto &side : given.sides())
             AssertThrow(!contains(side, name),
                         ExcMessage("'Contact " + contact + "/Bodies' has <" +
                                    name +
-                                   ">, which comes or goes ('Stage "
-                                   "NAME/Bodies'): bodies in contacts are "
-                                   "there in all stages."));
+                                   ">, which appears or disappears ('Stage "
+                                   "NAME/Bodies'): bodies in contacts have to "
+                                   "be in all stages."));
       }
     for (unsigned int k = 0; k < stages.size(); ++k)
       {
@@ -211,9 +211,9 @@ namespace greville
                                   }),
                       ExcMessage(stage_text(k) + "none of the bodies <" +
                                  boost::algorithm::join(group, ", ") +
-                                 "> is there ('Bodies'), which share a "
-                                 "velocity field that no contact names: one "
-                                 "of them has to be."));
+                                 "> is in 'Bodies': they share a velocity "
+                                 "field that no contact names, and it needs "
+                                 "one of them."));
         for (const auto &[name, material] : stages[k].material_of)
           for (const auto &contact : contacts)
             for (const auto &side : contact.second.sides())
@@ -222,8 +222,8 @@ namespace greville
                   material == stages[0].material_of.at(name),
                 ExcMessage(stage_text(k) + "'Materials' gives 'Body " + name +
                            "' another material, but 'Contact " + contact.first +
-                           "/Bodies' names it: bodies in contacts keep "
-                           "theirs, which the penalty belongs to."));
+                           "/Bodies' names it: bodies in contacts keep their "
+                           "material, because the penalty depends on it."));
       }
   }
 } // namespace greville

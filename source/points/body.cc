@@ -42,8 +42,8 @@ namespace greville
           {
             AssertThrow(K0 < 0.,
                         ExcMessage("'" + section +
-                                   "' has both 'Stress' and 'K0': it can be "
-                                   "given by one only."));
+                                   "' has both 'Stress' and 'K0': give one of "
+                                   "them."));
             components = {parameters.stress,
                           section + "/Stress",
                           coordinate_names<dim>()};
@@ -88,9 +88,9 @@ namespace greville
                           " m beyond the parameter 'Surface', which is " +
                           text_of(height) +
                           " m there: a body with 'K0' has to lie below its "
-                          "'Surface' everywhere, and down is where "
+                          "'Surface' everywhere, in the direction of "
                           "'Loads/Gravity' = (" +
-                          text_of(g) + ") m / s^2 points."));
+                          text_of(g) + ") m / s^2."));
             AssertThrow(depth < deepest * grid_height,
                         ExcMessage(
                           "the parameter 'Surface' is " + text_of(height) +

@@ -271,7 +271,7 @@ namespace greville
         constexpr int n      = decltype(size)::value;
         const bool    affine = points->layout().find("affine");
         AssertThrow(!affine || !windows,
-                    ExcMessage("APIC does not go with domains."));
+                    ExcMessage("APIC does not support domains."));
         const auto run = [&](auto with_mass, auto with_force, auto apic) {
           add_points<dim, n, with_mass, with_force, apic>(*points,
                                                           tables,

@@ -60,12 +60,12 @@ namespace greville
       std::ostringstream message;
       if (!(lower[0] <= upper[0]))
         message << "'" << section << "' acts on the surface of 'Body " << body
-                << "', which has none in the grid.";
+                << "', but the body has no surface in the grid.";
       else
         message << "The parameter '" << section << "/Where' is <" << where
                 << ">: no point of the surface of 'Body " << body
-                << "' is in it. They are between (" << lower << ") m and ("
-                << upper << ") m.";
+                << "' is in it. Its points are between (" << lower
+                << ") m and (" << upper << ") m.";
       return message.str();
     }
 

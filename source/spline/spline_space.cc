@@ -259,8 +259,8 @@ namespace greville
         AssertThrow(
           n < largest_index,
           ExcMessage(
-            "The grid has more functions than this deal.II can number, "
-            "which is " +
+            "The grid has more functions than this deal.II can number, at "
+            "most " +
             std::to_string(largest_index) +
             ": use a coarser grid, or a deal.II with 64-bit indices "
             "(DEAL_II_WITH_64BIT_INDICES)."));

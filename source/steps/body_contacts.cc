@@ -109,7 +109,7 @@ namespace greville
       AssertThrow(others.empty() ||
                     !parameters.contacts.at(name).is_augmented(),
                   ExcMessage("'Contact " + name +
-                             "/Method' = augmented does not go with "
+                             "/Method' = augmented does not support "
                              "'Scheme/Stress update' = " +
                              others + ": explicit steps have no iterations."));
     std::vector<RigidBodyState<dim>> positions;
@@ -117,10 +117,10 @@ namespace greville
       {
         AssertThrow(!has_static || !parameters.rigid_bodies.at(name).is_free,
                     ExcMessage("'Scheme/Stress update' = quasi-static does "
-                               "not go with 'Rigid body " +
+                               "not support 'Rigid body " +
                                name +
-                               "/Free' = true: without inertia nothing says "
-                               "where it goes. Give it a 'Velocity'."));
+                               "/Free' = true: without inertia its motion is "
+                               "unknown. Give it a 'Velocity'."));
         rigid_bodies.emplace_back(name, parameters.rigid_bodies.at(name));
         const auto position =
           rigid_bodies.back().position_at_start(parameters.time.start);

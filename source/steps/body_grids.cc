@@ -319,16 +319,16 @@ namespace greville
                                    "of order " +
                                    std::to_string(whole.degree) + " need " +
                                    std::to_string(whole.degree + 1) +
-                                   " or more, so that none meets itself."));
+                                   " or more, so that none overlaps itself."));
           }
       }
     AssertThrow(scheme.is_total_lagrangian() || !grid.per_body,
-                ExcMessage("'Grid/Per body' = true does not go with "
+                ExcMessage("'Grid/Per body' = true does not support "
                            "'Scheme/Formulation' = " +
                            scheme.formulation +
-                           ": bodies have grids of their own in total "
-                           "Lagrangian steps only. In updated Lagrangian ones "
-                           "they meet on one grid, or in 'Contacts'."));
+                           ": only total Lagrangian steps give bodies their "
+                           "own grids. In updated Lagrangian steps bodies "
+                           "share one grid, or meet in 'Contacts'."));
   }
 
 

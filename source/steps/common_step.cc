@@ -165,8 +165,8 @@ namespace greville
           throw StepFailed(
             "'Scheme/Stress update' = " +
               simulation->parameters.scheme.stress_update +
-              " does not go with 'Simulation/Contacts': they act "
-              "in explicit steps and in those of ImplicitSteps",
+              " does not support 'Simulation/Contacts': contacts act in "
+              "explicit steps and in ImplicitSteps",
             false);
         coupled.push_back({steps.back(), &simulation->current});
       }

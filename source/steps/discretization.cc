@@ -54,8 +54,8 @@ namespace greville
     {
       AssertThrow(
         !parameters.scheme.is_apic() || parameters.scheme.has_lumped_mass(),
-        ExcMessage("'Scheme/Transfer' = APIC goes with 'Scheme/Mass' "
-                   "= lumped, not <" +
+        ExcMessage("'Scheme/Transfer' = APIC needs 'Scheme/Mass' = lumped, "
+                   "not <" +
                    parameters.scheme.mass +
                    ">: the momentum of APIC is the right-hand side of "
                    "a lumped solve. With the exact mass, PIC already "

@@ -36,8 +36,8 @@ namespace greville
     Utilities::MPI::max(of_all, comm, of_all);
     AssertThrow(of_all[1] == 0 || is_diagonal(),
                 ErrorOnAll("A contact constrains velocities along a normal "
-                           "that is not an axis of the grid, which goes with "
-                           "'Scheme/Mass' = lumped, not with the mass <" +
+                           "that is not an axis of the grid, which needs "
+                           "'Scheme/Mass' = lumped, not <" +
                            solver() + ">."));
     if (of_all[0] == 0)
       return;

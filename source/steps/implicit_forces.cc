@@ -167,7 +167,7 @@ namespace greville
                             const std::string &why) {
       AssertThrow(!wrong,
                   ExcMessage("'Scheme/Stress update' = " + name +
-                             " does not go with " + parameter + ": " + why));
+                             " does not support " + parameter + ": " + why));
     };
     refuse(parameters.time.step.empty(),
            "an empty 'Time/Step'",

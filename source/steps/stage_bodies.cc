@@ -497,10 +497,9 @@ namespace greville
                   layout.projected_J == 0 || !layout.is_total_lagrangian(),
                   ExcMessage("'Materials' gives 'Body " + body.name +
                              "' a material with another model or other "
-                             "elastic constants, which does not go with "
-                             "'Scheme/Volumetric projection' and total "
-                             "Lagrangian steps: these project the volume "
-                             "since the start."));
+                             "elastic constants, but 'Scheme/Volumetric "
+                             "projection' in total Lagrangian steps projects "
+                             "the volume since the start."));
                 run_on_all([&]() { change.replace(state.time); }, comm);
               }
           }

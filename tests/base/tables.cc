@@ -169,7 +169,7 @@ test_main()
   if (is_first)
     std::ofstream("foreign.h5") << "time,step\n0,1\n";
   MPI_Barrier(comm);
-  check_refused("foreign.h5", "is no file of HDF5", comm);
+  check_refused("foreign.h5", "was not written by this program", comm);
 
   // A table that promises more rows than there are, without the memory for
   // them.

@@ -522,7 +522,7 @@ namespace
                   loaded(block_2d("box(-1, -1, 2, 2)")
                            .with("Body body", {"Clip at the grid = true"}),
                          pull),
-                  "which has none in the grid");
+                  "but the body has no surface in the grid");
     check_refused("no traction",
                   loaded(block, {}),
                   "has 'Kind' = traction and needs the parameter 'Traction'");

@@ -212,7 +212,7 @@ namespace
            {"Grid", {"Order", "Lower corner"}},
            {"Grid/Order", {"default: 2", "a whole number between 1 and"}}})
       accept({"greville", "--list", name}, words);
-    refuse("it is no section, and no parameter",
+    refuse("it is neither a section nor a parameter",
            {"greville", "--list", "nothing"});
     refuse("Did you mean <Contact NAME>?", {"greville", "--list", "Contact"});
     refuse("Did you mean <Rigid body NAME>?",

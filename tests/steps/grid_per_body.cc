@@ -534,7 +534,7 @@ namespace
       "Formulation = updated Lagrangian"};
     refused("updated Lagrangian",
             good.with("Scheme", updated).with("Grid", {"Per body = true"}),
-            "'Grid/Per body' = true does not go with");
+            "'Grid/Per body' = true does not support");
     refused("updated Lagrangian with a section",
             with_grid(good.with("Scheme", updated), "box", {"Order = 1"}),
             "There is a section 'Body box/Grid', but");

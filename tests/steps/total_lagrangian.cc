@@ -312,14 +312,14 @@ namespace
     check_refused("reset of displacements",
                   Text(text + "subsection Stage two\n  subsection Time\n"
                               "    set End = 1\n  end\nend\n"),
-                  "'Reset displacements' does not go with");
+                  "'Reset displacements' does not support");
     text = stages("Reset displacements = false");
     check_refused(
       "stages of both formulations",
       Text(text + "subsection Stage two\n  subsection Time\n"
                   "    set End = 1\n  end\n  subsection Scheme\n"
                   "    set Formulation = updated Lagrangian\n  end\nend\n"),
-      "all stages have the same");
+      "all stages need the same");
   }
 } // namespace
 

@@ -30,7 +30,7 @@ namespace greville
     AssertThrow(number <= limit,
                 dealii::ExcMessage(
                   std::to_string(number) + " " + what +
-                  " are more than the libraries can number here, which is " +
+                  " are more than the libraries can number here, at most " +
                   std::to_string(limit) +
                   ": use a coarser grid, or a PETSc and a deal.II with 64-bit "
                   "indices (DEAL_II_WITH_64BIT_INDICES)."));
@@ -51,7 +51,7 @@ namespace greville
     AssertThrow(n_bytes <= limit,
                 dealii::ExcMessage("A message of " + std::to_string(n_bytes) +
                                    " bytes from one process to another is "
-                                   "longer than MPI can count, which is " +
+                                   "longer than MPI can count, at most " +
                                    std::to_string(limit) +
                                    ": use more processes."));
   }

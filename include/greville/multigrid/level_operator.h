@@ -76,11 +76,11 @@ namespace greville
     matrix() const
     {
       AssertThrow(false,
-                  dealii::ExcMessage("The parameter 'Smoother' asks for the "
-                                     "entries of one component, which this "
-                                     "operator does not give: take "
-                                     "chebyshev-ic0, chebyshev, ic0 or "
-                                     "jacobi."));
+                  dealii::ExcMessage(
+                    "The parameter 'Smoother' needs the "
+                    "entries of one component, which this "
+                    "operator does not provide: take "
+                    "chebyshev-ic0, chebyshev, ic0 or jacobi."));
       return nullptr;
     }
 
