@@ -407,6 +407,6 @@ namespace greville
                       "take points.");
     refuse_with_water(implicit_solver.always_takes_cg(),
                       "'Implicit solver/Method' = cg",
-                      "its systems are not symmetric; take auto or fgmres.");
+                      "its systems are nonsymmetric; take auto or fgmres.");
   }
 } // namespace greville

@@ -34,9 +34,10 @@ namespace greville
         AssertThrow(setting.rfind("Output/Directory", 0) != 0 ||
                       std::filesystem::equivalent(given, own, error),
                     ExcMessage("The option --set <" + setting +
-                               ">: a run goes on in its folder, <" +
+                               ">: a run resumes in its own folder, <" +
                                own.string() +
-                               ">. Move that, and go on from there."));
+                               ">. To use another folder, move this one and "
+                               "resume there."));
       }
     return own.string();
   }
@@ -108,7 +109,7 @@ namespace greville
   {
     AssertThrow(parameters.sweep.is_empty(),
                 ExcMessage("<" + file +
-                           "> has a 'Sweep', and this program makes one run. "
+                           "> has a 'Sweep', but this program makes one run. "
                            "All runs are made by scripts/run, scripts/sweep "
                            "(greville-sweep of an installation), or "
                            "greville.sweep() in Python."));

@@ -359,8 +359,8 @@ namespace greville
             if (Utilities::MPI::max<unsigned int>(moves, comm) > 0)
               notes.push_back("'Body " + body.name + "/Velocity' is <" +
                               formula_text(body.parameters->velocity) +
-                              ">, which quasi-static steps do not know: the "
-                              "body is at rest after the first one.");
+                              ">, which quasi-static steps ignore: the body "
+                              "is at rest after the first step.");
           }
         if (body.parameters->K0 >= 0.)
           for (const Body<dim> &other : bodies)

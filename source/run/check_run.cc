@@ -105,7 +105,7 @@ namespace greville
             catch (const std::exception &error)
               {
                 AssertThrow(false,
-                            ExcMessage("The run cannot go on from <" +
+                            ExcMessage("The run cannot resume from <" +
                                        checkpoint.file +
                                        ">: " + message_of(error)));
               }

@@ -171,8 +171,7 @@ namespace greville
         std::error_code error;
         AssertThrow(std::filesystem::exists(folder, error),
                     ExcMessage("There is no folder <" + folder +
-                               ">, and no checkpoint that a run can go on "
-                               "from."));
+                               ">, and no checkpoint to resume from."));
         AssertThrow(std::filesystem::is_directory(folder, error),
                     ExcMessage("<" + folder +
                                "> is a file, not the folder of a run with its "
@@ -215,7 +214,7 @@ namespace greville
       reasons += " " + reason;
     AssertThrow(false,
                 ExcMessage("There is no checkpoint in the folder <" + folder +
-                           "> that a run can go on from." + reasons));
+                           "> to resume from." + reasons));
     return checkpoint;
   }
 } // namespace greville

@@ -92,7 +92,7 @@ namespace greville
                     ExcMessage("The parameter 'Time/Ramp until failure' is <" +
                                formula_text(time.ramp) + ">, which " + why +
                                " at t = " + text_of(t) +
-                               " s: it is a factor that is not negative and "
+                               " s: it has to be a nonnegative factor that "
                                         "grows from 'Time/Start' to 'Time/End'."));
       };
       double first = 0., last = 0.;
@@ -165,8 +165,8 @@ namespace greville
         {
           AssertThrow(false,
                       ExcMessage(message_of(error) +
-                                 " Columns of probes are those of "
-                                 "'Output/Probes'."));
+                                 " 'Output/Probes' gives the columns of "
+                                 "probes."));
         }
     const std::string end_when    = formula_text(time.end_when);
     const std::string definitions = time.end_when.substr(end_when.size());
@@ -429,7 +429,7 @@ namespace greville
     if (std::isfinite(ramp.failed_at))
       ramp_result->to = end_of_run.factor(stage, ramp.failed_at);
     if (!ramp.message.empty())
-      notes.note("The ramp ends where no equilibrium is found. " +
+      notes.note("The ramp ends because no equilibrium is found. " +
                  ramp.message);
     // Increments of displacement are the differences of two states.
     const auto last = simulations.state();

@@ -66,7 +66,7 @@ namespace greville
       });
     AssertThrow(Utilities::MPI::min<unsigned int>(is_empty, comm) == 0,
                 ExcMessage("The parameter 'Output/Probes' has the shape <" +
-                           text + ">, in which there is no point of a body."));
+                           text + ">, which contains no point of a body."));
     probes.push_back({numbers::invalid_unsigned_int, 0., shape});
   }
 
@@ -117,8 +117,8 @@ namespace greville
     AssertThrow(best <= size * size,
                 ExcMessage("The parameter 'Output/Probes' has the position <" +
                            position +
-                           ">, but no point of a body is nearer to it than a "
-                           "cell is long."));
+                           ">, but no point of a body is within a cell length "
+                           "of it."));
     const double       none = std::numeric_limits<double>::max();
     const unsigned int own_body =
       nearest == best ? probe.body : numbers::invalid_unsigned_int;

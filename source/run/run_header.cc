@@ -113,7 +113,7 @@ namespace greville
       }
     if (parameters.scheme.is_total_lagrangian() &&
         simulations.bodies().size() > 1 && parameters.contacts.empty())
-      out << "  Bodies do not see one another in total Lagrangian steps.\n";
+      out << "  Bodies do not interact in total Lagrangian steps.\n";
     for (unsigned int k = 0;
          k < simulations.n_parts() && !parameters.scheme.is_total_lagrangian();
          ++k)

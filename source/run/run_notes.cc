@@ -235,7 +235,7 @@ namespace greville
   {
     last_step = n_steps;
     append("Note",
-           "The run goes on after step " + std::to_string(n_steps) + ".");
+           "The run continues after step " + std::to_string(n_steps) + ".");
   }
 
 

@@ -100,11 +100,10 @@ namespace greville
     AssertThrow(changes.empty(),
                 ExcMessage(
                   "these parameters have changed: " + changes +
-                  ". A run goes on with others in 'Output', "
-                  "'Checkpoints', 'Load balance', 'Time/End', "
-                  "'Time/Maximum steps', 'Time/Largest displacement' "
-                  "and 'Time/End when' only; with --from a new one begins "
-                  "from its end"));
+                  ". A resumed run may only change 'Output', 'Checkpoints', "
+                  "'Load balance', 'Time/End', 'Time/Maximum steps', "
+                  "'Time/Largest displacement' and 'Time/End when'; with "
+                  "--from a new run begins from its end"));
   }
 
 
@@ -134,8 +133,8 @@ namespace greville
                                " s, but the run is at t = " + text_of(time) +
                                " s in stage " + std::to_string(stage + 1) +
                                " (" + parameters.stages[stage].name +
-                               "): stages that are over keep their ends, and "
-                               "others end later"));
+                               "): past stages keep their 'End', and other "
+                               "stages have to end later"));
       }
   }
 
@@ -262,8 +261,8 @@ namespace greville
                                      const bool         is_there) {
           if (!is_there)
             notes.warn("There is no file <" + file +
-                       ">, which the run has written before. A new one begins "
-                       "with the next row, without those before it.");
+                       ">, which the run has written before. A new file "
+                       "begins with the next row, without the earlier rows.");
         };
         warn_if_new(statistics_file_in(directory),
                     statistics_file.resume(statistics_file_in(directory),
@@ -290,8 +289,8 @@ namespace greville
     catch (const std::exception &error)
       {
         AssertThrow(false,
-                    ExcMessage("The run cannot go on from <" + checkpoint.file +
-                               ">: " + message_of(error)));
+                    ExcMessage("The run cannot resume from <" +
+                               checkpoint.file + ">: " + message_of(error)));
       }
     is_resumed      = true;
     checkpoint_file = checkpoint.file;

@@ -33,13 +33,13 @@ namespace greville
       const bool has_results = std::filesystem::exists(own, none);
       AssertThrow(has_results || !resumes,
                   dealii::ExcMessage("The folder <" + file +
-                                     "> has no results to go on with: there is "
-                                     "no file <" +
+                                     "> has no results to resume from: there "
+                                     "is no file <" +
                                      own.string() + ">."));
       AssertThrow(resumes || !has_results,
                   dealii::ExcMessage("<" + file +
                                      "> is a folder with results, not a "
-                                     "parameter file. --resume goes on with "
+                                     "parameter file. --resume continues from "
                                      "them, and <" +
                                      own.string() + "> has their parameters."));
       return resumes ? own.string() : file;
@@ -62,8 +62,8 @@ namespace greville
         options.settings = given.at("set");
       AssertThrow(!options.resumes || options.from.empty(),
                   dealii::ExcMessage(
-                    "--resume and --from exclude each other: a "
-                    "run goes on, or begins with another one."));
+                    "--resume and --from exclude each other: a run either "
+                    "continues or begins from another run."));
       AssertThrow(given.count("check") > 0 || given.count("draw") == 0,
                   dealii::ExcMessage("--draw is for the initial state that "
                                      "--check makes: give both."));
@@ -71,8 +71,8 @@ namespace greville
       AssertThrow(!is_test || (given.count("check") == 0 && !options.resumes &&
                                options.from.empty()),
                   dealii::ExcMessage(
-                    "--element-test runs no simulation: it goes "
-                    "without --check, --resume and --from."));
+                    "--element-test runs no simulation: leave out --check, "
+                    "--resume and --from."));
       AssertThrow(is_test || given.count("material") == 0,
                   dealii::ExcMessage("--material is for --element-test TEST: "
                                      "give both."));

@@ -140,11 +140,12 @@ namespace greville
       assemble();
     const SolveResult result = mass_solver->solve(x, b, shares);
     AssertThrow(result.converged,
-                ErrorOnAll("The solver <" + solver() +
-                           "> of the mass matrix failed: it " + result.reason +
-                           ". The matrix is singular where a body has fewer "
-                           "points across it than functions of 'Grid/Order' "
-                           "see it: look at 'Points per direction'."));
+                ErrorOnAll(
+                  "The solver <" + solver() +
+                  "> of the mass matrix failed: it " + result.reason +
+                  ". The matrix is singular if a body has fewer "
+                  "points across its thickness than B-splines of "
+                  "'Grid/Order' there: check 'Points per direction'."));
     this->iterations = *result.iterations;
   }
 

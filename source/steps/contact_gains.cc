@@ -122,7 +122,8 @@ namespace greville
           "shorter 'Time/Step'), a smaller 'Contact " +
           name + "/Penalty', or more 'Points per direction'";
         if (scheme.stops_at_energy_gain())
-          fail_on_all(message + " ('Scheme/Energy gain' = warn goes on)", comm);
+          fail_on_all(message + " ('Scheme/Energy gain' = warn continues)",
+                      comm);
         parts.front()->log.warnings.push_back(
           "Step " + std::to_string(parts.front()->current.n_steps) + ": " +
           message + ".");

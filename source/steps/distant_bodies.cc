@@ -96,7 +96,7 @@ namespace greville
           {
             notes.push_back(
               name + " is outside of " + grid +
-              ", at the start: nothing meets it unless it gets there.");
+              ", at the start: it has no contact unless it gets there.");
             continue;
           }
         const Course course =

@@ -191,7 +191,7 @@ namespace greville
               " of the first one, and 'Solver/Tolerance' is " +
               text_of(parameters.solver.tolerance) + ". " +
               describe_water_at_boundaries(parameters) +
-              "Shorter steps change it less: take a smaller "
+              "The pressure changes less in shorter steps: take a smaller "
               "'Time/Step' or 'Time/CFL number'.",
             false);
         water.set_up(1. / kick,

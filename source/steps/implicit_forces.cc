@@ -171,10 +171,10 @@ namespace greville
     };
     refuse(parameters.time.step.empty(),
            "an empty 'Time/Step'",
-           "an implicit step has no critical length; give one.");
+           "implicit steps have no critical length; set 'Time/Step'.");
     refuse(discretization.walls().have_friction(),
            "'Walls' = friction",
-           "implicit steps have fixed, sliding and moving walls.");
+           "in implicit steps, walls are fixed, sliding or moving.");
     // The library's own contacts are checked above.
     refuse(
       !make_contacts(parts).empty(),
@@ -184,9 +184,9 @@ namespace greville
       refuse(scheme.is_static && body.material->moduli().shear == 0.,
              "the material '" + body.parameters->material + "' of the body '" +
                body.name + "'",
-             "nothing but viscosity resists the shear of a fluid, so that it "
-             "has no equilibrium where something shears it; take a dynamic "
-             "scheme such as backward-euler.");
+             "only viscosity resists shear in a fluid, so that a sheared "
+             "fluid has no equilibrium; take a dynamic scheme such as "
+             "backward-euler.");
     refuse(scheme.stress == StepStress::energy_consistent &&
              parameters.scheme.has_projection(),
            "'Scheme/Volumetric projection' = " +
@@ -198,8 +198,7 @@ namespace greville
            "'Implicit solver/Method' = cg and 'Scheme/Volumetric projection' "
            "= " +
              parameters.scheme.volumetric_projection,
-           "the projection makes tangents that are not symmetric; take auto or "
-           "fgmres.");
+           "the projection makes tangents nonsymmetric; take auto or fgmres.");
     refuse(parameters.scheme.is_apic(),
            "'Scheme/Transfer' = APIC",
            "take FLIP or PIC.");
@@ -236,15 +235,15 @@ namespace greville
       }
     std::string text = too_few;
     if (forces_vanish && too_few.empty())
-      text = "round-off is all that is left of the forces, so that a tolerance "
-             "relative to them cannot be met; 'Newton/Absolute tolerance' "
-             "gives one in N. ";
+      text = "only round-off is left of the forces, so that a relative "
+             "tolerance cannot be met; 'Newton/Absolute tolerance' sets one "
+             "in N. ";
     else if (scheme.is_static && too_few.empty())
       text = "no equilibrium has been found beyond t = " + text_of(state.time) +
-             " s. Where loads, walls or the strength of materials go on "
-             "changing, this is the limit of what the bodies bear; a dynamic "
-             "scheme goes beyond it. Bodies that are thinner than a cell "
-             "somewhere need more points ('Points per direction'). ";
+             " s. If loads, walls or the strength of materials are still "
+             "changing, this is the limit load; a dynamic scheme goes beyond "
+             "it. Bodies that are thinner than a cell somewhere need more "
+             "points ('Points per direction'). ";
     const std::string acting = loads.surfaces().description();
     if (!acting.empty())
       text += "Loads on surfaces are " + acting + ". ";
@@ -300,9 +299,9 @@ namespace greville
         free += (free.empty() ? "" : ", ") + std::string(1, names[d]);
     if (!free.empty())
       throw StepFailed("the body can move freely in " + free +
-                         ": no wall of 'Walls' and no 'Surface load' of "
-                         "springs holds it there, so that a quasi-static step "
-                         "has no solution",
+                         ": neither 'Walls' nor springs of a 'Surface load' "
+                         "constrain it, so that a quasi-static step has no "
+                         "solution",
                        false);
   }
 

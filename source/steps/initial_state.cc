@@ -25,7 +25,7 @@ namespace greville
                     const unsigned int      cell,
                     const SplineSpace<dim> &space)
     {
-      return "'Body " + b.name + "' is in the same place as 'Body " + a.name +
+      return "'Body " + b.name + "' overlaps 'Body " + a.name +
              "', for instance at (" + text_of(space.box(cell).center) +
              ") m: the mass would be counted twice. In shapes, difference(a, "
              "b) cuts one body out of another.";
@@ -64,13 +64,13 @@ namespace greville
            ++i)
         if (sum.local_element(i) * sum.local_element(i) !=
             squares.local_element(i) * count.local_element(i))
-          message << "With 'Scheme/Formulation' = total Lagrangian two bodies "
-                     "are so close to one another initially that a B-spline "
-                     "reaches both, near ("
+          message << "With 'Scheme/Formulation' = total Lagrangian the "
+                     "initial distance of two bodies is so small that a "
+                     "B-spline reaches both, near ("
                   << space.greville_point(i)
-                  << ") m: they would move as one body. Place them at least "
-                     "p + 1 cells apart, or give each a grid of its own "
-                     "('Grid/Per body' = true); they do not see one another in "
+                  << ") m: they would move as one body. Place them at least p "
+                     "+ 1 cells apart, or give each a grid of its own "
+                     "('Grid/Per body' = true); bodies do not interact in "
                      "such steps.";
       throw_on_all(message.str(), space.communicator());
     }
@@ -383,12 +383,13 @@ namespace greville
     volume = Utilities::MPI::sum(volume, space.communicator());
     AssertThrow(volume < (1. - negligible_layer / largest_n_cells) * box,
                 ExcMessage(
-                  "The parameter 'Water/Bulk modulus' is 0, which makes water "
-                  "incompressible, the bodies fill the grid, whose walls all "
-                  "hold their normals, and no 'Walls/... pore pressure', "
-                  "'Surface load NAME/Pore pressure' or 'Water/Free surface "
-                  "pressure' gives a pressure anywhere: give one of them, a "
-                  "'Bulk modulus', or a surface without a wall."));
+                  "The pore pressure is undetermined: the parameter "
+                  "'Water/Bulk modulus' is 0 (incompressible water), the "
+                  "bodies fill the grid, all walls constrain the normal "
+                  "motion, and none of 'Walls/... pore pressure', 'Surface "
+                  "load NAME/Pore pressure' and 'Water/Free surface pressure' "
+                  "is given. Give one of them, a 'Bulk modulus', or a surface "
+                  "without a wall."));
   }
 
 

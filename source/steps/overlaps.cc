@@ -241,8 +241,8 @@ namespace greville
                            contact.name +
                            "': leave a gap between them, or let them touch."));
     fail_on_all(message + ": 'Contact " + contact.name +
-                  "' has not held them apart. Take a shorter 'Time/Step' (or a "
-                  "smaller 'Time/CFL number'), a larger 'Contact " +
+                  "' has not kept them apart. Take a shorter 'Time/Step' (or "
+                  "a smaller 'Time/CFL number'), a larger 'Contact " +
                   contact.name +
                   "/Penalty', or more 'Points per direction' of the bodies",
                 comm);
@@ -329,7 +329,7 @@ namespace greville
             "' move so fast relative to one another that the step is " +
             text_of(dt) + " s, below 'Time/Smallest step' (" +
             text_of(smallest_step) + ") of the first one, " + text_of(first) +
-            " s: a step goes over a quarter of a cell at the most"
+            " s: in a step they move by a quarter of a cell at most"
         : "",
       comm);
     return dt;

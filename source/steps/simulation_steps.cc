@@ -186,7 +186,7 @@ namespace greville
     restore();
     message << "The state of step " << current.n_steps
             << ", t = " << current.time
-            << " s, is the last good one that was kept.";
+            << " s, is the last good state that was kept.";
     AssertThrow(false, StepGivenUp(message.str()));
     // Not reached.
     throw failure;
@@ -205,7 +205,7 @@ namespace greville
     std::ostringstream message;
     message << 100. * fraction
             << " % of the cells with points have lumped mass: the bodies are "
-               "too thin there for the exact mass. Take more cells.";
+               "too thin there for the exact mass. Take smaller cells.";
     log.warnings.push_back(message.str());
   }
 

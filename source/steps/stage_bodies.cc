@@ -122,8 +122,7 @@ namespace greville
                       "walls '" +
                       WallParameters::names[2 * d] + "' and '" +
                       WallParameters::names[2 * d + 1] +
-                      "', which are periodic: nothing is at rest "
-                      "there."));
+                      "', which are periodic: there is no equilibrium."));
     }
 
 

@@ -433,14 +433,14 @@ namespace greville
           AssertThrow(is_found || columns[i].find("domain") == none,
                       ExcMessage("the " + owner +
                                  " has points without domains there: "
-                                 "'Scheme/Functions' = domains has to be that "
-                                 "of both runs"));
+                                 "'Scheme/Functions' = domains has to hold in "
+                                 "both runs"));
           AssertThrow(is_found ||
                         (i >= n_needed && columns[i].find("initial_F") == none),
                       ExcMessage("the " + owner + " has no number '" +
                                  columns[i] +
-                                 "' at its points there: its material, or "
-                                 "what it is initially, is another one"));
+                                 "' at its points there: its material or its "
+                                 "initial state differs"));
           from.push_back(is_found ? found - table.columns.begin() : none);
         }
       std::vector<double> rows;

@@ -203,7 +203,7 @@ namespace greville
       n_points += body.n_points;
     if (state.n_points + state.n_removed == n_points)
       return;
-    throw StepFailed("points got lost: there are " +
+    throw StepFailed("points have been lost: there are " +
                        std::to_string(state.n_points) + ", and " +
                        std::to_string(state.n_removed) +
                        " have left the grid, of " + std::to_string(n_points) +
@@ -255,7 +255,7 @@ namespace greville
         extremes[2] > most_cells_of_points)
       throw StepFailed(
         "a point has crossed " + text_of(extremes[2]) +
-        " cells in the step, and explicit steps are sound up to " +
+        " cells in the step, but explicit steps allow at most " +
         text_of(most_cells_of_points) + ": the fastest one is " +
         worst_point(state,
                     [](const Body<dim> &, ConstPointRef<dim> p) {
@@ -275,7 +275,7 @@ namespace greville
         extremes[3] * dt / h > most_cells_of_waves)
       throw StepFailed(
         "pressure waves have crossed " + text_of(extremes[3] * dt / h) +
-        " cells in the step, and explicit steps are stable up to less than " +
+        " cells in the step, but explicit steps are stable only below " +
         text_of(most_cells_of_waves) + ": the fastest ones, with " +
         text_of(extremes[3]) + " m / s, are at " +
         worst_point(state,
@@ -462,7 +462,7 @@ namespace greville
          "'Scheme/Filter' or a smaller 'Time/Safety'";
     if (scheme.stops_at_energy_gain())
       throw StepFailed(message.str() +
-                       " ('Scheme/Energy gain' = warn goes on)");
+                       " ('Scheme/Energy gain' = warn continues)");
     log.warnings.push_back("Step " + std::to_string(state.n_steps) + ": " +
                            message.str() + ".");
   }

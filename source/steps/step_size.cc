@@ -214,9 +214,9 @@ namespace greville
                 << " s";
         AssertThrow(!parameters.refuses_too_large_steps(),
                     ExcMessage(message.str() +
-                               " ('Time/Too large step' = warn goes on; steps "
-                               "have no such limit with an implicit "
-                               "'Scheme/Stress update'). " +
+                               " ('Time/Too large step' = warn continues; an "
+                               "implicit 'Scheme/Stress update' has no such "
+                               "limit). " +
                                describe_step(state)));
         log.warnings.push_back(message.str() + ".");
       }

@@ -346,8 +346,8 @@ namespace greville
         const unsigned int n = Utilities::MPI::max(n_changes[c], contacts.comm);
         if (2 * n >= n_tangents && n > 0 && penalty > 1.001 * soft_penalty)
           text << "; 'Contact " << contact.name
-               << "' goes on changing between sticking and sliding: if "
-                  "that is the reason, a smaller 'Contact "
+               << "' keeps changing between sticking and sliding: if that is "
+                  "the reason, a smaller 'Contact "
                << contact.name << "/Penalty' than " << penalty << " helps";
       }
     return text.str();

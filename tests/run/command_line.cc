@@ -331,7 +331,7 @@ namespace
     refuse("is given twice", {"greville", "slope.prm", "--check", "--check"});
     refuse("--resume and --from exclude each other",
            {"greville", "slope.prm", "--resume", "--from", "there"});
-    refuse("has no results to go on with", {"greville", "--resume", "."});
+    refuse("has no results to resume from", {"greville", "--resume", "."});
 
     // A check writes nothing.
     if (is_first())
@@ -437,7 +437,7 @@ namespace
     refuse("it has to be one of isotropic|oedometer", with({"odometer"}));
     refuse("--material is for --element-test",
            {"greville", "slope.prm", "--material", "soil"});
-    refuse("it goes without --check", with({"oedometer", "--check"}));
+    refuse("leave out --check", with({"oedometer", "--check"}));
   }
 } // namespace
 

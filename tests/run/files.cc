@@ -116,7 +116,7 @@ namespace
     const auto more = lines_of("newton/newton.csv");
     check("a note",
           lines_of("newton/messages.log").back() ==
-            "Note: The run goes on after step 2.");
+            "Note: The run continues after step 2.");
     const auto messages   = lines_of("newton/messages.log");
     const auto statistics = lines_of("newton/statistics.csv");
     check("a file that is gone begins anew",

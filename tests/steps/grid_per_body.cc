@@ -489,7 +489,7 @@ namespace
     const std::string header = run_quietly(text);
     for (const std::string part : {"  ball             13 x 14              3",
                                    "  box              10 x 10              2",
-                                   "Bodies do not see one another"})
+                                   "Bodies do not interact"})
       check("header: " + part,
             Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) > 0 ||
               header.find(part) != std::string::npos);

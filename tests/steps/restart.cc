@@ -305,7 +305,7 @@ test_main()
                                "Friction angle = 30"}),
                     "next",
                     from),
-                "its material, or what it is initially, is another one");
+                "its material or its initial state differs");
 
   // A signal ends a run, which goes on.
   {
