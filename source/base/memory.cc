@@ -83,9 +83,9 @@ namespace greville
     const double       available = free_memory();
     std::ostringstream message;
     if (part * bytes > available || n_cells > max_cells_of_process)
-      message << parameter << ": " << n_cells << " cells would take at least "
+      message << parameter << ": " << n_cells << " cells need at least "
               << gigabytes(bytes) << " of memory, and " << gigabytes(available)
-              << " are free on a machine for " << 100. * part
+              << " are free on a machine that holds " << 100. * part
               << " % of them. Take fewer cells.";
     throw_on_all(message.str(), comm);
   }

@@ -177,8 +177,8 @@ namespace greville
         AssertThrow(colon != std::string::npos,
                     ExcMessage(
                       "The value <" + entry +
-                      "> of the parameter 'Benchmark/Published iterations' has "
-                      "not the form solver:FILE."));
+                      "> of the parameter 'Benchmark/Published iterations' "
+                      "does not have the form solver:FILE."));
         const auto table = std::filesystem::path(directory) /
                            Utilities::trim(entry.substr(colon + 1));
         published.emplace_back(

@@ -138,8 +138,8 @@ namespace greville
         AssertThrow(colon != std::string::npos && !name.empty() &&
                       name.find_first_of(",|") == std::string::npos,
                     ExcMessage("The entry <" + entry +
-                               "> of the parameter 'Problem/Shapes' has not "
-                               "the form NAME: FORMULA."));
+                               "> of the parameter 'Problem/Shapes' does not "
+                               "have the form NAME: FORMULA."));
         AssertThrow(
           result.emplace(name, Utilities::trim(entry.substr(colon + 1))).second,
           ExcMessage("The parameter 'Problem/Shapes' has the name <" + name +

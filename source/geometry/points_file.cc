@@ -142,7 +142,7 @@ namespace greville
                     ExcMessage(where + ": the volumes (column '" +
                                (columns.volume >= 0 ? "volume" : "mass") +
                                "') add up to " + text_of(sum) + ' ' +
-                               volume_unit + ", and the grid has " +
+                               volume_unit + ", but the grid has " +
                                text_of(grid_volume) + ". Is the unit right?"));
       }
 

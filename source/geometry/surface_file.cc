@@ -224,8 +224,8 @@ namespace greville
           AssertThrow(count[0] == count[1],
                       ExcMessage("The triangles in " + of + " at the edge" +
                                  from +
-                                 " have normals to different sides. All have "
-                                 "to point outwards."));
+                                 " have normals that point to different "
+                                 "sides. All have to point outwards."));
         }
       AssertThrow(volume > 0.,
                   ExcMessage("The normals of the triangles in " + of +

@@ -219,8 +219,8 @@ namespace greville
                       (is_shear ? "axial" : "lateral") + " stress is " +
                       text_of(-residual(ended) - prescribed_stress()) +
                       " Pa and has to be " + text_of(-prescribed_stress()) +
-                      " Pa, positive in compression. Larger 'Element "
-                      "test/Steps' make smaller steps."));
+                      " Pa, positive in compression. Increase 'Element "
+                      "test/Steps' for smaller steps."));
         point   = ended;
         stretch = stretch_of(strain, unknown);
         time += dt;

@@ -55,8 +55,8 @@ namespace greville
                   output.directory.compare(0, 2, "~/") != 0,
                 ExcMessage("The parameter 'Output/Directory' is <" +
                            output.directory +
-                           ">: shells know what ~ means, parameter files do "
-                           "not. Write the full path."));
+                           ">: parameter files do not expand ~. Write the "
+                           "full path."));
     for (const auto &part : std::filesystem::path(output.directory))
       AssertThrow(part != "..",
                   ExcMessage("The parameter 'Output/Directory' is <" +
@@ -74,8 +74,8 @@ namespace greville
         AssertThrow(every >= 0. && std::isfinite(every),
                     ExcMessage("The parameter 'Output/Statistics every' is <" +
                                output.statistics_every +
-                               ">, and has to be auto or a number of seconds "
-                               "that is not negative."));
+                               ">; it has to be auto or a nonnegative number "
+                               "of seconds."));
       }
     for (const std::string &name : sweep.masses)
       check_mass_name(name, "Sweep/Masses");
@@ -93,9 +93,9 @@ namespace greville
                    sweep.parameter != "Output/Directory"),
                 ExcMessage("The parameter 'Sweep/Parameter' is <" +
                            sweep.parameter +
-                           ">: it takes one of another section, written as "
-                           "SECTION/PARAMETER, such as Material clay/Cohesion, "
-                           "and not 'Output/Directory'."));
+                           ">: it takes a parameter of another section, "
+                           "written as SECTION/PARAMETER, such as Material "
+                           "clay/Cohesion, but not 'Output/Directory'."));
     load_balance.check();
     for (const auto &load : surface_loads)
       load.second.check("Surface load " + load.first, bodies);
@@ -195,7 +195,7 @@ namespace greville
         body.check("Rigid body " + name, general.dimension);
         AssertThrow(bodies.count(name) == 0,
                     ExcMessage("The name <" + name +
-                               "> is among 'Simulation/Bodies' and 'Rigid "
+                               "> is in both 'Simulation/Bodies' and 'Rigid "
                                "bodies'."));
         const auto is_met = [&name = name](const auto &contact) {
           return contact.second.sides()[1] == std::vector<std::string>{name};
@@ -220,8 +220,7 @@ namespace greville
                 ExcMessage("The parameter 'Contact " + name + "/Bodies' is <" +
                            contact.bodies + ">, but <" + first + "> and <" +
                            second + "> are in 'Contact " + added.first->second +
-                           "' already: two bodies have one "
-                           "contact."));
+                           "' already: two bodies can have only one contact."));
             }
       }
     const auto groups = body_groups();
@@ -336,7 +335,7 @@ namespace greville
         const std::string &name = WallParameters::names[w];
         AssertThrow(walls.type[w] == "free",
                     ExcMessage("The wall '" + name + "' is " + walls.type[w] +
-                               ", but there is none in 2D."));
+                               ", but there is no such wall in 2D."));
         for (const auto &[what, value] :
              {std::make_pair(" velocity", walls.velocity[w]),
               std::make_pair(" displacement", walls.displacement[w]),

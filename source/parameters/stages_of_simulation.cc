@@ -155,8 +155,8 @@ namespace greville
         const std::string      parameter = "Stage " + stage.name + "/Bodies";
         AssertThrow(!stage.bodies.empty(),
                     ExcMessage("The parameter '" + parameter +
-                               "' is empty: a stage needs a body, and takes "
-                               "names or all."));
+                               "' is empty: a stage needs a body. Give names "
+                               "of bodies, or all."));
         if (stage.has_all_bodies())
           continue;
         check_different(stage.bodies, parameter, "body");

@@ -421,8 +421,8 @@ namespace greville
             file_of(*other) == file_of(line))
           notes.push_back(line.place + ": the parameter '" + line.section +
                           "/" + line.name + "' is <" + line.value +
-                          ">, and has been <" + other->value + "> (" +
-                          other->place + "): the last one counts.");
+                          ">, but was <" + other->value + "> (" + other->place +
+                          "): the last value counts.");
         other = &line;
       }
     return notes;

@@ -122,17 +122,16 @@ namespace greville
                     ExcMessage(
                       "the parameter '" + parameter + "' is <" + value->second +
                       "> there and <" + here.at(parameter) +
-                      "> here, so that its points have other numbers"));
+                      "> here, so that its points carry different data"));
       }
     const auto is_wet = there.find("Simulation/Pore water");
     AssertThrow(is_wet == there.end() || is_wet->second == "true" ||
                   here.at("Water/Table").empty(),
                 ExcMessage("the parameter 'Water/Table' is <" +
                            here.at("Water/Table") +
-                           ">, but 'Simulation/Pore water' is false there: its "
-                           "stresses are not those below a water table. Leave "
-                           "the table out, and the pore pressure begins with "
-                           "0"));
+                           ">, but 'Simulation/Pore water' is false there: "
+                           "its stresses include no water table. Leave the "
+                           "table out; the pore pressure then begins with 0"));
   }
 
 

@@ -208,8 +208,8 @@ namespace greville
            "take consistent or lumped.");
     refuse(parameters.loads.cundall != 0.,
            "'Loads/Cundall damping'",
-           "quasi-static finds states at rest, backward-euler and "
-           "generalized-alpha damp.");
+           "quasi-static steps find states at rest without it, and "
+           "backward-euler and generalized-alpha damp.");
   }
 
 

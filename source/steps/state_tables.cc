@@ -191,7 +191,7 @@ namespace greville
                         ExcMessage(
                           "a point of the " + name_of(owner) +
                           " is in the cell " + text_of(table.values[k]) +
-                          ", and the grid has " + text_of(n_cells) + " cells"));
+                          ", but the grid has " + text_of(n_cells) + " cells"));
         },
         discretization.communicator());
       owner.points.reinit(discretization.space(), layout);

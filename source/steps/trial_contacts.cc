@@ -223,7 +223,7 @@ namespace greville
         message << "'Rigid body " << contacts.rigid_bodies[contact.rigid].name()
                 << "' would move by " << way
                 << " m, more than half of a cell, so that it might pass "
-                   "through what it meets in 'Contact "
+                   "through the other side of 'Contact "
                 << contact.name << "'";
         return message.str();
       }

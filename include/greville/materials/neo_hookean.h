@@ -73,7 +73,7 @@ namespace greville
         }
       check_stress(
         converged && std::isfinite(stress.norm()), name, stress, [&]() {
-          return "no deformation has it with lambda = " + text_of(lambda) +
+          return "no deformation gives it with lambda = " + text_of(lambda) +
                  " Pa and mu = " + text_of(mu) + " Pa";
         });
       point.J = std::exp(log_J);
