@@ -245,7 +245,7 @@ test_main()
   check_stopped("count",
                 text,
                 last,
-                {"points got lost", "error of the program"});
+                {"points have been lost", "error of the program"});
   check_stopped("mass", text, last, {"the mass of the points is"});
   check_stopped("volume",
                 text,
