@@ -136,7 +136,7 @@ namespace greville
                                "' has results of an earlier run, <" +
                                results[0].filename().string() +
                                "> for instance, and 'Output/Earlier results' "
-                               "= refuse."));
+                               "is refuse."));
       },
       comm);
   }

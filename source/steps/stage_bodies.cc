@@ -393,7 +393,8 @@ namespace greville
         AssertThrow(Utilities::MPI::sum(moved.n_removed,
                                         discretization.communicator()) == 0,
                     ExcMessage("The surface of 'Surface load " + surface.name +
-                               "' is moved out of the grid initially."));
+                               "' is outside of the grid after the initial "
+                               "displacement."));
         if (bodies[surface.body].n_points == 0)
           {
             const PointLayout<dim> layout = surface.points.layout();

@@ -307,11 +307,11 @@ namespace greville
     if (difference <= momentum_tolerance * size)
       return;
     std::ostringstream message;
-    message << "the points have the momentum (" << found
-            << ") kg m / s, and what they had and forces and walls have given "
-               "is ("
+    message << "the momentum of the points is (" << found
+            << ") kg m / s, but their momentum before the step and the "
+               "impulses of forces and walls give ("
             << expected << ") kg m / s: the difference is " << difference / size
-            << " of the mass times the fastest signal, and may be "
+            << " of the mass times the fastest signal, and has to be at most "
             << momentum_tolerance << ". ";
     const std::string surface =
       is_implicit ? std::string() : surface_without_mass(state);
@@ -454,9 +454,8 @@ namespace greville
     std::ostringstream message;
     message
       << "energy has come from nothing: " << 100. * gain
-      << " % of the largest energy or work of one source so far, with the "
-         "work of loads, walls and damping counted. The steps are unstable "
-         "with mass <"
+      << " % of the largest energy or work of one source so far, beyond the "
+         "work of loads, walls and damping. The steps are unstable with mass <"
       << scheme.mass
       << ">: take 'Scheme/Mass' = lumped or fmpm-2, a larger "
          "'Scheme/Filter' or a smaller 'Time/Safety'";

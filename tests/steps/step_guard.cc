@@ -268,7 +268,7 @@ test_main()
   check_stopped("momentum",
                 text,
                 last,
-                {"the points have the momentum (", "may be 1e-06"});
+                {"the momentum of the points is (", "may be 1e-06"});
 
   check_stopped("infinite",
                 text,
