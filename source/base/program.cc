@@ -235,7 +235,8 @@ namespace greville
                      const std::string &shell)
     {
       if (shell != "bash")
-        throw CommandLineError("--completion knows the shell bash, not <" +
+        throw CommandLineError("--completion supports only the shell bash, "
+                               "not <" +
                                shell + ">.");
       std::string options, lists, templates;
       for (const ProgramOption &option : options_of(program))

@@ -132,9 +132,9 @@ namespace greville
         ExcMessage(
           "Cannot read the file " + of + ": " +
           (importer.IsExtensionSupported(ending)
-             ? "it is not what its ending " + ending +
-                 " says, or is damaged. Does it open in another program? The "
-                 "reader says: <" +
+             ? "its ending " + ending +
+                 " is wrong, or it is damaged. Does it open in another "
+                 "program? The reader says: <" +
                  std::string(importer.GetErrorString()).substr(0, 80) + ">"
              : "it ends with <" + ending +
                  ">. Triangles come as STL, PLY or OBJ") +

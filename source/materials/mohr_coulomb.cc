@@ -66,7 +66,7 @@ namespace greville
                     section,
                     "Residual cohesion",
                     last_cohesion,
-                    "greater than 0 where the residual friction angle is 0");
+                    "greater than 0 if the residual friction angle is 0");
     softens = last_cohesion < cohesion || last_angle < friction_angle;
     reduction_of_strength.reinit(section);
     peak = make_surface(0., 1.);

@@ -74,10 +74,10 @@ namespace greville
     for (const auto &[name, body] : rigid_bodies)
       {
         const std::string section = "'Rigid body " + name + "/";
-        refuse(body.is_free,
-               section + "Free'",
-               "a ring has no motion of its own along r. Give a 'Velocity' "
-               "along y.");
+        refuse(
+          body.is_free,
+          section + "Free'",
+          "a ring has no rigid motion along r. Give a 'Velocity' along y.");
         refuse(!body.rotation.empty(),
                section + "Rotation'",
                "a body of revolution does not turn in the plane.");

@@ -403,7 +403,7 @@ namespace greville
     };
     refuse(scheme.is_total_lagrangian(),
            "'Scheme/Formulation' = total Lagrangian",
-           "points stay where they are in their cells; take points.");
+           "points do not move through cells; take points.");
     refuse(scheme.has_projection(),
            "'Scheme/Volumetric projection' = " + scheme.volumetric_projection,
            "it projects gradients at points; take none.");

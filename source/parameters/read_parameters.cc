@@ -244,7 +244,7 @@ namespace greville
                     ExcMessage(
                       line.place +
                       ": the section p-multigrid is for 'Solver/Method' = "
-                      "cg-p-multigrid, which has to be set beside it."));
+                      "cg-p-multigrid: set it, too."));
     }
 
 
@@ -476,9 +476,9 @@ namespace greville
             AssertThrow(is_same,
                         ExcMessage("The parameter 'Stage " + stage.name +
                                    "/Time/" + name + "' is <" + text_of(value) +
-                                   ">. It belongs to the whole run, and to the "
-                                   "section 'Time' outside of stages: a stage "
-                                   "begins where the one before ends."));
+                                   ">. It belongs to the whole run: set it in "
+                                   "the section 'Time' outside of stages. A "
+                                   "stage begins when the stage before ends."));
           };
         check_common(stage.time.start == time.start, "Start", stage.time.start);
         check_common(stage.time.max_steps == time.max_steps,

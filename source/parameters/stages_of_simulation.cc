@@ -122,8 +122,8 @@ namespace greville
             const std::size_t colon = text.find(':');
             AssertThrow(colon != std::string::npos,
                         ExcMessage("The parameter '" + parameter +
-                                   "' takes pairs such as 'clay: weak clay', "
-                                   "of a body and a material, not <" +
+                                   "' takes pairs of a body and a material, "
+                                   "such as 'clay: weak clay', not <" +
                                    text + ">."));
             const std::string body = Utilities::trim(text.substr(0, colon));
             const std::string law  = Utilities::trim(text.substr(colon + 1));

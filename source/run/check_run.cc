@@ -109,7 +109,7 @@ namespace greville
                                        checkpoint.file +
                                        ">: " + message_of(error)));
               }
-            out << "It would go on from <" << checkpoint.file << ">, step "
+            out << "It would resume from <" << checkpoint.file << ">, step "
                 << common().n_steps << ", t = " << common().time << " s.\n\n";
           }
         else if (!options.from.empty())
@@ -356,8 +356,7 @@ namespace greville
             << '\n'
             << "  estimated time: " << duration(total)
             << (is_explicit ? ""
-                            : ", or more where later steps need more "
-                              "iterations")
+                            : ", or more if later steps need more iterations")
             << ": " << rounded(set_up, 2) << " s to set up, then "
             << rounded(each, 2) << " s for each step, the mean of "
             << (n > 1 ? std::to_string(n - 1) + " trial step(s) after the first"

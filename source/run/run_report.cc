@@ -92,7 +92,7 @@ namespace greville
         out << "automatic steps: the first one is " << std::setprecision(3)
             << dt << " s";
         if (parameters.scheme.is_total_lagrangian())
-          out << "; they become shorter where cells are crushed";
+          out << "; they become shorter if cells are crushed";
         out << std::endl;
       }
     // A terminal is refreshed five times a second, a file gets ten lines.

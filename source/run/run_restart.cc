@@ -251,7 +251,7 @@ namespace greville
         check_stages(content, parameters, common().stage, common().time);
         const auto numbers = content.table(run_name).gather(comm);
         AssertThrow(numbers.size() == run_columns.size(),
-                    ExcMessage("its table of the run is another one"));
+                    ExcMessage("its table of the run has other columns"));
         largest_runout    = numbers[2];
         largest_runout_99 = numbers[3];
         if (!parameters.contacts.empty())
@@ -424,8 +424,8 @@ namespace greville
     if (step == 0 || checkpoint_step != step)
       return text + (row.empty() ? "" : " and " + row) + ".";
     return text + (row.empty() ? "" : ", " + row) + " and <" + checkpoint_file +
-           ">: --resume goes on from there, and --from begins a new run with "
-           "other parameters there.";
+           ">: --resume continues from there, and --from begins a new run "
+           "with other parameters there.";
   }
 
 
@@ -480,12 +480,11 @@ namespace greville
     if (!failure.empty())
       text += "No checkpoint of this step has been written: " + failure + ". ";
     if (failure.empty())
-      text += "--resume goes on from the checkpoint in <" + directory + ">.";
+      text += "--resume continues from the checkpoint in <" + directory + ">.";
     else if (checkpoint_file.empty())
-      text += "There is no earlier one either, so that the run has to begin "
-              "anew.";
+      text += "There is no earlier one either: the run has to start again.";
     else
-      text += "--resume goes on from <" + checkpoint_file + ">.";
+      text += "--resume continues from <" + checkpoint_file + ">.";
     AssertThrow(false, ExcMessage(text));
   }
 

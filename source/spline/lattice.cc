@@ -78,8 +78,8 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       {
         AssertThrow(cells[d] % 2 == 0,
-                    ExcMessage("Cells join in pairs where their number is even "
-                               "in all directions; it is " +
+                    ExcMessage("Cells join in pairs only if their number is "
+                               "even in all directions; it is " +
                                std::to_string(cells[d]) + " in " +
                                std::string(1, "xyz"[d]) + "."));
         result.cells[d] /= 2;

@@ -251,8 +251,8 @@ namespace greville
         " s, below 'Time/Smallest step' (" + text_of(parameters.smallest_step) +
         ") of the first one, " + text_of(first) + " s. " +
         (state.bodies[0].points.layout().is_total_lagrangian()
-           ? "In total Lagrangian steps the cell that is crushed most bounds "
-             "the step; 'Scheme/Formulation' = updated Lagrangian has no such "
+           ? "In total Lagrangian steps the most crushed cell bounds the "
+             "step; 'Scheme/Formulation' = updated Lagrangian has no such "
              "bound. "
            : "") +
         describe_step(state)));

@@ -128,7 +128,7 @@ test_main()
                  .with("Time", {"Step = 0.1", "End = 0.5"})),
       {"level  order       unknowns   used",
        "number of steps: about 5 to t = 0.5 s",
-       " s, or more where later steps need more iterations: "});
+       " s, or more if later steps need more iterations: "});
   has("stages",
       check_of(
         good.with("Simulation", {"Stages = one, two"})
@@ -189,7 +189,7 @@ test_main()
   short_run.settings[0] = "Time/Maximum steps=8";
   has("a run that goes on",
       check_of(good, short_run),
-      {"It would go on from <check_results/checkpoint_0000000004.h5>, step 4",
+      {"It would resume from <check_results/checkpoint_0000000004.h5>, step 4",
        "number of steps: 4, as"});
   RunOptions other = short_run;
   other.settings.push_back("Grid/Cells=4, 4");

@@ -189,7 +189,7 @@ namespace
            {program, "--parameters", "--list"});
     refuse("--set is for a parameter file",
            {program, "--list", "--set", "A/B=1"});
-    refuse("--completion knows the shell bash, not <zsh>",
+    refuse("--completion supports only the shell bash, not <zsh>",
            {program, "--completion", "zsh"});
     accept({program, "--list"}, {"smoothers"});
     accept({program, "--list", "smoothers"}, {"ic0", "jacobi"});

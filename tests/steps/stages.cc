@@ -453,7 +453,7 @@ test_main()
                 "0.2 s");
   check_refused("start of a stage",
                 with_stage(good, "two", "Time", {"Start = 0.1"}),
-                "a stage begins where the one before ends");
+                "A stage begins when the stage before ends");
   check_refused("section that all stages share",
                 with_stage(good, "two", "Grid", {"Order = 2"}),
                 "there is no section 'Stage two/Grid'");

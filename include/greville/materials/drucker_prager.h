@@ -104,7 +104,7 @@ namespace greville
                       section,
                       "Cohesion",
                       cohesion,
-                      "greater than 0 where the friction angle is 0");
+                      "greater than 0 if the friction angle is 0");
       reduction_of_strength.reinit(section);
       initial           = make_surface(1.);
       const double apex = friction_angle > 0.
