@@ -144,7 +144,7 @@ namespace
     mass.begin(extension, true);
     transfer.add_mass_matrix(points, mass.matrix());
     mass.finish();
-    mass.unknowns().hold(std::vector<unsigned char>(
+    mass.unknowns().constrain(std::vector<unsigned char>(
       space.owned_functions().size() + space.ghost_functions().size(), 0));
     const LowerTriangle entries = mass.local_entries((1 << dim) - 1);
     const unsigned int  n       = entries.size();
