@@ -468,7 +468,7 @@ test_main()
                 "Stage 2 (two): ");
   check_refused("start behind the end",
                 block("USL").with("Time", {"Start = 3"}),
-                "'Time/Start' is 3 s, behind 'Time/End'");
+                "'Time/Start' is 3 s, after 'Time/End'");
   check_refused("velocity and displacement of a wall",
                 block("USL").with("Walls",
                                   {"Top = moving",

@@ -135,6 +135,7 @@ namespace
       PointUpdate<2> update;
       update.acceleration  = &state.field.acceleration;
       update.velocity      = &state.field.velocity;
+      update.deformation   = update.velocity;
       update.velocity_step = dt;
       update.move          = true;
       guard.set(update_points(
