@@ -22,7 +22,7 @@ namespace greville
     const PetscInt n_owned = space.n_locally_owned_dofs();
     const PetscInt first   = space.partitioner()->local_range().first;
 
-    // The numbers of unknowns, those of other processes, too; none: -1.
+    // The numbers of unknowns, also of other processes; -1: no unknown.
     std::vector<bool> is_inactive(n_owned, false);
     for (const unsigned int f : inactive)
       is_inactive[f] = true;
@@ -67,7 +67,7 @@ namespace greville
     check_petsc(MatSetType(mat, MATMPIAIJ));
     check_petsc(
       MatSetPreallocationCOO(mat, rows.size(), rows.data(), columns.data()));
-    // Rows of equal pattern are no blocks of Gauss-Seidel.
+    // Gauss-Seidel must not treat rows of equal pattern as blocks.
     check_petsc(MatSetOption(mat, MAT_USE_INODES, PETSC_FALSE));
     check_petsc(MatSetValuesCOO(mat, values.data(), INSERT_VALUES));
     check_petsc(MatSetOption(mat, MAT_SYMMETRIC, PETSC_TRUE));

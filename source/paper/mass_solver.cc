@@ -121,7 +121,7 @@ namespace greville
     AssembledMassLevel<dim> &finest = hierarchy.finest();
     if (uses_multigrid(name))
       {
-        // p = 1 alone is solved by the coarse solver: to the end.
+        // For p = 1, the coarse solver solves alone, to full accuracy.
         preconditioner = std::make_unique<PMultigrid<dim>>(
           hierarchy.operators(),
           multigrid_parameters,
@@ -162,7 +162,7 @@ namespace greville
         else if (name == "tensor-product")
           preconditioner->vmult(x, b);
         else
-          // The coarse solve is not linear: a flexible method.
+          // The coarse solve is not linear, so a flexible method is needed.
           iterate<dim>(name == "p-multigrid"          ? LevelMethod::stationary
                        : name == "fgmres-p-multigrid" ? LevelMethod::fgmres
                        : uses_multigrid(name)         ? LevelMethod::flexible_cg

@@ -14,7 +14,7 @@ namespace greville
   namespace
   {
     /**
-     * Forward, and backward as its transpose; process by process.
+     * Forward Gauss-Seidel, and backward as its transpose, process by process.
      */
     class GaussSeidelSmoother : public Preconditioner
     {
@@ -43,7 +43,7 @@ namespace greville
 
 
     /**
-     * Additive Schwarz with make(matrix, parameters).
+     * Return additive Schwarz with the local solver make(matrix, parameters).
      */
     template <int dim>
     MakeSmoother<dim>

@@ -33,7 +33,7 @@ namespace greville
 
 
     /**
-     * Exceptions must not pass through PETSc.
+     * Turn exceptions into PETSc errors: they must not pass through PETSc.
      */
     template <typename Action>
     PetscErrorCode

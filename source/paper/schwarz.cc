@@ -17,8 +17,8 @@ namespace greville
 
   namespace
   {
-    // Of the product with the matrix, so that two smoothing steps are positive
-    // definite, with a margin for an estimate from below.
+    // Largest allowed eigenvalue of the product with the matrix: two smoothing
+    // steps stay positive definite, with a margin for the lower estimate.
     constexpr double largest_allowed = 1.9;
 
 
@@ -106,7 +106,7 @@ namespace greville
     for (const PetscInt number : domain_numbers)
       order.push_back(values.get_partitioner()->global_to_local(number));
 
-    // Positions travel as doubles, exactly.
+    // Doubles represent the positions exactly.
     for (unsigned int i = 0; i < n_owned; ++i)
       values.local_element(i) = positions[i];
     values.update_ghost_values();
@@ -115,7 +115,6 @@ namespace greville
       function_positions.push_back(values.local_element(i));
     values.zero_out_ghost_values();
 
-    // The ordering.
     std::vector<PetscInt> permutation(order.size());
     std::iota(permutation.begin(), permutation.end(), 0);
     if (ordering == "lexicographic")
@@ -199,8 +198,8 @@ namespace greville
       apply(y, x, false);
       result.assign(y.begin(), y.begin() + n_owned);
     };
-    // Signs that depend on positions alone, in the norm of the diagonal; zero
-    // for inactive functions, whose eigenvalue is 1.
+    // The start vector has signs that depend only on positions, in the norm of
+    // the diagonal. It is zero for inactive functions, whose eigenvalue is 1.
     std::vector<double> start(n_owned);
     out.with(start.data(), [&](Vec diagonal) {
       check_petsc(MatGetDiagonal(matrix, diagonal));

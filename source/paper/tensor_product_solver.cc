@@ -27,7 +27,7 @@ namespace greville
       return;
     const unsigned int me = Utilities::MPI::this_mpi_process(comm);
 
-    // Entries by their lexicographic positions, as they lie in memory.
+    // Lexicographic positions of the entries, in the order of memory.
     using Positions = std::vector<types::global_dof_index>;
     const auto &own = s.owned_functions();
     Positions   from(own.begin(), own.end());
@@ -105,8 +105,8 @@ namespace greville
   {
     const unsigned int n = factor.n, p = factor.p;
 
-    // Some lines at a time, so that a line stays in the cache and the
-    // recurrences of several lines hide their latency.
+    // Solve some lines at a time, so that they stay in the cache and their
+    // recurrences hide the latency.
     unsigned int line       = 0;
     const auto   solve_some = [&](const auto lane_type, const auto n_simd) {
       using Vector                     = std::decay_t<decltype(lane_type)>;
@@ -165,7 +165,7 @@ namespace greville
     const std::size_t n_x     = extents[0];
     const std::size_t n_rows  = space->n_dofs() / n_x;
 
-    // Lines in x lie one behind the other: transpose some at a time.
+    // Lines in x are contiguous: transpose some at a time.
     constexpr unsigned int n_at_once = 4 * native_simd_width;
     std::vector<double>    buffer(n_x * n_at_once);
     for (std::size_t row = 0; row < n_rows; row += n_at_once)

@@ -20,7 +20,7 @@ namespace greville
                 const std::string          &file,
                 const RunOptions           &options)
   {
-    // The files of a run name another folder if the folder has been moved.
+    // If the folder has been moved, the files of the run name the old one.
     const std::filesystem::path path(file);
     const std::string           given = parameters.output.directory.empty()
                                           ? "output/" + parameters.general.name
@@ -86,8 +86,7 @@ namespace greville
   namespace
   {
     /**
-     * Write the parameters, with which the run is resumed and which others
-     * read.
+     * Write the parameters, for a resumed run and for other programs.
      */
     void
     write_parameters(const SimulationParameters &parameters,

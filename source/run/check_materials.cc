@@ -21,14 +21,14 @@ namespace greville
 
   namespace
   {
-    // Bounds of input_notes(). Friction is the sine of its angle.
+    // Bounds of input_notes(). Friction is the sine of the friction angle.
     constexpr double smallest_likely_density       = 500.,
                      largest_weight_over_stiffness = 0.2,
                      smallest_strength_over_weight = 1e-3,
                      smallest_unlikely_friction    = 0.0017,
                      largest_unlikely_friction     = 0.016;
 
-    // Of the mass of a body: what of others may lie above it without a note.
+    // Mass that may lie above a body without a note, as a fraction of its mass.
     constexpr double negligible_load = 1e-3;
 
 
@@ -55,7 +55,8 @@ namespace greville
 
 
     /**
-     * Collective. The extent of the points of a body along @p gravity, m.
+     * Collective. Return the extent of the points of a body along @p gravity,
+     * m.
      */
     template <int dim>
     double
@@ -77,14 +78,14 @@ namespace greville
 
 
     /**
-     * How much the shear strength of a material grows with pressure: the sine
-     * of the friction angle of Mohr and Coulomb. Zero where it is not known.
+     * Return the slope of the shear strength over the pressure: the sine of the
+     * Mohr-Coulomb friction angle. Zero if it is unknown.
      */
     double
     friction_of(const Material &material)
     {
-      // Laws of the Kirchhoff stress have the Cauchy stress of a body that is
-      // smaller by the pressure: not an effect of friction.
+      // A law for the Kirchhoff stress has a larger Cauchy stress in a body
+      // that the pressure compresses. This is no friction.
       constexpr double compression = 0.01;
       const double     pressure    = compression * material.moduli().bulk;
       const double     increase    = shear_strength(material, pressure) -
@@ -95,9 +96,9 @@ namespace greville
 
 
     /**
-     * Collective. The mass of a body with K0, and that of another one that lies
-     * on its surface, not further away than a cell, as far as the first one
-     * reaches across gravity, kg.
+     * Collective. Return, in kg, the mass of a body with K0 and the mass of
+     * another body on its surface: at most a cell away, and within the extent
+     * of the first body across gravity.
      */
     template <int dim>
     std::pair<double, double>
@@ -143,7 +144,7 @@ namespace greville
           }
         catch (const std::exception &)
           {
-            // The formula has no value here, where the body has no point.
+            // The formula has no value here because the body has no point.
           }
       });
       const bool is_on =
@@ -266,7 +267,7 @@ namespace greville
             try
               {
                 error = tangent_error(*body.material, point, strain, dim);
-                // NaN is not the largest of all processes.
+                // A maximum over processes would drop NaN.
                 AssertThrow(std::isfinite(error),
                             ExcMessage("it is infinite or NaN"));
               }
@@ -304,8 +305,8 @@ namespace greville
     last.enter_stage(parameters.n_stages() - 1);
     const Tensor<1, dim> first_gravity =
       Loads<dim>(parameters).gravity(parameters.time.start);
-    // A formula without a value at the end stops the run where it fails, with
-    // the last good state, and not here.
+    // A formula without a value at the end stops the run when it fails, with
+    // the last good state, not here.
     Tensor<1, dim> gravity = first_gravity;
     try
       {
@@ -381,7 +382,7 @@ namespace greville
               }
         if (g == 0.)
           continue;
-        // All processes have to take part.
+        // The call is collective.
         const double weight =
           material.density * g * height_of(body, gravity, comm);
         const double stiffness = moduli.bulk + 4. / 3. * moduli.shear;
@@ -416,7 +417,7 @@ namespace greville
         if (line.name.empty())
           continue;
         const ParameterLine *&other = given[line.section + "/" + line.name];
-        // A file may change what it includes.
+        // A file may override an included file.
         if (other != nullptr && other->value != line.value &&
             file_of(*other) == file_of(line))
           notes.push_back(line.place + ": the parameter '" + line.section +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// The cost of a run, estimated by its first steps in memory.
+// Estimates the cost of a run from its first steps in memory.
 
 #include <deal.II/base/utilities.h>
 
@@ -27,7 +27,7 @@ namespace greville
 
   namespace
   {
-    // Trial steps: so many at the most, and no further one after this time, s.
+    // Limits of the trial steps: their number and their time, s.
     constexpr unsigned int most_trial_steps = 20;
     constexpr double       longest_trial    = 2.;
 
@@ -36,7 +36,7 @@ namespace greville
     using Clock = std::chrono::steady_clock;
 
     /**
-     * Collective. The largest of all processes.
+     * Collective. Return the maximum over all processes.
      */
     double
     seconds_since(const Clock::time_point &begin, const MPI_Comm comm)
@@ -85,7 +85,7 @@ namespace greville
         , begin(Clock::now())
         , simulations(parameters, comm)
       {
-        // Files and formulas that are wanted later.
+        // Files and formulas that the run needs later.
         const double end = parameters.end_of_run();
         ExactSolution<dim>(parameters.exact)
           .errors(simulations.bodies(), end, end, comm);
@@ -166,8 +166,8 @@ namespace greville
       }
 
       /**
-       * Take steps of all stages, and write what they tell. Returns the time
-       * that all would take, s.
+       * Take trial steps of all stages, and write the results. Returns the
+       * estimated time of all stages, s.
        */
       double
       report()
@@ -209,7 +209,7 @@ namespace greville
       }
 
       /**
-       * Mass and volume, which show shapes and units that are not meant.
+       * Write mass and volume, which reveal wrong shapes and units.
        */
       void
       print_bodies(const BodyList<dim> &bodies)
@@ -225,7 +225,7 @@ namespace greville
             << '\n';
         for (const Body<dim> &body : bodies)
           {
-            // One of another material of a stage.
+            // Another material of a stage has no name.
             if (body.name.empty())
               continue;
             double mass = 0., volume = 0.;
@@ -241,8 +241,8 @@ namespace greville
       }
 
       /**
-       * Initial areas of loaded surfaces, and the forces on them at the start
-       * and at the end of the run.
+       * Write the initial areas of loaded surfaces, and the forces on them at
+       * the start and the end of the run.
        */
       void
       print_surface_loads()
@@ -297,9 +297,8 @@ namespace greville
       }
 
       /**
-       * Try the steps of the stage that @p trial is in, and write what they
-       * tell. Returns the estimated time of the stage, s, of which @p set_up is
-       * a part.
+       * Take steps in the stage of @p trial, and write the results. Returns the
+       * estimated time of the stage, s, including @p set_up.
        */
       double
       report_stage(CoupledSimulations<dim> &trial,
@@ -366,7 +365,7 @@ namespace greville
       }
 
       /**
-       * The same of a later stage, as if it began with the initial bodies.
+       * Try a later stage as if it began with the initial bodies.
        */
       double
       report_later_stage(const unsigned int stage)
@@ -383,7 +382,7 @@ namespace greville
           }
         catch (const std::exception &error)
           {
-            // It may need what the stages before it leave.
+            // The stage may need the state after the stages before it.
             out << "  " << Utilities::trim(parameters.stage_text(stage))
                 << "\n  its steps cannot be tried from the initial state: "
                 << message_of(error) << '\n';

@@ -17,7 +17,7 @@ namespace greville
 
   namespace
   {
-    // The number changes with the meaning of texts and tables.
+    // Increase the number if the meaning of texts or tables changes.
     constexpr const char *format = "Greville checkpoint 3";
 
     constexpr const char *prefix = "checkpoint_";
@@ -27,8 +27,8 @@ namespace greville
 
 
     /**
-     * Checkpoints of a folder, the newest first. Copies that users have given
-     * other names stay as they are.
+     * Return the checkpoints of a folder, the newest first. Copies under other
+     * names are ignored.
      */
     std::vector<std::string>
     checkpoints_in(const std::string &folder)
@@ -47,7 +47,7 @@ namespace greville
 
 
     /**
-     * The values of all parameters by "Section/Parameter" from a text of
+     * Return the values of all parameters by "Section/Parameter" from a text of
      * ParameterHandler.
      */
     std::map<std::string, std::string>
@@ -151,7 +151,7 @@ namespace greville
       [&]() {
         const auto files = checkpoints_in(folder);
         for (unsigned int k = 0, n_older = 0; k < files.size(); ++k)
-          // Newer ones are of a run that has been left.
+          // Newer checkpoints are from an abandoned run.
           if (files[k] > file ||
               (files[k] < file && ++n_older >= n_generations))
             std::filesystem::remove(files[k]);
@@ -185,7 +185,7 @@ namespace greville
   read_checkpoint(const std::string &folder, const MPI_Comm comm)
   {
     check_folder_of_checkpoints(folder, comm);
-    // Found by the first process.
+    // The first process looks for them.
     std::string list;
     if (Utilities::MPI::this_mpi_process(comm) == 0)
       for (const std::string &file : checkpoints_in(folder))

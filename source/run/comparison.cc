@@ -30,7 +30,7 @@ namespace greville
 
 
     /**
-     * Errors of @p n numbers per point, which @p value gives.
+     * Return the errors of @p n values per point, which @p value returns.
      */
     template <int dim, int n, typename Value>
     std::optional<Errors>
@@ -63,7 +63,7 @@ namespace greville
           max_norm  = std::max(max_norm, u2);
         });
       };
-      // A formula can fail at a point of one process.
+      // A formula can fail on one process only.
       run_on_all(
         [&]() {
           for (const Body<dim> &body : bodies)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// When a SimulationRun ends before its time, and its ramps.
+// Ends a SimulationRun early, and controls its ramps.
 
 #include <deal.II/base/utilities.h>
 
@@ -35,7 +35,7 @@ namespace greville
 
 
     /**
-     * The sides of all comparisons in a formula.
+     * Return the sides of all comparisons in a formula.
      */
     std::vector<std::string>
     compared_in(const std::string &formula)
@@ -81,7 +81,7 @@ namespace greville
 
 
     /**
-     * Throw if a factor falls or is negative somewhere in a stage.
+     * Throw if a factor decreases or is negative anywhere in a stage.
      */
     void
     check_factor(const Expression &factor, const TimeParameters &time)
@@ -115,7 +115,7 @@ namespace greville
 
 
     /**
-     * Time/Step of the stage at hand, the shortest of all parts, s.
+     * Return 'Time/Step' of the current stage, the shortest of all parts, s.
      */
     template <int dim>
     double
@@ -321,7 +321,7 @@ namespace greville
         simulations.step();
         if (is_in_ramp() && holds_now())
           {
-            // Where a stage begins there is no state to go back to.
+            // At the start of a stage there is no state to go back to.
             ramp.failed_at = common().time;
             end_ramp(simulations.first().stage_parameters().time.start);
           }
@@ -338,7 +338,7 @@ namespace greville
       simulations.set_state(before);
       simulations.set_contact_intervals(intervals);
     };
-    // The bracket is halved as far as steps go.
+    // Halve the bracket, down to the smallest step.
     const auto halve = [&]() {
       const double fraction =
         std::max(smallest, 0.5 * (ramp.failed_at - time) / step);
@@ -431,7 +431,7 @@ namespace greville
     if (!ramp.message.empty())
       notes.note("The ramp ends because no equilibrium is found. " +
                  ramp.message);
-    // Increments of displacement are the differences of two states.
+    // The displacement increments are the differences of two states.
     const auto last = simulations.state();
     const auto from = bodies_of(ramp.failed.empty() ? ramp.before : last);
     const auto to   = bodies_of(ramp.failed.empty() ? last : ramp.failed);

@@ -33,15 +33,15 @@ namespace greville
 
 
     /**
-     * Patches with their data, as DataOutBase writes them.
+     * Patches with their data for DataOutBase.
      */
     template <int patch_dim, int dim>
     class PatchesOut
     {
     public:
       /**
-       * Write the patches of this process as a piece of a file, also where
-       * there are none.
+       * Write the patches of this process as a piece of a file, even without
+       * patches.
        */
       void
       write_piece(std::ostream &out) const
@@ -50,8 +50,8 @@ namespace greville
       }
 
       /**
-       * Write as many pieces as are needed: none without patches, of which
-       * ParaView might take the fields of the whole file.
+       * Write as many pieces as needed. Without patches write none, because
+       * ParaView might take the fields of the whole file from it.
        */
       void
       write_pieces(std::ostream &out) const
@@ -79,7 +79,7 @@ namespace greville
       }
 
       /**
-       * A patch of one point.
+       * Return a patch of one point.
        */
       void
       add_point(const Point<dim> &x, const std::vector<double> &values)
@@ -101,8 +101,8 @@ namespace greville
 
 
     /**
-     * Points: patches without extension, which are written block by block, so
-     * that memory for all of them is not needed.
+     * Points as patches without extension. They are written block by block to
+     * save memory.
      */
     template <int dim>
     class PointsOut : public PatchesOut<0, dim>
@@ -159,7 +159,7 @@ namespace greville
 
 
     /**
-     * Points on surfaces, likewise.
+     * Points on surfaces, as patches without extension.
      */
     template <int dim>
     class SurfacesOut : public PatchesOut<0, dim>
@@ -186,14 +186,14 @@ namespace greville
           {
             const PointLayout<dim> &layout = surfaces[k].points.layout();
             const PointField       *gap    = layout.find("gap");
-            // Points of loads are as those that face nothing.
+            // Points of loads have the values of points without contact.
             const double h = surfaces[k].points.space().smallest_cell_size();
             surfaces[k].points.for_each(
               [&](const unsigned int, ConstPointRef<dim> p) {
                 const SurfaceState<dim> state = surface_state<dim>(p, layout);
                 const Tensor<1, dim>    area  = p.mass() * state.area_vector();
                 const Tensor<1, dim>    load  = p.vector(layout.first("load"));
-                // Per area today.
+                // The load per current area.
                 const Tensor<1, dim> normal = area / area.norm();
                 const Tensor<1, dim> traction =
                   gap ? p.mass() / area.norm() * load : Tensor<1, dim>();
@@ -265,8 +265,8 @@ namespace greville
 
 
     /**
-     * Fields of the grid: a patch of order p for each cell that a function with
-     * mass reaches, and nothing for all others.
+     * Fields of the grid: a patch of order p for each cell in the support of a
+     * function with mass.
      */
     template <int dim>
     class GridOut : public PatchesOut<dim, dim>
@@ -296,7 +296,7 @@ namespace greville
         const unsigned int n_nodes = Utilities::fixed_power<dim>(n);
         MultiIndex<dim>    extents;
         extents.fill(n);
-        // Per direction, N[node * n + a].
+        // Values per direction, N[node * n + a].
         std::array<std::vector<double>, dim> N;
         for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
           {
@@ -349,8 +349,8 @@ namespace greville
 
 
     /**
-     * The text of fields.pvd: data sets by time, each name as a block of its
-     * own.
+     * Return the text of fields.pvd: data sets by time, with a block for each
+     * name.
      */
     std::string
     text_of_pvd(
@@ -403,14 +403,14 @@ namespace greville
     const unsigned int process   = Utilities::MPI::this_mpi_process(comm),
                        processes = Utilities::MPI::n_mpi_processes(comm);
     // write_vtu_in_parallel() of deal.II needs all patches in memory, and
-    // leaves processes waiting when another one cannot write.
+    // leaves processes waiting if another one cannot write.
     std::ostringstream own;
     if (process == 0)
       DataOutBase::write_vtu_header(own, data.flags);
     const auto begin = own.tellp();
     run_on_all([&]() { data.write_pieces(own); }, comm);
     const unsigned int has_pieces = own.tellp() != begin;
-    // A file has a piece at least.
+    // A file needs at least one piece.
     if (Utilities::MPI::max(has_pieces, comm) == 0 && process == 0)
       data.write_piece(own);
     if (process + 1 == processes)

@@ -15,8 +15,8 @@ namespace greville
   namespace
   {
     /**
-     * Return whether a field has no column of its own in any case, and a
-     * meaning for points and means alike.
+     * Return whether a field is not always a column already, and is defined for
+     * single points and for means.
      */
     bool
     is_for_probes(const std::string &field)
@@ -92,7 +92,7 @@ namespace greville
                            "<" +
                            position + ">."));
 
-    // The nearest point; of several the one of the first body and id.
+    // The nearest point; of several, the point with the lowest body and id.
     double nearest = std::numeric_limits<double>::max();
     Probe  probe{0, 0., {}};
     for (unsigned int b = 0; b < bodies.size(); ++b)

@@ -21,9 +21,9 @@ namespace greville
   namespace
   {
     /**
-     * Return whether a line can be written again. mpirun gives processes a
-     * terminal even where its own output goes to a file, so that TERM = dumb
-     * says no.
+     * Return whether the terminal can rewrite a line. mpirun gives processes a
+     * terminal even if its own output goes to a file; TERM = dumb then disables
+     * rewriting.
      */
     bool
     is_terminal_with_lines()
@@ -36,7 +36,7 @@ namespace greville
 
 
     /**
-     * The walls whose forces are known in some stage, and their components.
+     * Return the walls and components whose forces are known in some stage.
      */
     template <int dim>
     std::vector<std::pair<unsigned int, unsigned int>>
@@ -64,9 +64,9 @@ namespace greville
 
 
     /**
-     * The walls and surfaces, and the free surface, through which water passes
-     * in some stage, as their numbers in State::water, and their columns; none
-     * where there is one.
+     * Return the walls and surfaces, including the free surface, through which
+     * water flows in some stage: numbers in State::water and columns. Empty if
+     * there is only one.
      */
     template <int dim>
     std::vector<std::pair<unsigned int, std::string>>
@@ -136,7 +136,7 @@ namespace greville
     , end_of_run(parameters, columns_of(parameters, probes))
     , is_terminal(is_terminal_with_lines())
   {
-    // A formula that fails is better found now than at the end.
+    // Find a formula that fails now, not at the end.
     const double end = parameters.end_of_run();
     exact.errors(simulations.bodies(), end, end, comm);
     check_reference<dim>(parameters.reference);
@@ -290,7 +290,7 @@ namespace greville
       }
     const RunSummary summary = summarize();
     print_summary(summary);
-    // One that was at its end has the summary of its steps.
+    // A run that was already at its end keeps the summary of its steps.
     if (!is_resumed || common().n_steps > first_step)
       write_summary(summary);
     return summary;

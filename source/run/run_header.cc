@@ -16,7 +16,7 @@ namespace greville
 
   namespace
   {
-    // Of the weight: bodies without stresses have 1.
+    // Fraction of the weight. Bodies without stresses have 1.
     constexpr double largest_imbalance = 1.5;
 
 

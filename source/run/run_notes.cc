@@ -32,8 +32,8 @@ namespace greville
 
 
     /**
-     * The unit of columns that begin like this and end, or go on with a digit
-     * or an underscore. The first of a file that fits counts.
+     * The unit of columns whose name is this prefix, alone or followed by a
+     * digit or an underscore. The first match of a file counts.
      */
     struct ColumnUnit
     {
@@ -129,8 +129,8 @@ namespace greville
 
 
     /**
-     * The unit of columns that begin and end like this, with a name between
-     * and perhaps a component behind.
+     * The unit of columns with this beginning and ending, a name between them,
+     * and possibly a component after them.
      */
     struct EndOfColumn
     {
@@ -192,7 +192,7 @@ namespace greville
     for (const ColumnUnit &candidate : units)
       if (file == candidate.file && is_one_of(column, candidate.begin))
         return in_dim(candidate.unit, candidate.unit_2d);
-    // Probes have fields of points.
+    // Probes have the fields of points.
     return file == "probes.csv"
              ? unit_of("points", column, dim, is_axisymmetric)
              : "";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// The printed report of a SimulationRun, and its summary.json.
+// Prints the report of a SimulationRun, and writes summary.json.
 
 #include <greville/base/json.h>
 #include <greville/base/parameters.h>
@@ -19,14 +19,14 @@ namespace greville
 
   namespace
   {
-    // The energy from nothing that a contact may give before the summary says
-    // so, as a fraction of the largest energy or work.
+    // Spurious energy of a contact that the summary reports, as a fraction of
+    // the largest energy or work.
     constexpr double noted_gain = 0.01;
 
 
 
     /**
-     * Microseconds that a process works for a point in a step.
+     * Return the microseconds of a process per point and step.
      */
     double
     cost_of_point(const double       wall_time,
@@ -41,8 +41,8 @@ namespace greville
 
 
     /**
-     * Return a judgement of a loss of energy, a fraction of the largest energy
-     * or work, with the remedy.
+     * Return a judgement of an energy loss, relative to the largest energy or
+     * work, with the remedy.
      */
     std::string
     judgement_of_loss(const double loss, const SchemeParameters &scheme)
@@ -95,7 +95,7 @@ namespace greville
           out << "; they become shorter if cells are crushed";
         out << std::endl;
       }
-    // A terminal is refreshed five times a second, a file gets ten lines.
+    // Refresh a terminal five times a second; write ten lines to a file.
     if (!is_last && (is_terminal ? seconds_since(last_shown) < 0.2
                                  : part < last_shown_time + 0.1))
       return;
@@ -182,7 +182,7 @@ namespace greville
     if (simulations.exceeds_displacement())
       out << "  ended early: a point has moved further than 'Time/Largest "
              "displacement'\n";
-    // A resumed run may be at its end, without a mass matrix.
+    // A resumed run that is already at its end has no mass matrix.
     if (simulations.first().mass().is_exact() && state.n_steps > first_step)
       {
         typename Extension<dim>::Counts functions;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// How a SimulationRun begins, and its checkpoints.
+// Begins and resumes a SimulationRun, and writes its checkpoints.
 
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
@@ -19,7 +19,7 @@ namespace greville
 
   namespace
   {
-    // Names of what a run adds to the state of its simulations.
+    // Names of the tables that a run adds to the state of its simulations.
     constexpr const char *run_name       = "run",
                          *intervals_name = "contacts of the run";
 
@@ -276,7 +276,7 @@ namespace greville
         fields.resume(content.text("written"), comm);
         if (numbers[4] != 0.)
           ask_for_late(numbers[4] != 2., numbers[4] >= 2.);
-        // With other criteria an ended run goes on.
+        // An ended run continues if its criteria have changed.
         if (EndOfRun::criteria(content.text("parameters")) ==
             EndOfRun::criteria(parameters.used()))
           {
@@ -362,8 +362,8 @@ namespace greville
   void
   SimulationRun<dim>::write_checkpoint()
   {
-    // If it cannot be written, the state to go back to and the mark stay
-    // those of the same step.
+    // If it cannot be written, the kept state and the mark still belong to the
+    // same step.
     Mark now = make_mark();
     if (before_last)
       {
@@ -390,13 +390,13 @@ namespace greville
   {
     const unsigned int step = common().n_steps;
     std::string        text, row;
-    // A disk that is full may be the smaller trouble.
+    // A full disk must not hide the error of the step.
     try
       {
-        // The fields of the grid are those of the step that failed.
+        // The grid fields belong to the failed step.
         std::string file   = fields.points_file(common().time);
         const bool  is_new = file.empty();
-        // Rows of later steps may be there.
+        // Rows of later steps may exist.
         const bool is_row_due = last_written_statistics < step;
         if (is_new || is_row_due)
           at_end_of_step([&]() {
@@ -448,7 +448,7 @@ namespace greville
       }
     if (is_last)
       is_due = when.every_steps > 0 || when.every_minutes > 0.;
-    // The run goes on where the disk is full for a while.
+    // The run continues if the disk is full for a while.
     std::string failure;
     if (is_due)
       try
@@ -464,7 +464,7 @@ namespace greville
         }
     if (is_last || signal == 0 || signal == SIGUSR1)
       return;
-    // A run that goes on removes what comes behind the checkpoint.
+    // A resumed run removes the rows after the checkpoint.
     simulations.finish();
     if (last_written_statistics != common().n_steps)
       write_statistics();

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-// The rows of statistics.csv and probes.csv, and files of fields.
+// Writes the rows of statistics.csv and probes.csv, and field files.
 namespace greville
 {
   using namespace dealii;
@@ -16,8 +16,8 @@ namespace greville
   namespace
   {
     /**
-     * Return the part of this process of outflow number @p k, see
-     * State::water. A part numbers the loads on its own bodies only.
+     * Return the share of this process in outflow number @p k, see
+     * State::water. A part numbers only the loads on its own bodies.
      */
     template <int dim>
     double
@@ -76,7 +76,7 @@ namespace greville
         return;
       }
     at_end_of_step([&]() {
-      // The run may have gone back to a state whose row is there.
+      // The run may have gone back to a state whose row exists.
       if (is_row_due && !(ends && last_written_statistics == common().n_steps))
         write_statistics();
       // A row may end the run.
@@ -201,7 +201,7 @@ namespace greville
       }
     if (parameters.output.load)
       {
-        // Of all parts, which go in common steps.
+        // The work of all parts, which take common steps.
         const double work = simulations.sum(
           [](const Simulation<dim> &part) { return part.work(); });
         row.more.push_back(Utilities::MPI::max(work, comm));

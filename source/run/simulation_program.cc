@@ -21,7 +21,7 @@ namespace greville
   namespace
   {
     /**
-     * The parameter file in a folder with results, or the file itself.
+     * Return the parameter file in a folder of results, or the file itself.
      */
     std::string
     file_to_run(const std::string &file, const bool resumes)
@@ -97,7 +97,7 @@ namespace greville
 
 
     /**
-     * History variables, each with the laws that have it.
+     * Return the history variables, each with its laws.
      */
     std::string
     history_names()

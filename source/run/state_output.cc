@@ -35,7 +35,8 @@ namespace greville
 
 
     /**
-     * Half spaces end two cells beyond the grids.
+     * Return the region at which half spaces are cut: two cells beyond the
+     * grids.
      */
     template <int dim>
     BoundingBox<dim>

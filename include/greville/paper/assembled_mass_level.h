@@ -9,9 +9,8 @@
 namespace greville
 {
   /**
-   * A MassLevel that is assembled where a smoother or a solver needs a matrix
-   * of PETSc. Its smoothers with factorizations are those of the Schwarz
-   * methods of add_paper_parts().
+   * A MassLevel that is assembled if a smoother or solver needs a PETSc matrix.
+   * For factorizations it uses the Schwarz smoothers of add_paper_parts().
    */
   template <int dim>
   class AssembledMassLevel : public MassLevel<dim>
@@ -20,7 +19,7 @@ namespace greville
     using MassLevel<dim>::MassLevel;
 
     /**
-     * Collective. Make the operators. vmult() works on the assembled matrix if
+     * Collective. Make the operators. vmult() applies the assembled matrix if
      * @p apply_matrix, which implies @p with_matrix.
      */
     void
@@ -38,7 +37,7 @@ namespace greville
     }
 
     /**
-     * Null without a matrix.
+     * Return the matrix; null without one.
      */
     const MassMatrix<dim> *
     assembled() const

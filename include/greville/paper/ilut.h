@@ -15,16 +15,16 @@ namespace greville
    * factor and n_i the number of entries of the row in that triangle, but at
    * least half of the row.
    *
-   * PETSc 3.18 has no such factorization of its own.
-   * doc/results/mass_solvers.md compares SuperLU's and hypre's, which PETSc
-   * offers: with the paper's fill factor the one diverges on small meshes, with
-   * its defaults the other for p >= 4.
+   * PETSc 3.18 has no such factorization of its own, only interfaces to SuperLU
+   * and hypre. According to doc/results/mass_solvers.md, SuperLU diverges on
+   * small meshes with the paper's fill factor, and hypre for p >= 4 with its
+   * defaults.
    */
   class ILUT
   {
   public:
     /**
-     * Factorize. Throws dealii::ExcMessage with the row where a pivot vanishes.
+     * Factorize. Throws dealii::ExcMessage with the row if a pivot vanishes.
      */
     ILUT(const Mat    matrix,
          const double drop_tolerance,

@@ -11,9 +11,8 @@
 namespace greville
 {
   /**
-   * How to come to the solution of A x = b with a preconditioner B:
-   * x += B (b - A x), or a Krylov method, of which flexible_cg and fgmres take
-   * a preconditioner that is not linear.
+   * The iteration for A x = b with a preconditioner B: x += B (b - A x), or a
+   * Krylov method. flexible_cg and fgmres support a nonlinear preconditioner.
    */
   enum class LevelMethod
   {
@@ -24,9 +23,9 @@ namespace greville
   };
 
   /**
-   * Collective. Begin with x = 0, let @p run find x and fill in its iterations,
-   * and why it failed where it did; then compute the residual. A right-hand
-   * side that is not finite is not tried.
+   * Collective. Begin with x = 0, call @p run, which finds x and fills in the
+   * iterations and the reason of a failure, and compute the residual. A
+   * right-hand side that is not finite is a failure without a call.
    */
   template <int dim>
   SolveResult
@@ -38,8 +37,8 @@ namespace greville
 
   /**
    * Collective. Iterate from @p x = 0 until the Euclidean norm of the residual
-   * has fallen by the tolerance: what solve_and_check() takes. Without a
-   * preconditioner (null) it is the unit matrix.
+   * has fallen by the tolerance; for solve_and_check(). A null preconditioner
+   * is the unit matrix.
    */
   template <int dim>
   void

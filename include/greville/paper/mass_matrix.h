@@ -17,10 +17,9 @@ namespace greville
   {
   public:
     /**
-     * Collective. @p entries are those that ExtendedMass::local_entries() gives
-     * on this process. @p inactive are owned functions, the others among them
-     * that are not unknowns; they have the diagonal entry
-     * @p inactive_diagonal.
+     * Collective. @p entries is the result of ExtendedMass::local_entries() on
+     * this process. @p inactive lists the owned functions that are not
+     * unknowns; they have the diagonal entry @p inactive_diagonal.
      */
     MassMatrix(const ExtendedMass<dim>         &mass,
                const LowerTriangle             &entries,
@@ -43,7 +42,7 @@ namespace greville
     }
 
     /**
-     * Bytes of entries and column numbers on this process.
+     * Return the bytes of entries and column numbers on this process.
      */
     std::size_t
     memory_consumption() const

@@ -28,8 +28,8 @@ namespace greville
   {
   public:
     /**
-     * Collective. Evaluates the density; operators are made by a MassSolver.
-     * The hierarchy is kept by reference.
+     * Collective. Evaluate the density. A MassSolver makes the operators. The
+     * hierarchy is kept by reference.
      */
     MassHierarchy(const OrderHierarchy<dim>   &orders,
                   const dealii::Function<dim> &density)
@@ -40,8 +40,8 @@ namespace greville
     }
 
     /**
-     * Collective. Weights of zero at the 2 p + 1 Gauss points per direction
-     * that make the matrix of material points, to be filled before a MassSolver
+     * Collective. Set zero weights at the 2 p + 1 Gauss points per direction,
+     * for the matrix of material points. Fill them before a MassSolver
      * assembles.
      */
     MassHierarchy(const OrderHierarchy<dim> &orders)
@@ -59,7 +59,7 @@ namespace greville
     }
 
     /**
-     * From the coarsest to the finest.
+     * Return the levels from the coarsest to the finest.
      */
     const std::vector<std::unique_ptr<AssembledMassLevel<dim>>> &
     all_levels() const
@@ -68,7 +68,7 @@ namespace greville
     }
 
     /**
-     * The same as PMultigrid takes them.
+     * Return the levels for PMultigrid.
      */
     typename PMultigrid<dim>::Levels
     operators() const
@@ -105,20 +105,20 @@ namespace greville
   {
   public:
     /**
-     * The names, with fmpm-K for any K.
+     * Return the names, with fmpm-K for any K.
      */
     static std::string
     names();
 
     /**
-     * Throws dealii::ExcMessage, which names the @p parameter, for a name that
-     * is not one of names().
+     * Throw dealii::ExcMessage, which names the @p parameter, if @p name is not
+     * in names().
      */
     static void
     check_name(const std::string &name, const std::string &parameter);
 
     /**
-     * @p name is one of names(). The others are kept by reference.
+     * @p name is one of names(). The other arguments are kept by reference.
      */
     MassSolver(const std::string          &name,
                MassHierarchy<dim>         &hierarchy,
@@ -127,20 +127,20 @@ namespace greville
                const SmootherParameters   &smoother_parameters);
 
     /**
-     * Collective. Make the operators of the levels that the solver needs, and
-     * the matrices that it or its smoother needs.
+     * Collective. Make the operators and matrices of the levels that the solver
+     * or its smoother needs.
      */
     void
     assemble();
 
     /**
-     * Collective. Make transfers, smoothers, factorizations.
+     * Collective. Make transfers, smoothers and factorizations.
      */
     void
     setup();
 
     /**
-     * Collective. The initial value of x does not matter.
+     * Collective. Solve M x = b from zero, whatever x is.
      */
     SolveResult
     solve(VectorType &x, const VectorType &b) const;

@@ -8,24 +8,24 @@
 namespace greville
 {
   /**
-   * Add what only the tables of the paper use to the lists of smoothers and
-   * transfers; to be called before parameters are read. Further calls do
-   * nothing. The smoothers:
+   * Add the smoothers and transfers that only the tables of the paper use to
+   * the lists. Call it before parameters are read; further calls do nothing.
+   * The smoothers:
    * - "ilut": ILUT on overlapping domains, one per process,
-   * - "ilu0", "ic0": ILU(0) and IC(0) of the diagonally scaled matrix,
-   *   likewise; "ic0" of operators without LevelOperator::factorization(),
+   * - "ilu0", "ic0": ILU(0) and IC(0) of the diagonally scaled matrix, on the
+   *   same domains; "ic0" for operators without LevelOperator::factorization(),
    * - "gauss-seidel": forward before and backward after the coarse correction
    *   of a symmetric cycle, "symmetric-gauss-seidel": forward and backward;
    *   both process by process (PETSc's SOR),
    * - "tensor-product": TensorProductPreconditioner.
    *
-   * They work on LevelOperator::matrix() or on the space, component by
-   * component. SmootherParameters::combination = "automatic" is symmetric in
-   * symmetric cycles.
+   * They use LevelOperator::matrix() or the space, component by component.
+   * SmootherParameters::combination = "automatic" means symmetric in symmetric
+   * cycles.
    *
-   * The inverse of mass matrices in transfers: "exact-l2", the
-   * TensorProductPreconditioner, exact for a constant weight. The type of
-   * preconditioners of PETSc: "ilut".
+   * The transfer "exact-l2" inverts mass matrices with the
+   * TensorProductPreconditioner, exactly for a constant weight. The PETSc
+   * preconditioner type is "ilut".
    */
   void
   add_paper_parts();
@@ -33,7 +33,7 @@ namespace greville
 
 
   /**
-   * The parameters of the cycle with all that tables compare.
+   * The parameters of the cycle with all variants in the tables.
    */
   struct PaperMultigridParameters : PMultigridParameters
   {

@@ -6,11 +6,10 @@
 namespace greville
 {
   /**
-   * Add ILUT with drop tolerance 1e-12 and fill factor 1 (see the class of that
-   * name) in PETSc's AMD ordering to the preconditioners of PETSc, as "ilut":
-   * for sequential matrices, and for the blocks of others, as in
-   * "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilut". May be called several
-   * times.
+   * Register ILUT (see the class) with drop tolerance 1e-12, fill factor 1 and
+   * PETSc's AMD ordering as the PETSc preconditioner "ilut". It supports
+   * sequential matrices, and the blocks of others, as in "-pc_type asm
+   * -pc_asm_overlap 1 -sub_pc_type ilut". May be called several times.
    */
   void
   register_petsc_ilut();

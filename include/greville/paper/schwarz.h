@@ -19,7 +19,7 @@ namespace greville
   using LocalSolver = std::function<void(double *x, const bool transpose)>;
 
   /**
-   * ILUT, see the class of that name.
+   * Return an ILUT of the matrix.
    */
   LocalSolver
   make_ilut(const Mat    matrix,
@@ -27,20 +27,20 @@ namespace greville
             const double fill_factor);
 
   /**
-   * PETSc's ILU(0) of the matrix scaled to a unit diagonal, with @p shift added
-   * to that diagonal.
+   * Return PETSc's ILU(0) of the matrix scaled to a unit diagonal, with @p
+   * shift added to the diagonal.
    */
   LocalSolver
   make_ilu0(const Mat matrix, const double shift);
 
   /**
-   * IncompleteCholesky with at least this @p shift.
+   * Return an IncompleteCholesky with at least this @p shift.
    */
   LocalSolver
   make_ic0(const Mat matrix, const double shift);
 
   /**
-   * The lower triangle of a sequential matrix (SeqAIJ).
+   * Return the lower triangle of a sequential matrix (SeqAIJ).
    */
   LowerTriangle
   lower_triangle(const Mat matrix);
@@ -48,29 +48,28 @@ namespace greville
 
 
   /**
-   * Additive Schwarz with one domain per process, the unknowns that it owns and
-   * some layers of overlap in the graph of the matrix, and an approximate local
-   * solver. With the prolongation @f$ R_s^T @f$ of domain s, its matrix
-   * @f$ A_s = R_s A R_s^T @f$ and partitions of unity
-   * @f$ \sum_s R_s^T W_s R_s = 1 @f$:
+   * Additive Schwarz with an approximate local solver and one domain per
+   * process: its owned unknowns and some layers of overlap in the graph of the
+   * matrix. With the prolongation @f$ R_s^T @f$ of domain s, its matrix @f$ A_s
+   * = R_s A R_s^T @f$ and partitions of unity @f$ \sum_s R_s^T W_s R_s = 1 @f$:
    * - restricted: @f$ \sum_s R_s^T E_s A_s^{-1} R_s @f$, with @f$ E_s = 1 @f$
    *   for the entries that s owns (@ref Cai1999 "Cai and Sarkis, 1999"). Not
    *   symmetric.
    * - symmetric: @f$ \sum_s R_s^T W_s^{1/2} A_s^{-1} W_s^{1/2} R_s @f$, with
-   *   @f$ W_s @f$ one over the number of domains that hold an entry, on several
-   *   processes scaled so that the largest eigenvalue of its product with A is
-   *   1.9 at most. The weights jump at the edge of the overlap, which may bring
-   *   the eigenvalue up to 8 where functions are extended, and two smoothing
-   *   steps @f$ 2 B - B A B @f$ are indefinite above 2.
+   *   @f$ W_s @f$ one over the number of domains that hold an entry. On several
+   *   processes it is scaled so that the largest eigenvalue of its product with
+   *   A is at most 1.9. The weights jump at the edge of the overlap, which may
+   *   raise the eigenvalue to 8 for extended functions, and two smoothing steps
+   *   @f$ 2 B - B A B @f$ are indefinite above 2.
    */
   template <int dim>
   class AdditiveSchwarz : public Preconditioner
   {
   public:
     /**
-     * Collective. For the matrix() of a level. @p ordering is "lexicographic"
-     * or the name of an ordering of PETSc ("rcm", "amd", "nd", ...). Throws on
-     * all processes if the local solver cannot be made on one.
+     * Collective. Set up the method for the matrix() of a level. @p ordering is
+     * "lexicographic" or the name of an ordering of PETSc ("rcm", "amd", "nd",
+     * ...). Throws on all processes if the local solver cannot be made on one.
      */
     AdditiveSchwarz(const LevelOperator<dim>                    &level,
                     const unsigned int                           overlap,
@@ -107,7 +106,7 @@ namespace greville
     apply(VectorType &dst, const VectorType &src, const bool transpose) const;
 
     /**
-     * Collective. An estimate from below of the largest eigenvalue of the
+     * Collective. Return a lower estimate of the largest eigenvalue of the
      * product with the matrix of @p level.
      */
     double

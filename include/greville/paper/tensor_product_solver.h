@@ -13,9 +13,9 @@ namespace greville
   /**
    * The inverse of @f$ M_1 \otimes \dots \otimes M_1 @f$, the Kronecker product
    * of the mass matrices of the directions (density 1), by banded Cholesky
-   * factorizations @f$ M_1 = L L^T @f$ of these: O(p) operations per
-   * coefficient and direction, and a negligible set-up. It is a bound for what
-   * other solvers can reach.
+   * factorizations @f$ M_1 = L L^T @f$: O(p) operations per coefficient and
+   * direction, and a negligible set-up. It bounds the speed that other solvers
+   * can reach.
    *
    * On several processes the coefficients move to pencils (complete lines in x,
    * then in y, then in z) and back: dim + 1 redistributions for each solve.
@@ -30,7 +30,7 @@ namespace greville
     TensorProductSolver(const SplineSpace<dim> &space);
 
     /**
-     * Overwrite the owned entries of @p x by those of the solution.
+     * Overwrite the owned entries of @p x by the solution.
      */
     void
     solve(VectorType &x) const;
@@ -42,8 +42,8 @@ namespace greville
     }
 
     /**
-     * The diagonal of @f$ M_1 \otimes \dots \otimes M_1 @f$ at the owned
-     * function number @p i.
+     * Return the diagonal entry of @f$ M_1 \otimes \dots \otimes M_1 @f$ for
+     * the owned function number @p i.
      */
     double
     diagonal(const unsigned int i) const
@@ -57,7 +57,7 @@ namespace greville
     }
 
     /**
-     * Bytes that this process sends to others in one solve.
+     * Return the bytes that this process sends to others in one solve.
      */
     std::size_t
     bytes_sent() const
@@ -95,7 +95,8 @@ namespace greville
     const SplineSpace<dim> *space = nullptr;
     std::array<Factor, dim> factors;
 
-    // On several processes: moves to the pencils of each direction, and back.
+    // On several processes: redistributions to the pencils of each direction
+    // and back.
     std::vector<dealii::Utilities::MPI::NoncontiguousPartitioner> moves;
     std::size_t                                                   n_sent = 0;
     std::array<unsigned int, dim>                                 n_pencils{};
@@ -109,19 +110,18 @@ namespace greville
    * @f[
    *   S = D^{1/2} (M_1 \otimes \dots \otimes M_1)^{-1} D^{1/2}, \qquad
    *   D = \frac{\text{diag}(M_1 \otimes \dots \otimes M_1)}{\text{diag}(M)},
-   * @f]
-   * which is exact for constant density, and spectrally close to
-   * @f$ M^{-1} @f$ where the density varies slowly from cell to cell (compare
-   * @ref Gao2014 "Gao and Calo, 2014"). Inactive coefficients are divided by
-   * their diagonal entry.
+   * @f] which is exact for constant density, and spectrally close to @f$ M^{-1}
+   * @f$ if the density varies slowly from cell to cell (compare @ref Gao2014
+   * "Gao and Calo, 2014"). Inactive coefficients are divided by their diagonal
+   * entry.
    */
   template <int dim>
   class TensorProductPreconditioner : public Preconditioner
   {
   public:
     /**
-     * @p inactive is kept by reference. @p diagonal may have several
-     * components, of which the first one counts.
+     * @p inactive is kept by reference. Of several components of @p diagonal,
+     * only the first is used.
      */
     TensorProductPreconditioner(TensorProductSolver<dim>         solver,
                                 const VectorType                &diagonal,

@@ -15,7 +15,7 @@ namespace greville
   refuse_sweep(const SimulationParameters &parameters, const std::string &file);
 
   /**
-   * Where the results of a parameter file go.
+   * Return the folder of the results of a parameter file.
    */
   std::string
   folder_of_run(const SimulationParameters &parameters,
@@ -23,8 +23,8 @@ namespace greville
                 const RunOptions           &options);
 
   /**
-   * Collective. Take that folder for a run. Throws as the constructor of
-   * RunFolder.
+   * Collective. Take the @p directory as the folder of a run. Throws as the
+   * constructor of RunFolder.
    */
   RunFolder
   take_folder(const SimulationParameters &parameters,
@@ -33,8 +33,8 @@ namespace greville
               const MPI_Comm              comm);
 
   /**
-   * Collective. Throw where a run is to begin with the results in its own
-   * folder, which it would move away.
+   * Collective. Throw if a run is to begin with results in its own folder,
+   * because it would move them away.
    */
   void
   check_other_folder(const RunOptions  &options,
@@ -42,17 +42,17 @@ namespace greville
                      const MPI_Comm     comm);
 
   /**
-   * Throw dealii::ExcMessage where a run with these parameters cannot go on
-   * from a checkpoint with others.
+   * Throw dealii::ExcMessage if a run with these parameters cannot resume from
+   * a checkpoint with other parameters.
    */
   void
   check_changes(const TablesFile           &checkpoint,
                 const SimulationParameters &parameters);
 
   /**
-   * Throw dealii::ExcMessage if 'End' of a stage that is over at a checkpoint
-   * has changed, or the @p stage of the checkpoint would end before its
-   * @p time.
+   * Throw dealii::ExcMessage if 'End' of a stage has changed that is finished
+   * at the checkpoint, or if the @p stage of the checkpoint would end before
+   * its @p time.
    */
   void
   check_stages(const TablesFile           &checkpoint,
@@ -61,8 +61,8 @@ namespace greville
                const double                time);
 
   /**
-   * Collective. Let simulations begin with the points of another run. Throws
-   * dealii::ExcMessage, which names the checkpoint, where they do not fit.
+   * Collective. Begin simulations with the points of another run. Throws
+   * dealii::ExcMessage, which names the checkpoint, if they do not fit.
    */
   template <int dim>
   void

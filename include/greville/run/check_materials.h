@@ -13,10 +13,10 @@
 namespace greville
 {
   /**
-   * The largest pure shear stress, Pa, that @p material has at rest with the
-   * @p pressure, Pa: what Material::initialize() accepts, found to 0.1 %.
-   * Infinite where half of the shear modulus is below it, and zero for fluids
-   * and for soil without cohesion and pressure.
+   * Return the largest pure shear stress, Pa, of @p material at rest under the
+   * @p pressure, Pa: the largest that Material::initialize() accepts, to 0.1 %.
+   * Infinite if it exceeds half of the shear modulus, and zero for fluids and
+   * for soil without cohesion and pressure.
    */
   double
   shear_strength(const Material &material, const double pressure = 0.);
@@ -31,10 +31,10 @@ namespace greville
   print_materials(std::ostream &out, const BodyList<dim> &bodies);
 
   /**
-   * The largest difference between Material::tangents() and differences of
-   * update(), over the norm of the latter, along a path of compression and
-   * shear of @p strain in ten steps in @p dim dimensions from the state
-   * @p point, each of length MaterialPoint::dt.
+   * Return the largest difference between Material::tangents() and finite
+   * differences of update(), relative to the norm of the latter. The path is
+   * compression and shear by @p strain in @p dim dimensions from the state @p
+   * point, in ten steps of length MaterialPoint::dt.
    */
   double
   tangent_error(const Material    &material,
@@ -43,9 +43,9 @@ namespace greville
                 const unsigned int dim);
 
   /**
-   * Collective. Write tangent_error() along a path of 1 % strain in ten
-   * steps of 0.1 s from the initial state of a point of each body with the law
-   * Umat. Throws on all processes if the law does what no law may (UmatFault).
+   * Collective. Write tangent_error() along a path of 1 % strain in ten steps
+   * of 0.1 s from the initial state of a point of each body with the law Umat.
+   * Throws on all processes if the law throws a UmatFault.
    */
   template <int dim>
   void
@@ -54,18 +54,17 @@ namespace greville
                  const MPI_Comm       comm);
 
   /**
-   * Collective. What may not be meant as it stands, a sentence each:
-   * - numbers that look like ones in another unit: a density below
-   *   500 kg / m^3 with a gravity of 9 to 11 m / s^2; a weight rho g H over the
-   *   height H of a body that is more than a fifth of K + 4 G / 3; a strength
-   *   that is not zero, and less than a thousandth of this weight; and one that
-   *   grows with pressure as by a friction angle of 0.1 to 0.9 degrees, which
-   *   are 6 to 52 degrees in radians;
+   * Collective. Return a sentence for each input that may not be intended:
+   * - values that may be in another unit: a density below 500 kg / m^3 with a
+   *   gravity of 9 to 11 m / s^2; a weight rho g H over the height H of a body
+   *   above a fifth of K + 4 G / 3; a nonzero strength below a thousandth of
+   *   this weight; and a strength that grows with pressure like a friction
+   *   angle of 0.1 to 0.9 degrees (0.1 to 0.9 radians are 6 to 52 degrees);
    * - a gravity of 9 to 11 m / s^2 without a negative component;
-   * - a body with K0 that has others, without K0, on its 'Surface'.
+   * - a body with K0 that carries bodies without K0 on its 'Surface'.
    *
-   * Gravity is that at the end, as stages often let the weight grow, and for K0
-   * that at the start.
+   * The check uses gravity at the end, because stages often let the weight
+   * grow, and for K0 gravity at the start.
    */
   template <int dim>
   std::vector<std::string>
@@ -74,8 +73,8 @@ namespace greville
               const MPI_Comm              comm);
 
   /**
-   * A sentence for each parameter that @p file gives twice, with different
-   * values: the last one counts.
+   * Return a sentence for each parameter that @p file gives twice with
+   * different values. The last value counts.
    */
   std::vector<std::string>
   repeated_parameters(const std::string &file);

@@ -11,12 +11,11 @@
 namespace greville
 {
   /**
-   * The differences between two sets of parameters, as
-   * SimulationParameters::used() writes them, that a run cannot go on with: all
-   * but those of the sections 'Output', 'Checkpoints' and 'Load balance', and
-   * the parameters 'End' and 'Maximum steps' of 'Time'. Returns one line for
-   * each, with the parameter, and its value there and here; empty if there is
-   * none.
+   * Return the differences between two sets of parameters, as
+   * SimulationParameters::used() writes them, that prevent a run from resuming:
+   * all except in the sections 'Output', 'Checkpoints' and 'Load balance', and
+   * in 'End' and 'Maximum steps' of 'Time'. Each line has the parameter, its
+   * value before and its value now.
    */
   std::string
   describe_changes(const std::string &before, const std::string &now);
@@ -24,9 +23,9 @@ namespace greville
 
 
   /**
-   * Throw dealii::ExcMessage if the points of a run with the parameters
-   * @p before have no meaning in a run that begins with them and has those of
-   * @p now: in another dimension or geometry, or dry below a water table.
+   * Throw dealii::ExcMessage if a run with the parameters @p now cannot begin
+   * with the points of a run with the parameters @p before: if dimension or
+   * geometry differ, or the points are dry below a water table.
    */
   void
   check_points_fit(const std::string &before, const std::string &now);
@@ -34,12 +33,11 @@ namespace greville
 
 
   /**
-   * Collective. Write @p content to the file checkpoint_NNNNNNNNNN.h5 of
-   * @p folder with the number of steps in its name, with the format and the
-   * version of the program; then remove all older checkpoints but one. At any
-   * moment there is a complete checkpoint if there has been one before. Returns
-   * the file. Throws dealii::ExcMessage where it cannot be written; older
-   * checkpoints are still there.
+   * Collective. Write @p content, the format and the version of the program to
+   * the file checkpoint_NNNNNNNNNN.h5 of @p folder, named after the number of
+   * steps; then remove all older checkpoints but one. Once there has been a
+   * complete checkpoint, there is one at any moment. Returns the file. Throws
+   * dealii::ExcMessage if it cannot be written; older checkpoints then remain.
    */
   std::string
   write_checkpoint(const std::string &folder,
@@ -50,7 +48,7 @@ namespace greville
 
 
   /**
-   * Collective. Throw dealii::ExcMessage if @p folder is none.
+   * Collective. Throw dealii::ExcMessage if @p folder is no folder.
    */
   void
   check_folder_of_checkpoints(const std::string &folder, const MPI_Comm comm);
@@ -62,16 +60,16 @@ namespace greville
   {
     std::string file;
     TablesFile  content;
-    /// Newer ones that have not been taken, and why.
+    /// Newer checkpoints that were refused, and the reasons.
     std::vector<std::pair<std::string, std::string>> refused;
   };
 
 
 
   /**
-   * Collective. Read the newest checkpoint of @p folder that is complete and of
-   * this format; files that are not are reported. Throws dealii::ExcMessage
-   * where there is none.
+   * Collective. Read the newest checkpoint of @p folder that is complete and
+   * has this format; other files are reported. Throws dealii::ExcMessage if
+   * there is none.
    */
   Checkpoint
   read_checkpoint(const std::string &folder, const MPI_Comm comm);

@@ -12,11 +12,12 @@
 namespace greville
 {
   /**
-   * Distance between a run and an exact solution: with sums over points,
+   * Relative distance between a run and an exact solution, with sums over
+   * points:
    *   l2  = sqrt(sum_p V0_p |u_p - u|^2 / sum_p V0_p |u|^2),
    *   max = max_p |u_p - u| / max_p |u|,
-   * relative; absolute (l2 divided by the root of the volume) where the exact
-   * solution vanishes.
+   * If the exact solution vanishes, the errors are absolute, and l2 is divided
+   * by the root of the volume.
    */
   struct Errors
   {
@@ -50,8 +51,8 @@ namespace greville
     ExactSolution(const ExactParameters &parameters);
 
     /**
-     * Collective. Errors of velocity at time @p t_velocity, of all else at @p
-     * t.
+     * Collective. Return the errors of velocity at time @p t_velocity and of
+     * displacement and stress at @p t.
      */
     ExactErrors
     errors(const BodyList<dim> &bodies,
@@ -67,9 +68,9 @@ namespace greville
 
 
   /**
-   * Throw dealii::ExcMessage if a file of measured data is missing, or the
-   * quantity of a series is no column of the statistics. greville.measured in
-   * Python compares them with the results.
+   * Throw dealii::ExcMessage if a file of measured data is missing, or if the
+   * quantity of a series is no column of statistics.csv. The Python module
+   * greville.measured compares the data with the results.
    */
   template <int dim>
   void

@@ -12,12 +12,12 @@
 namespace greville
 {
   /**
-   * Collective. Lead the material @p name of a parameter file (empty: the only
-   * one) through an element test, see run_element_test(), with the section
-   * 'Element test'; write element_test.csv to the folder of the file's run, and
-   * show where it begins and ends and its largest q on std::cout. Earlier
-   * results become what 'Output/Earlier results' says. Throws
-   * dealii::ExcMessage for wrong names and files, and for what the test throws.
+   * Collective. Run an element test, see run_element_test(), of the material @p
+   * name of a parameter file (empty: the only one) with the section 'Element
+   * test'. Writes element_test.csv to the folder of the file's run, and the
+   * first and last state and the largest q to std::cout. 'Output/Earlier
+   * results' decides on earlier results. Throws dealii::ExcMessage for wrong
+   * names and files, and errors of the test.
    */
   void
   run_element_test_of_file(const std::string &file,

@@ -20,9 +20,9 @@ namespace greville
   {
   public:
     /**
-     * @p columns are those of statistics.csv and probes.csv. Throws
-     * dealii::ExcMessage where a formula is wrong, compares what is NaN
-     * whatever the columns are, or is a factor that falls or is negative.
+     * @p columns are the columns of statistics.csv and probes.csv. Throws
+     * dealii::ExcMessage if a formula is wrong or compares a value that is
+     * always NaN, or if a factor decreases or is negative.
      */
     EndOfRun(const SimulationParameters     &parameters,
              const std::vector<std::string> &columns);
@@ -36,8 +36,7 @@ namespace greville
 
     /**
      * Return the side of a comparison in 'End when' of a stage that is NaN in
-     * the
-     * @p row, so that the comparison is false; empty if there is none.
+     * the @p row, so that the comparison is false; empty if there is none.
      */
     std::string
     undefined(const unsigned int stage, const std::vector<double> &row) const;
@@ -61,15 +60,15 @@ namespace greville
     }
 
     /**
-     * The factor at a time; in stages without a ramp that of the first one that
-     * has one.
+     * Return the factor at a time; in stages without a ramp, the factor of the
+     * first stage with a ramp.
      */
     double
     factor(const unsigned int stage, const double time) const;
 
     /**
-     * All formulas of 'End when', which a run that has ended by them compares
-     * with those of a checkpoint.
+     * Return all formulas of 'End when'. A run that they have ended compares
+     * them with the formulas of a checkpoint.
      */
     static std::string
     criteria(const std::string &parameters);
@@ -92,7 +91,7 @@ namespace greville
 
     std::vector<Stage>        stages;
     std::optional<Expression> any_factor;
-    /// Places of the columns in a row: those whose names are words of formulas.
+    /// Indices in a row of the columns that formulas can name.
     std::vector<unsigned int> column_numbers;
   };
 
@@ -104,12 +103,12 @@ namespace greville
   template <typename States>
   struct Ramp
   {
-    /// The earliest time at which there has been failure, s.
+    /// Earliest time of failure, s.
     double failed_at = std::numeric_limits<double>::infinity();
-    /// The states of failure, and of the equilibrium before the last one; empty
-    /// where there is none.
+    /// States at failure and at the last equilibrium but one; empty if there is
+    /// none.
     States failed, before;
-    /// Why no equilibrium has been found.
+    /// Reason why no equilibrium was found.
     std::string message;
   };
 } // namespace greville

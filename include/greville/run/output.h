@@ -16,19 +16,19 @@ namespace greville
 {
   /**
    * The numbers of a surface in files: of its load in 'Simulation/Surface
-   * loads', and of its body in 'Simulation/Bodies'.
+   * loads' and of its body in 'Simulation/Bodies'.
    */
   struct SurfaceNumbers
   {
-    /// Contacts are counted behind loads.
+    /// The numbers of contacts follow the loads.
     unsigned int load = 0, body = 0;
   };
 
 
 
   /**
-   * The fields of grid_NNNN.vtu. Vectors have no ghost values, and fields of no
-   * size are not written.
+   * The fields of grid_NNNN.vtu. Vectors have no ghost values. Empty fields are
+   * not written.
    */
   template <int dim>
   struct GridFields
@@ -37,7 +37,8 @@ namespace greville
     /// Per function.
     VectorType       mass;
     VectorField<dim> force;
-    /// Of owned cells, see CellFilling::cell_class(); empty: not written.
+    /// Classes of owned cells, see CellFilling::cell_class(); empty: not
+    /// written.
     std::vector<unsigned char> cell_classes;
   };
 
@@ -47,9 +48,9 @@ namespace greville
    * Writes points, grid fields, the points of loads and contacts on surfaces,
    * and rigid bodies for ParaView: points_NNNN.vtu, grid_NNNN.vtu,
    * surface_NNNN.vtu and rigid_NAME_NNNN.vtu in the folder `files`. Each file
-   * has the points or cells of all processes. fields.pvd holds all of them with
-   * their times and is replaced after each, so that it never names what is not
-   * there.
+   * has the points or cells of all processes. fields.pvd lists all files with
+   * their times and is replaced after each, so that it never names a missing
+   * file.
    */
   template <int dim>
   class FieldOutput
@@ -59,14 +60,14 @@ namespace greville
                                 *file_folder = "files";
 
     /**
-     * The parameters are kept by reference.
+     * Keep @p parameters by reference.
      */
     FieldOutput(const std::string      &directory,
                 const OutputParameters &parameters);
 
     /**
-     * Collective. Write the points: the fields of the parameters, see
-     * point_fields().
+     * Collective. Write the points with the fields that the parameters name,
+     * see point_fields().
      */
     void
     write_points(const double         time,
@@ -74,9 +75,9 @@ namespace greville
                  const MPI_Comm       comm);
 
     /**
-     * Collective. Write the fields of a grid as Lagrange cells of the order of
-     * the @p space, where there is mass. One of several grids has the name of
-     * its @p body.
+     * Collective. Write the fields of the grid cells with mass, as Lagrange
+     * cells of the order of the @p space. With several grids, the file has the
+     * name of the @p body.
      */
     void
     write_grid(const double            time,
@@ -85,12 +86,11 @@ namespace greville
                const std::string      &body = "");
 
     /**
-     * Collective. Write the points of loads on surfaces: the number of the load
-     * and that of its body, which @p numbers has for each surface, load (Pa per
-     * initial area), normal today times area, area, velocity and displacement;
-     * where there are contacts gap, pressure, shear stress and ContactState.
-     * Writes nothing where there are none. Those of one of several grids have
-     * the name of its @p body.
+     * Collective. Write the points of surfaces: the @p numbers of load and
+     * body, load (Pa per initial area), current normal times area, area,
+     * velocity and displacement, and with contacts gap, pressure, shear stress
+     * and ContactState. Writes nothing without points. With several grids, the
+     * file has the name of the @p body.
      */
     void
     write_surfaces(const double                       time,
@@ -101,8 +101,8 @@ namespace greville
 
     /**
      * Collective. Write the mesh of a rigid body with its velocity and
-     * displacement: rigid_NAME_NNNN.vtu, by the first process. The body has
-     * the @p position, and where its end is not known it is cut at @p region.
+     * displacement: rigid_NAME_NNNN.vtu, by the first process. The body has the
+     * @p position. An unbounded body is cut at @p region.
      */
     void
     write_rigid_body(const double                    time,
@@ -113,21 +113,21 @@ namespace greville
 
     /**
      * Return a line for each file so far: name, time and file, separated by
-     * tabulators.
+     * tabs.
      */
     std::string
     record() const;
 
     /**
-     * The file with the points at a time, with its folder; empty where they
+     * Return the file of the points at a time, with its folder; empty if they
      * have not been written.
      */
     std::string
     points_file(const double time) const;
 
     /**
-     * Collective. Go on with what an earlier run has written, its record():
-     * numbered files that it wrote later are removed.
+     * Collective. Continue after the files of an earlier run in @p record, see
+     * record(). Later numbered files are removed.
      */
     void
     resume(const std::string &record, const MPI_Comm comm);

@@ -15,11 +15,11 @@
 namespace greville
 {
   /**
-   * Follows single points, and means over the points in shapes, in probes.csv:
+   * Writes single points, and means over the points in shapes, to probes.csv:
    * time, and for each probe its position, velocity, the Cauchy stress xx, yy,
-   * zz, xy, and what else 'Output/Fields' names. A mean is sum V q / sum V over
-   * the points whose positions are in the shape at the time, with their initial
-   * volumes V, m^3; where there are none, it is 0.
+   * zz, xy, and the other fields in 'Output/Fields'. A mean is sum V q / sum V
+   * over the points that are in the shape at the time, with their initial
+   * volumes V, m^3. It is 0 without points.
    */
   template <int dim>
   class Probes
@@ -27,9 +27,9 @@ namespace greville
   public:
     /**
      * Collective. Take the points of @p bodies that are nearest to the
-     * positions in @p text ("x, y; SHAPE; ..."), and its shapes, with the
-     * output @p fields of those names. Throws where it is neither, and where no
-     * point is nearer than a cell is long, or in a shape.
+     * positions in @p text ("x, y; SHAPE; ..."), and the shapes in it, with the
+     * output @p fields of these names. Throws for other text, if no point is
+     * nearer than the length of a cell, and if a shape has no point.
      */
     Probes(const std::string              &text,
            const std::vector<std::string> &fields,
@@ -37,8 +37,7 @@ namespace greville
            const MPI_Comm                  comm);
 
     /**
-     * Collective. Begin the @p file; where there are no probes it has only a
-     * header.
+     * Collective. Begin the @p file; without probes it has only a header.
      */
     void
     open(const std::string &file_name)
@@ -47,8 +46,8 @@ namespace greville
     }
 
     /**
-     * Collective. Go on with the first @p n_bytes of a file, and remove what an
-     * earlier run has written behind them.
+     * Collective. Resume the file after its first @p n_bytes, and remove all
+     * later rows.
      */
     bool
     resume(const std::string &file_name, const std::uint64_t n_bytes)
@@ -57,7 +56,7 @@ namespace greville
     }
 
     /**
-     * Collective. Let all rows be on the disk. Returns the bytes of the file.
+     * Collective. Write all rows to disk, and return the bytes of the file.
      */
     std::uint64_t
     sync()
@@ -78,9 +77,9 @@ namespace greville
     }
 
     /**
-     * The next row: what a list of bodies, the first of which is number @p
-     * first, has on this process, with velocities times @p weight. It is added
-     * where only the @p velocities are taken.
+     * Fill the next row with the values of @p bodies, the first of which has
+     * number @p first, on this process. Velocities are multiplied by @p weight,
+     * and added if only @p velocities are taken.
      */
     void
     take(const unsigned int   first,
@@ -99,13 +98,13 @@ namespace greville
     }
 
     /**
-     * Collective. The row that has been taken, which is complete with this.
+     * Collective. Complete the row that has been taken, and return it.
      */
     const std::vector<double> &
     finish(const double time);
 
     /**
-     * Write the row that is complete.
+     * Write the completed row.
      */
     void
     write();
@@ -124,15 +123,15 @@ namespace greville
       std::optional<Shape<dim>> shape;
     };
 
-    /// The point that is nearest to a position.
+    /// Add the point that is nearest to a position.
     void
     add_point(const std::string &position, const BodyList<dim> &bodies);
 
     void
     add_shape(const std::string &shape, const BodyList<dim> &bodies);
 
-    /// Numbers of a probe in the file; behind them, in sums, are the volume,
-    /// and velocity and volume of a second pass.
+    /// Return the number of values of a probe in the file. In `sums`, the
+    /// volume and the velocity and volume of a second pass follow them.
     unsigned int
     n_values() const
     {

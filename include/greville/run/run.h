@@ -12,9 +12,9 @@
 namespace greville
 {
   /**
-   * Collective. Run the simulation that a parameter file describes. Results of
-   * an earlier run in its folder become what 'Output/Earlier results' says.
-   * Throws dealii::ExcMessage if file or run go wrong, or the file has a
+   * Collective. Run the simulation that a parameter file describes.
+   * 'Output/Earlier results' decides on earlier results in its folder. Throws
+   * dealii::ExcMessage if the file is wrong, the run fails, or the file has a
    * 'Sweep'.
    */
   void
@@ -23,11 +23,11 @@ namespace greville
                   const RunOptions  &options = RunOptions());
 
   /**
-   * Collective. Make all that run_simulations() would begin with, go some steps
-   * in memory, and write to std::cout what a run would take: sizes, the step
-   * and the number of steps, time, and memory. Writes no file, except for the
-   * initial points, which go to the folder @p drawing if that is not empty.
-   * Throws what run_simulations() would throw so far.
+   * Collective. Set up a run as run_simulations() does, take some steps in
+   * memory, and write the estimated cost of the run to std::cout: sizes, time
+   * step, number of steps, time and memory. Writes no file but the initial
+   * points, to the folder @p drawing if it is not empty. Throws as
+   * run_simulations() would up to there.
    */
   void
   check_simulations(const std::string &file,
@@ -36,11 +36,11 @@ namespace greville
                     const std::string &drawing = "");
 
   /**
-   * Read the parameter files of the runs of a sweep, which are in the folder @p
-   * runs, and write formulation and mass of each to std::cout. Then, if @p
-   * makes_room is true, treat earlier results in the folder of the sweep @p
-   * file as run_simulations() does, and write parameters.prm there. Throws
-   * dealii::ExcMessage with the number of a run that is not accepted.
+   * Read the parameter files of a sweep from the folder @p runs, and write
+   * formulation and mass of each run to std::cout. Then, if @p makes_room,
+   * treat earlier results in the folder of the sweep @p file as
+   * run_simulations() does, and write parameters.prm there. Throws
+   * dealii::ExcMessage with the number of a run that is refused.
    */
   void
   prepare_sweep(const std::string &file,

@@ -10,7 +10,7 @@
 namespace greville
 {
   /**
-   * Write what runs begin with: bodies, points, grid, and print_stage().
+   * Write the header of a run: bodies, points and grid, then print_stage().
    */
   template <int dim>
   void
@@ -20,7 +20,7 @@ namespace greville
                const MPI_Comm                 comm);
 
   /**
-   * Write how the stage at hand goes on, and its solvers.
+   * Write the time integration of the current stage and its solvers.
    */
   template <int dim>
   void
@@ -29,12 +29,12 @@ namespace greville
               const SimulationParameters    &parameters);
 
   /**
-   * Collective. How much of the initial state of bodies with an initial stress
-   * is not in balance: sum |f_i|, N (2D: N / m), over the functions of the grid
-   * that walls do not hold, with the force f_i by stresses, gravity and loads,
-   * and its part of the weight of all bodies. Nothing where friction walls or
-   * contacts would carry them. Returns a note if it is more than bodies without
-   * stresses have, and else nothing.
+   * Collective. Write the imbalance of bodies with an initial stress: sum
+   * |f_i|, N (2D: N / m), over the grid functions that walls do not constrain,
+   * with the force f_i of stresses, gravity and loads, and its ratio to the
+   * weight of all bodies. Writes nothing if friction walls or contacts would
+   * carry the forces. Returns a note if the imbalance is larger than without
+   * stresses, else nothing.
    */
   template <int dim>
   std::string

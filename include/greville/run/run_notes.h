@@ -14,36 +14,35 @@
 namespace greville
 {
   /**
-   * Files of a run besides sums and fields:
-   * - messages.log, warnings, the error that has ended the run, and where it
-   *   goes on after that, a line each;
-   * - newton.csv, the iterations of Newton's method of all steps that it has
-   *   solved or given up;
+   * Writes the files of a run besides sums and fields:
+   * - messages.log, a line for each warning, the error that ended the run, and
+   *   the step from which the run resumed;
+   * - newton.csv, the Newton iterations of all steps, solved or abandoned;
    * - units.csv, the units of all columns and fields of the other files.
    *
-   * All functions are collective, and throw dealii::ExcMessage where a file
-   * cannot be written; but for messages.log, as a warning may be that of a full
-   * disk, on which the run goes on.
+   * All functions are collective, and throw dealii::ExcMessage if a file cannot
+   * be written. They do not throw for messages.log, because the run continues
+   * on a full disk.
    */
   class RunNotes
   {
   public:
     /**
-     * Warnings go to the first process's @p out, too.
+     * Write warnings to the first process's @p out, too.
      */
     RunNotes(const std::string &directory,
              std::ostream      &out,
              const MPI_Comm     comm);
 
     /**
-     * Begin a run, without notes of an earlier one.
+     * Begin a run, and discard the notes of an earlier one.
      */
     void
     begin();
 
     /**
-     * Go on with a run after its step @p n_steps: what newton.csv has of later
-     * steps is removed.
+     * Resume a run after its step @p n_steps: later steps are removed from
+     * newton.csv.
      */
     void
     resume(const unsigned int n_steps);
@@ -58,7 +57,7 @@ namespace greville
     note(const std::string &text);
 
     /**
-     * The run ends with this error, which the program prints.
+     * Note the error that ends the run. The program prints it.
      */
     void
     note_error(const std::string &error);
@@ -67,8 +66,9 @@ namespace greville
     write(const std::vector<NewtonRecord> &records);
 
     /**
-     * Units of the @p columns of statistics.csv, of those of probes.csv, and of
-     * the @p fields of points; @p history has those that laws know.
+     * Write the units of the @p columns of statistics.csv, the columns @p
+     * probes of probes.csv and the @p fields of points. @p history has the
+     * units that laws define.
      */
     void
     write_units(const unsigned int                        dim,
@@ -87,17 +87,17 @@ namespace greville
     MPI_Comm          comm;
     CsvWriter         newton;
     bool              newton_is_open = false;
-    // The last step of newton.csv that stays when a run goes on.
+    // Last step of newton.csv that a resumed run keeps.
     int last_step = -1;
   };
 
 
 
   /**
-   * The unit of a column of statistics.csv, probes.csv or newton.csv, or of a
-   * field of points, grid, surface or rigid; "1" where it has none, and
-   * empty where it is not known, as that of the history of a material of a
-   * program's own. In 2D sums are per metre of thickness, or per radian.
+   * Return the unit of a column of statistics.csv, probes.csv or newton.csv, or
+   * of a field of points, grid, surface or rigid; "1" without unit, and empty
+   * if the unit is unknown, as for a history variable of a program's own
+   * material. In 2D, sums are per metre of thickness, or per radian.
    */
   std::string
   unit_of(const std::string &file,

@@ -17,8 +17,8 @@ namespace greville
    */
   struct RampResult
   {
-    /// Factors of the last equilibrium and of failure; infinity, where the run
-    /// has ended without one.
+    /// Factors at the last equilibrium and at failure; infinity without
+    /// failure.
     double from = 0., to = std::numeric_limits<double>::infinity();
 
     double
@@ -38,8 +38,8 @@ namespace greville
     double wall_time = 0.; // s
     double runout    = 0.; // the largest, m
     double runout_99 = 0.; // likewise
-    /// EnergyBalance::loss() of all parts, J (2D: J / m), and its fraction of
-    /// the largest energy or work so far.
+    /// EnergyBalance::loss() of all parts, J (2D: J / m), and its ratio to the
+    /// largest energy or work so far.
     double numerical_loss = 0., relative_loss = 0.;
     /// See BodyContacts::gains().
     std::vector<std::pair<std::string, double>> contact_gains;
@@ -55,16 +55,16 @@ namespace greville
    */
   struct RunOptions
   {
-    /// Go on from the last checkpoint in the folder of the run.
+    /// Resume from the last checkpoint in the folder of the run.
     bool resumes = false;
-    /// Not empty: the folder of another run, from whose last checkpoint bodies
-    /// and surfaces are taken.
+    /// Folder of another run, whose last checkpoint gives bodies and surfaces;
+    /// empty: none.
     std::string from;
-    /// Parameters that take the place of those of the file, see
+    /// Parameters that replace parameters of the file, see
     /// read_parameter_lines().
     std::vector<std::string> settings;
-    /// Called on all processes before the first file is written, when
-    /// parameters and checkpoints have been accepted.
+    /// Function that all processes call once parameters and checkpoints are
+    /// accepted, before the first file is written.
     std::function<void()> prepare_folder;
   };
 } // namespace greville

@@ -18,11 +18,11 @@
 namespace greville
 {
   /**
-   * Runs CoupledSimulations to its end, and shows and writes what a parameter
-   * file asks for:
+   * Runs CoupledSimulations to the end, and writes the output of a parameter
+   * file:
    * - statistics.csv, probes.csv, summary.json, fields.pvd with its files, see
    *   FieldOutput, and RunNotes;
-   * - checkpoints, from which another run goes on as if nothing had happened;
+   * - checkpoints, from which a run resumes as if it had not been interrupted;
    * - header, progress and summary on the first process's @p out.
    */
   template <int dim>
@@ -30,8 +30,8 @@ namespace greville
   {
   public:
     /**
-     * Collective. @p directory has to exist. Throws dealii::ExcMessage where
-     * parameters, or the checkpoint to begin with, are wrong.
+     * Collective. @p directory must exist. Throws dealii::ExcMessage if
+     * parameters or the checkpoint to begin with are wrong.
      */
     SimulationRun(const SimulationParameters &parameters,
                   const std::string          &directory,
@@ -40,15 +40,16 @@ namespace greville
                   const RunOptions           &options = RunOptions());
 
     /**
-     * Collective. Throws what Simulation::step() throws, where it has gone back
-     * after the last good state has been written, and dealii::ExcMessage
-     * after a signal, with a checkpoint and all results.
+     * Collective. Run to the end. Rethrows errors of Simulation::step(), after
+     * the last good state has been written if the simulation has gone back to
+     * it. Throws dealii::ExcMessage after a signal, with a checkpoint and all
+     * results written.
      */
     RunSummary
     run();
 
     /**
-     * The columns of statistics.csv.
+     * Return the columns of statistics.csv.
      */
     static std::vector<std::string>
     columns_of(const SimulationParameters &parameters);
@@ -61,12 +62,12 @@ namespace greville
                const Probes<dim>          &probes);
 
   private:
-    /// Do run() without notes of errors.
+    /// Perform run() without noting errors.
     RunSummary
     run_to_end();
 
-    /// Take a step. In a ramp, after one that fails, go back and halve the
-    /// bracket. Returns whether the state is a new one to write.
+    /// Take a step. If it fails in a ramp, go back and halve the bracket.
+    /// Returns whether there is a new state to write.
     bool
     take_step();
 
@@ -78,11 +79,12 @@ namespace greville
     bool
     holds_now();
 
-    /// Return whether 'End when' holds for a row; note a comparison with NaN.
+    /// Return whether 'End when' holds for a row, and note a comparison with
+    /// NaN.
     bool
     criterion_holds(const unsigned int stage, const std::vector<double> &row);
 
-    /// Values of the columns of statistics.csv and probes.csv.
+    /// Return the values of the columns of statistics.csv and probes.csv.
     std::vector<double>
     row_now();
 
@@ -91,11 +93,11 @@ namespace greville
     void
     end_ramp(const double last_time);
 
-    /// Begin as the options want it.
+    /// Begin the run according to the options.
     void
     begin_run(const RunOptions &options);
 
-    /// Go on from a checkpoint in the folder of this run.
+    /// Resume from a checkpoint in the folder of this run.
     void
     resume(const Checkpoint &checkpoint);
 
@@ -113,21 +115,21 @@ namespace greville
     Mark
     make_mark() const;
 
-    /// Write a checkpoint of the state at hand, with which the files go on from
-    /// a mark. Returns its content.
+    /// Write a checkpoint of the current state, from which the files continue
+    /// at a mark. Returns its content.
     TablesFile
     write_checkpoint(const Mark &mark);
 
-    /// Write a checkpoint, and go on as a run that begins from it.
+    /// Write a checkpoint, and continue exactly as a run that resumes from it.
     void
     write_checkpoint();
 
-    /// Collective. After a step that has failed: write the state that the
-    /// simulation has gone back to. Returns what the message is to say of it.
+    /// Collective. After a failed step, write the state to which the simulation
+    /// has gone back. Returns a sentence on it for the message.
     std::string
     write_last_good_state();
 
-    /// Write a checkpoint if it is time, or a signal wants it. Throws
+    /// Write a checkpoint if one is due or a signal requests it. Throws
     /// dealii::ExcMessage if the signal ends the run.
     void
     look_for_checkpoint(const bool is_last);
@@ -138,21 +140,21 @@ namespace greville
     void
     print_summary(const RunSummary &summary);
 
-    /// The values of a row besides the statistics of this time.
+    /// The values of a row besides the statistics at its time.
     struct Row
     {
       unsigned int        n_steps = 0;
       double              time    = 0.;
       std::vector<double> more;
       unsigned int        stage = 0;
-      /// Of contacts, up to the row.
+      /// Contact intervals up to the row.
       std::vector<ContactInterval<dim>> intervals;
     };
 
     Row
     begin_row();
 
-    /// The same for a row that is written: the next interval begins.
+    /// Begin a row that is written, and the next contact interval.
     Row
     begin_row_to_write();
 
@@ -162,25 +164,25 @@ namespace greville
     void
     write_row(const Row &row, const Statistics<dim> &statistics);
 
-    /// Ask the next step for the row, or the fields, of this time.
+    /// Request the row, or the fields, at this time from the next step.
     void
     ask_for_late(const bool for_row, const bool for_fields);
 
-    /// Take what the step at hand tells of a part, see LateRow::watch.
+    /// Take the values of a part in the current step, see LateRow::watch.
     void
     watch(const unsigned int part, const double weight, const bool is_kicked);
 
-    /// Write what the last step was asked for.
+    /// Write the row and fields that the last step has completed.
     void
     write_late();
 
-    /// Let @p write see states whose velocities belong to their time, and go
-    /// back to those that were there: before a stage or after the end, where
-    /// solvers begin anew.
+    /// Call @p write on states with velocities at their time, then restore the
+    /// states. For the start of a stage and the end of the run, where solvers
+    /// begin anew.
     void
     at_end_of_step(const std::function<void()> &write);
 
-    /// Write the row, or the fields, of the state as it is.
+    /// Write the row, or the fields, of the current state.
     void
     write_statistics();
 
@@ -195,7 +197,7 @@ namespace greville
     bool
     wants(const std::string &field) const;
 
-    /// Return fields of a grid besides velocity and acceleration.
+    /// Return the fields of a grid besides velocity and acceleration.
     GridFields<dim>
     grid_fields(Simulation<dim> &part) const;
 
@@ -203,12 +205,12 @@ namespace greville
     void
     write_due(const bool is_last);
 
-    /// The time of the state and a bit, against round-off.
+    /// Return a time slightly after the time of the state, against round-off.
     double
     rounded_up_time() const;
 
-    /// The first multiple of @p every, counted from the start of the run,
-    /// behind @p t.
+    /// Return the first multiple of @p every, from the start of the run, after
+    /// @p t.
     double
     next_time(const double every, const double t) const;
 
@@ -222,15 +224,15 @@ namespace greville
     void
     write_summary(const RunSummary &summary);
 
-    /// Collective. Bytes of memory per point.
+    /// Collective. Return the bytes of memory per point.
     double
     bytes_per_point() const;
 
-    /// Iterations of linear systems, the mean of all steps.
+    /// Return the mean linear iterations per step.
     double
     iterations_per_step();
 
-    /// A state whose time, steps and stage are those of all parts.
+    /// Return a state. Its time, steps and stage are common to all parts.
     const State<dim> &
     common() const
     {
@@ -248,17 +250,17 @@ namespace greville
     Probes<dim>                probes;
     RunNotes                   notes;
     CsvWriter                  statistics_file;
-    // Walls and components of the forces that are written.
+    // Walls and components of the written forces.
     std::vector<std::pair<unsigned int, unsigned int>> reactions;
     std::vector<std::pair<unsigned int, std::string>>  outflows;
     EndOfRun                                           end_of_run;
-    // The end of the run before its time.
+    // Early end of the run.
     bool                          ends = false, has_noted_undefined = false;
     Ramp<std::vector<State<dim>>> ramp;
     std::optional<RampResult>     ramp_result;
     std::vector<double>           last_row;
     double                        next_fields = 0., next_statistics = 0.;
-    // A row, and fields of each part, that the next step completes.
+    // Row, and fields of each part, that the next step completes.
     std::optional<Row>                                      late_row;
     std::vector<std::pair<LateState<dim>, GridFields<dim>>> late_fields;
     Largest       largest_runout, largest_runout_99;
@@ -267,10 +269,10 @@ namespace greville
     std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
     double                                last_shown_time = 0.;
     unsigned int                          last_stage      = 0;
-    // Steps that the last rows and fields belong to.
+    // Steps of the last row and the last fields.
     unsigned int last_written_statistics = -1, last_written_fields = -1;
-    // The contents of the files when a state was kept, at the last checkpoint,
-    // and before the last row and fields, which a resumed run writes late.
+    // Contents of the files when a state was kept, at the last checkpoint, and
+    // before the last row and fields, which a resumed run writes late.
     Mark                mark;
     std::optional<Mark> before_last;
     std::string         checkpoint_file;

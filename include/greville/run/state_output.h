@@ -9,7 +9,7 @@
 namespace greville
 {
   /**
-   * Return the name of one of the @p simulations in files: its body if there
+   * Return the name in files of a part of the @p simulations: its body if there
    * are several parts, else nothing.
    */
   template <int dim>
@@ -18,7 +18,7 @@ namespace greville
                const unsigned int             part);
 
   /**
-   * Collective. The states of the parts as they are, with the loads of
+   * Collective. Return the current states of the parts, with the loads of
    * surfaces.
    */
   template <int dim>
@@ -28,7 +28,7 @@ namespace greville
   /**
    * Collective. Write the points, the surfaces that carry loads or are in
    * contact, and the rigid bodies of the @p simulations with these @p states.
-   * Throws dealii::ExcMessage where a file cannot be written.
+   * Throws dealii::ExcMessage if a file cannot be written.
    */
   template <int dim>
   void
