@@ -54,7 +54,7 @@ namespace greville
   namespace
   {
     /**
-     * The entries of a list, or the one value where the list is empty.
+     * Return the entries of a list, or the single value if the list is empty.
      */
     std::vector<std::string>
     list_or(const std::vector<std::string> &list, const std::string &value)
@@ -95,7 +95,7 @@ namespace greville
     output_directory = parameters.output_directory.empty()
                          ? "output/" + path.stem().string()
                          : parameters.output_directory;
-    // The copy lies elsewhere: its files have absolute names.
+    // The copy is in another folder, so its files need absolute names.
     std::string absolute;
     for (const std::string &entry : parameters.published)
       {
@@ -180,7 +180,7 @@ namespace greville
           << DEAL_II_PACKAGE_VERSION << '\n';
     out << '\n';
 
-    // The hierarchy of the largest order, with its sizes.
+    // Print the hierarchy of the largest order, with its sizes.
     const unsigned int p =
       *std::max_element(parameters.orders.begin(), parameters.orders.end());
     const auto orders =
@@ -213,7 +213,7 @@ namespace greville
   void
   Benchmark::run_dimension(const std::vector<unsigned int> &cells)
   {
-    // Number of variants of solvers, and of problems on a mesh.
+    // Number of solver variants, and of problems on a mesh.
     unsigned int n_variants = 0;
     for (const std::string &solver : parameters.solvers)
       {
@@ -332,8 +332,8 @@ namespace greville
   namespace
   {
     /**
-     * Set the high-water mark of the process's memory back to what it holds.
-     * False where the system does not allow it.
+     * Reset the high-water mark of the process's memory to its current use.
+     * Returns false if the system does not allow it.
      */
     bool
     reset_peak_memory()
@@ -381,7 +381,7 @@ namespace greville
           record.extended    = functions.extended;
           record.lumped      = functions.lumped;
           for (const std::string &solver : parameters.solvers)
-            // Only p-multigrid has more than the finest level.
+            // Only p-multigrid needs coarser levels.
             if (is_first || takes_cycle(solver))
               {
                 record.solver = solver;
@@ -406,7 +406,7 @@ namespace greville
   {
     const auto run = [&](const SolveRecord &record) {
       records.push_back(solve<dim>(problem, record));
-      // Nothing is lost if a later solve fails.
+      // Write each record, so that it is kept if a later solve fails.
       run_on_first(
         [&]() {
           write_atomically(output_directory + "/solves.csv",
@@ -479,7 +479,8 @@ namespace greville
       action();
       times.push_back(Utilities::MPI::max(timer.wall_time(), comm));
     };
-    // What the first call of an action leaves allocated, on all processes.
+    // Measure the bytes that the first call of an action leaves allocated, on
+    // all processes.
     const auto measured = [&](std::optional<unsigned long> &bytes,
                               const unsigned int            repetition,
                               const auto                   &action) {
@@ -511,8 +512,8 @@ namespace greville
         {
           if (is_of_problem)
             throw;
-          // A solver that cannot be set up says why and leaves the others
-          // their turn. All processes throw what one throws.
+          // If a solver cannot be set up, note the reason and continue with the
+          // next one. All processes throw if one does.
           record.result           = SolveResult();
           record.result.reason    = message_of(error);
           record.result.reduction = 1.;

@@ -24,7 +24,7 @@ namespace greville
   namespace
   {
     /**
-     * The preconditioners of PETSc by their options.
+     * The PETSc preconditioners and their options.
      */
     const std::vector<std::pair<std::string, std::string>> algebraic = {
       {"cg-ic0", "-pc_type bjacobi -sub_pc_type icc"},
@@ -108,7 +108,7 @@ namespace greville
     if (name == "p-multigrid")
       result.method = LevelMethod::stationary;
     if (name == "cg-p-multigrid")
-      // A coarse solve to a tolerance is not linear.
+      // A coarse solve up to a tolerance is not linear.
       result.method = LevelMethod::flexible_cg;
     if (takes_cycle(name))
       return result;
@@ -122,14 +122,14 @@ namespace greville
         result.multigrid.coarse_tolerance      = 1.;
         if (is_elastic(operator_name))
           {
-            // The components are coupled: factors of all of them.
+            // The components are coupled, so all are factorized together.
             result.multigrid.smoother = "petsc";
             result.smoother.petsc_options =
               "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilut";
           }
         return result;
       }
-    // One application in each iteration, without levels.
+    // One application per iteration, without levels.
     result.multigrid.coarsening     = "none";
     result.multigrid.pre_smoothing  = 1;
     result.multigrid.post_smoothing = 0;

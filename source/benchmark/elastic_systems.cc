@@ -15,7 +15,7 @@ namespace greville
   namespace
   {
     /**
-     * The law of the bodies. The modulus is a unit.
+     * Return the law of the bodies, with unit modulus.
      */
     std::unique_ptr<Material>
     make_elastic(const double poissons_ratio)

@@ -46,7 +46,7 @@ namespace greville
       void
       make_right_hand_side() override
       {
-        // The initial error of an iteration from zero has all frequencies.
+        // An iteration from zero then begins with an error of all frequencies.
         const auto &functions = orders.finest().owned_functions();
         for (unsigned int i = 0; i < functions.size(); ++i)
           {
@@ -62,7 +62,7 @@ namespace greville
       void
       setup() override
       {
-        // p = 1 alone is solved by the coarse solver: to the end.
+        // For p = 1, the coarse solver solves alone, to full accuracy.
         if (solver.has_preconditioner)
           preconditioner = std::make_unique<PMultigrid<dim>>(
             operators,

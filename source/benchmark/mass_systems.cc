@@ -14,15 +14,14 @@ namespace greville
 
   namespace
   {
-    // Problems have a mass matrix on all orders of a hierarchy, of which a
-    // MassSolver makes the operators; then a right-hand side M f with the
-    // acceleration f; the distance of a solution from f in the norm of the
-    // mass, relative to f (absolute where f is zero); and the functions of an
-    // order by their class, where B-splines are extended. All of it is
-    // collective.
+    // Each problem has a mass matrix on all orders of a hierarchy (a MassSolver
+    // makes the operators), the right-hand side M f with the acceleration f,
+    // the error in the mass norm, relative to f (absolute if f is zero), and
+    // for extended B-splines the number of functions per class. All functions
+    // are collective.
 
     /**
-     * M_ij = int rho N_i N_j dx, by Gauss quadrature.
+     * The mass M_ij = int rho N_i N_j dx, by Gauss quadrature.
      */
     template <int dim>
     class DensityProblem
@@ -67,8 +66,8 @@ namespace greville
 
 
     /**
-     * M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the material points of a body, with
-     * extended B-splines where the parameters say so.
+     * The mass M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the material points of a
+     * body, with extended B-splines if the parameters ask for them.
      */
     template <int dim>
     class PointProblem
@@ -140,7 +139,7 @@ namespace greville
         u[0].copy_locally_owned_data_from(x);
         level.distribute(u[0]);
 
-        // A step of length -1 leaves f - u at the points.
+        // A step of length -1 yields f - u at the points.
         MaterialPoints<dim> differences = points;
         PointUpdate<dim>    update;
         update.acceleration  = &u;
@@ -280,7 +279,7 @@ namespace greville
     {
     public:
       /**
-       * Made with the parameters of a problem and what else it takes.
+       * Construct from the parameters of a problem and its further arguments.
        */
       template <typename... Others>
       MassSystems(const MassSolverParameters    &solver,

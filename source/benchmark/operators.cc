@@ -28,7 +28,7 @@ namespace greville
     x = 1.;
 
     const auto rate = [&](const auto &apply) {
-      // Best of some groups of about 0.05 seconds.
+      // Best of some groups of about 0.05 s.
       apply();
       Timer once;
       apply();

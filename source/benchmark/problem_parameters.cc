@@ -153,7 +153,8 @@ namespace greville
   namespace
   {
     /**
-     * A body as a formula of Shape. Its surfaces cut cells.
+     * Return the placement of points in a formula of Shape. Its surfaces cut
+     * cells.
      */
     template <int dim>
     std::string

@@ -154,7 +154,7 @@ namespace greville
   namespace
   {
     /**
-     * The records by variant, in the order in which variants first occur.
+     * Return the records by variant, in the order of first occurrence.
      */
     std::vector<std::pair<std::string, std::vector<const SolveRecord *>>>
     by_variant(const std::vector<SolveRecord> &records)
@@ -177,7 +177,7 @@ namespace greville
 
 
     /**
-     * Rows of cells and columns of orders, with @p text for each record.
+     * Print rows of cells and columns of orders, with @p text for each record.
      */
     template <typename Text>
     void

@@ -15,7 +15,7 @@
 namespace greville
 {
   /**
-   * What the program sweeps over, and where it writes.
+   * The parameters of the sweeps and of their output.
    */
   struct BenchmarkParameters
   {
@@ -23,8 +23,8 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * A list of what p-multigrid solvers are run with, and the values that are
-     * allowed, separated by '|'.
+     * A list of variants of p-multigrid solvers, and the allowed values,
+     * separated by '|'.
      */
     struct Variants
     {
@@ -58,15 +58,16 @@ namespace greville
   /**
    * Solves linear systems A x = b on B-splines for sweeps over operators (see
    * operator_names()), dimensions, orders, meshes, bodies and solvers, and
-   * reports iterations and times. With a mass it is M a = F, F_i = int rho f
-   * N_i dx or sum_p m_p f(x_p) N_i(x_p): the exact solution is the projection
-   * of the acceleration f onto the splines in the norm of the mass.
+   * reports iterations and times. For the mass operator, the system is M a = F,
+   * F_i = int rho f N_i dx or sum_p m_p f(x_p) N_i(x_p): its exact solution is
+   * the projection of the acceleration f onto the splines in the mass norm.
    */
   class Benchmark
   {
   public:
     /**
-     * @p program is how the program calls itself. Calls add_paper_parts().
+     * @p program is the name of the program in messages. Calls
+     * add_paper_parts().
      */
     Benchmark(const std::string &program = "greville_benchmark");
 
@@ -74,16 +75,17 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * Collective. Read @p file, and what @p settings put in its place (see
-     * read_parameter_lines()), run, and write to the output directory: all
-     * parameters used, solves.csv, and where asked for comparison.csv and
-     * operators.csv. Throws where the file is wrong.
+     * Collective. Read @p file with the replacements in @p settings (see
+     * read_parameter_lines()), run, and write all used parameters, solves.csv
+     * and, if requested, comparison.csv and operators.csv to the output
+     * directory. Throws if the file is wrong.
      */
     void
     run(const std::string &file, const std::vector<std::string> &settings = {});
 
     /**
-     * The text of a file with all parameters, their defaults and meanings.
+     * Return the text of a file with all parameters, their defaults and
+     * meanings.
      */
     std::string
     defaults();
@@ -111,7 +113,7 @@ namespace greville
     run_problem(BenchmarkProblem<dim> &problem, const SolveRecord &record);
 
     /**
-     * All variants of a solver. @p record says what is being solved.
+     * Run all variants of a solver. @p record describes the system.
      */
     template <int dim>
     void
@@ -122,7 +124,7 @@ namespace greville
     solve(BenchmarkProblem<dim> &problem, SolveRecord record);
 
     /**
-     * What p-multigrid is for an operator, unless something is swept over.
+     * Return the p-multigrid parameters of an operator, before any sweep.
      */
     PMultigridParameters &
     multigrid_of(const std::string &operator_name)
@@ -132,14 +134,14 @@ namespace greville
     }
 
     /**
-     * Check what the patterns of the parameters cannot, and read the published
+     * Check what the parameter patterns cannot check, and read the published
      * tables, whose names are relative to @p directory.
      */
     void
     check_parameters(const std::string &directory);
 
     /**
-     * The cell numbers of each dimension.
+     * Return the cell numbers of each dimension.
      */
     std::vector<std::vector<unsigned int>>
     cells_of_dimensions() const;

@@ -24,19 +24,19 @@ namespace greville
     virtual ~BenchmarkSystem() = default;
 
     /**
-     * The entries of matrices and what else the operators need.
+     * Compute the matrix entries and other data of the operators.
      */
     virtual void
     assemble() = 0;
 
     /**
-     * The right-hand side, which is input.
+     * Compute the right-hand side.
      */
     virtual void
     make_right_hand_side() = 0;
 
     /**
-     * Transfers, smoothers, factorizations.
+     * Make transfers, smoothers and factorizations.
      */
     virtual void
     setup() = 0;
@@ -45,7 +45,7 @@ namespace greville
     solve() = 0;
 
     /**
-     * The relative error of the solution; empty where it is not known.
+     * Return the relative error of the solution; empty if it is unknown.
      */
     virtual std::optional<double>
     error() = 0;
@@ -63,8 +63,8 @@ namespace greville
     virtual ~BenchmarkProblem() = default;
 
     /**
-     * Take splines of order @p p, and levels that a coarsening gives. What has
-     * been made before is gone.
+     * Set up splines of order @p p and the levels of a coarsening, in place of
+     * earlier ones.
      */
     virtual void
     discretize(const unsigned int p, const std::string &coarsening) = 0;
@@ -73,13 +73,13 @@ namespace greville
     n_unknowns() const = 0;
 
     /**
-     * The functions by their class, where B-splines are extended.
+     * Return the number of functions per class, for extended B-splines.
      */
     virtual typename Extension<dim>::Counts
     count_functions() const = 0;
 
     /**
-     * A solver by its name, with the parameters of p-multigrid as they are now.
+     * Return a solver by its name, with the current p-multigrid parameters.
      */
     virtual std::unique_ptr<BenchmarkSystem>
     make_system(const std::string          &solver,
@@ -87,7 +87,8 @@ namespace greville
                 const SmootherParameters   &smoother) = 0;
 
     /**
-     * The throughput of the operators; empty where they are not of that kind.
+     * Return the throughput of the operators; empty if it is not measured for
+     * them.
      */
     virtual std::optional<OperatorRecord>
     throughput()
@@ -99,7 +100,7 @@ namespace greville
 
 
   /**
-   * The operators by name, separated by '|':
+   * Return the names of the operators, separated by '|':
    * - "mass": M_ij = int rho N_i N_j dx or sum_p m_p N_i(x_p) N_j(x_p),
    * - "laplace": int grad N_i . grad N_j dx,
    * - "elasticity": the tangent K of a body at rest,
@@ -115,15 +116,15 @@ namespace greville
   }
 
   /**
-   * The names of the solvers of operators other than the mass, for the
+   * Return the names of the solvers of operators other than the mass, for the
    * description of a parameter.
    */
   std::string
   solvers_beside_mass();
 
   /**
-   * Throw dealii::ExcMessage, which names the @p parameter, unless the solver
-   * is one of the operator.
+   * Throw dealii::ExcMessage, which names the @p parameter, if the operator
+   * does not support the solver.
    */
   void
   check_solver(const std::string &solver,
@@ -131,8 +132,8 @@ namespace greville
                const std::string &parameter);
 
   /**
-   * Whether the parameters of p-multigrid are those of the solver, and whether
-   * that of the smoother is.
+   * Return whether the solver uses the p-multigrid parameters, and whether it
+   * uses the smoother parameter.
    */
   bool
   takes_cycle(const std::string &solver);
@@ -141,7 +142,7 @@ namespace greville
   takes_smoother(const std::string &solver);
 
   /**
-   * How a solver by name, other than one of a mass, works on levels.
+   * The method and parameters of a solver of an operator other than the mass.
    */
   struct LevelSolver
   {
@@ -153,10 +154,10 @@ namespace greville
   };
 
   /**
-   * The solver by its @p name, with @p multigrid and @p smoother where it takes
-   * them. "fgmres-tielen" is that of @ref Tielen2020 "Tielen et al., 2020":
-   * ILUT, lumped L2 transfer between the orders one by one, and an exact solve
-   * at p = 1.
+   * Return the solver by its @p name, with @p multigrid and @p smoother if it
+   * uses them. "fgmres-tielen" is the solver of @ref Tielen2020 "Tielen et al.,
+   * 2020": ILUT, lumped L2 transfer between the orders one by one, and an exact
+   * solve at p = 1.
    */
   LevelSolver
   make_level_solver(const std::string          &name,
@@ -167,8 +168,8 @@ namespace greville
 
 
   /**
-   * The mass of the density, or of a @p body of material points. All arguments
-   * are kept by reference.
+   * Return the mass problem of the density, or of a @p body of material points.
+   * All arguments are kept by reference.
    */
   template <int dim>
   std::unique_ptr<BenchmarkProblem<dim>>
@@ -179,8 +180,8 @@ namespace greville
                       DistributedTriangulation<dim> &triangulation);
 
   /**
-   * The Laplacian on the box, zero at clamped walls. The solution is a
-   * pseudo-random spline.
+   * Return the Laplace problem on the box, with zero values at clamped walls.
+   * The solution is a pseudo-random spline.
    */
   template <int dim>
   std::unique_ptr<BenchmarkProblem<dim>>
@@ -189,11 +190,11 @@ namespace greville
                          DistributedTriangulation<dim> &triangulation);
 
   /**
-   * c M + K of a linear-elastic body at rest with a load that is
-   * pseudo-random, as TangentSystem has it: of the points of a @p body, or of
-   * p + 1 Gauss points per direction in all cells if it is empty. With the
-   * Courant number C = dt sqrt((lambda + 2 G) / rho) / h of the mean density
-   * and the smallest side h of cells, c = 4 / dt^2; empty: c = 0.
+   * Return the problem of TangentSystem, c M + K, for a linear-elastic body at
+   * rest with a pseudo-random load: on the points of a @p body, or on p + 1
+   * Gauss points per direction in all cells if it is empty. With the Courant
+   * number C = dt sqrt((lambda + 2 G) / rho) / h for the mean density and the
+   * smallest cell side h, c = 4 / dt^2; empty: c = 0.
    */
   template <int dim>
   std::unique_ptr<BenchmarkProblem<dim>>

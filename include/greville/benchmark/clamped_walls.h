@@ -9,8 +9,8 @@
 namespace greville
 {
   /**
-   * Fixed walls: those of 'Problem/Clamped walls', or if there are none all of
-   * them or the lower one in the last direction alone.
+   * Return fixed walls: the walls in 'Problem/Clamped walls'; if it is empty,
+   * all walls or only the lower wall in the last direction.
    */
   template <int dim>
   Walls<dim>

@@ -9,7 +9,7 @@
 namespace greville
 {
   /**
-   * Add int grad N_i . grad N_j dx of all owned cells. All functions have to
+   * Add int grad N_i . grad N_j dx over all owned cells. All functions must
    * have a row.
    */
   template <int dim>
@@ -18,15 +18,15 @@ namespace greville
 
   /**
    * The Laplacian of one order on a box by Gauss quadrature, as an assembled
-   * matrix. Functions that are constrained have the coefficient zero.
+   * matrix. Constrained functions have the coefficient zero.
    */
   template <int dim>
   class LaplaceLevel : public LevelOperator<dim>
   {
   public:
     /**
-     * Collective. The space is kept by reference. Local functions that are not
-     * zero in @p constrained are constrained.
+     * Collective. The space is kept by reference. Local functions with a
+     * nonzero entry in @p constrained are constrained.
      */
     LaplaceLevel(const SplineSpace<dim>           &space,
                  const std::vector<unsigned char> &constrained);

@@ -9,8 +9,8 @@ namespace greville
 {
   /**
    * The throughput of the operators in degrees of freedom per second, the bytes
-   * that the tensor-product solver sends to other processes in one solve (all
-   * of them), and the bytes of the assembled matrix.
+   * that all processes send to others in one tensor-product solve, and the
+   * bytes of the assembled matrix.
    */
   struct OperatorRecord
   {
@@ -21,17 +21,17 @@ namespace greville
   };
 
   /**
-   * Collective. Measure the operators of a level, whose operators are made and
-   * freed; all but the number of cells is filled in.
+   * Collective. Make, measure and free the operators of a level. Returns the
+   * record without the number of cells.
    */
   template <int dim>
   OperatorRecord
   measure_operators(AssembledMassLevel<dim> &level);
 
   /**
-   * The memory bandwidth of all processes together in bytes per second: the
-   * best of some sweeps a_i = b_i + s c_i over arrays that fit no cache, three
-   * numbers counted for each i (J. McCalpin's STREAM triad).
+   * Return the memory bandwidth of all processes together in bytes per second:
+   * the best of some sweeps a_i = b_i + s c_i over arrays larger than the
+   * cache, with three numbers per i (J. McCalpin's STREAM triad).
    */
   double
   measure_bandwidth(const MPI_Comm comm);

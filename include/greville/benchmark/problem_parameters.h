@@ -12,8 +12,8 @@
 namespace greville
 {
   /**
-   * The body: a box, its density or its material points, where it is clamped,
-   * and its acceleration.
+   * The parameters of the body: a box, its density or material points, clamped
+   * walls, and acceleration.
    */
   struct ProblemParameters
   {
@@ -21,20 +21,20 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
 
     /**
-     * Check what the patterns of the parameters cannot.
+     * Check what the parameter patterns cannot check.
      */
     void
     check(const unsigned int dim) const;
 
     /**
-     * The bodies of 'Shapes', by name.
+     * Return the formulas of the bodies in 'Shapes', by name.
      */
     std::map<std::string, std::string>
     formulas() const;
 
     /**
-     * How the body of a name is filled with @p n points per cell and direction.
-     * Its surfaces cut cells.
+     * Return the placement of @p n points per cell and direction in the named
+     * body. Its surfaces cut cells.
      */
     template <int dim>
     PointPlacement

@@ -28,28 +28,28 @@ namespace greville
     unsigned int  dim = 0, cells = 0, p = 0, processes = 0;
     unsigned long unknowns = 0;
     SolveResult   result;
-    /// Empty where the solution is not known.
+    /// Error of the solution; empty if it is unknown.
     std::optional<double> error;
-    /// It did not converge, or could not be set up.
+    /// Whether the solver did not converge or could not be set up.
     bool                         has_failed = false;
     double                       assembly = 0., setup = 0., solve = 0.;
     std::optional<unsigned long> peak_bytes;
-    /// Bytes that assembly and set-up have left allocated.
+    /// Bytes allocated by assembly and set-up.
     std::optional<unsigned long> operator_bytes, preconditioner_bytes;
-    /// Of elasticity, and with mass.
+    /// Parameters of elasticity, without and with mass.
     std::optional<double> poissons_ratio, courant_number;
 
-    /// The body of material points, empty without points.
+    /// Body of material points; empty without points.
     std::string  body;
     unsigned int points_per_direction = 0;
-    /// Functions by their class, where B-splines are extended.
+    /// Number of functions per class, for extended B-splines.
     unsigned long stable = 0, extended = 0, lumped = 0;
 
-    /// Whether these belong to the name of the variant.
+    /// Whether prolongation and coarsening are part of the variant's name.
     bool names_prolongation = false, names_coarsening = false;
 
     /**
-     * Solver with its variant, the key of a table.
+     * Return the solver with its variant, the key of a table.
      */
     std::string
     variant() const;
@@ -63,14 +63,14 @@ namespace greville
 
   /**
    * Read a file with lines "elements,p1,p2,..." and "cells,iterations,...";
-   * lines with # are comments. Throws with the name of the @p parameter that
-   * the file is of, and with the line where it cannot be read.
+   * lines with # are comments. Throws with the name of the @p parameter and the
+   * line if the file cannot be read.
    */
   PublishedTable
   read_published_table(const std::string &file, const std::string &parameter);
 
   /**
-   * The content of solves.csv, operators.csv.
+   * Return the content of solves.csv or operators.csv.
    */
   std::string
   solves_csv(const std::vector<SolveRecord> &records);
@@ -80,8 +80,8 @@ namespace greville
                 const double                       bandwidth);
 
   /**
-   * Tables of iterations (rows: cells, columns: p) and of times for each
-   * variant. Solves that did not converge are marked and explained.
+   * Print tables of iterations (rows: cells, columns: p) and of times for each
+   * variant. Failed solves are marked and explained.
    */
   void
   print_iterations(std::ostream &out, const std::vector<SolveRecord> &records);
@@ -95,8 +95,8 @@ namespace greville
                   const double                       bandwidth);
 
   /**
-   * Measured beside published iterations for the records of @p solver in the
-   * dimension of the first record, as text to @p out, and as lines of
+   * Compare measured and published iterations of @p solver in the dimension of
+   * the first record. Prints text to @p out, and returns the lines of
    * comparison.csv.
    */
   std::string
@@ -106,8 +106,9 @@ namespace greville
                          const PublishedTable           &published);
 
   /**
-   * One line that is rewritten on a terminal: what is being solved, how many of
-   * how many solves, and the time left. Quiet where the output is no terminal.
+   * A line that is rewritten on a terminal: the current system, the number of
+   * solves done and in total, and the remaining time. Prints nothing if the
+   * output is no terminal.
    */
   class ProgressLine
   {

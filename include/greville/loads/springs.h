@@ -10,15 +10,15 @@
 namespace greville
 {
   /**
-   * Springs of the stiffness k (Pa / m) that pull points to their initial
-   * positions, displaced by u: -k (x - X - u(X, t)).
+   * Springs of stiffness k (Pa / m) that pull points to their initial positions
+   * plus u: -k (x - X - u(X, t)).
    */
   template <int dim>
   class SpringLoad : public SurfaceLoad<dim>
   {
   public:
     /**
-     * The displacement is zero if its text is empty.
+     * Construct with zero displacement if its text is empty.
      */
     SpringLoad(const double       k,
                const std::string &displacement,

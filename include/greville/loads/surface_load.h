@@ -26,14 +26,14 @@ namespace greville
     virtual ~SurfaceLoad() = default;
 
     /**
-     * The load of a point at time @p t (s), Pa. Throws dealii::ExcMessage if a
-     * formula has no value there.
+     * Return the load on a point at time @p t (s), Pa. Throws
+     * dealii::ExcMessage if a formula has no value there.
      */
     virtual dealii::Tensor<1, dim>
     load(const SurfaceState<dim> &state, const double t) const = 0;
 
     /**
-     * Surface::stiffness, Pa / m.
+     * Return Surface::stiffness, Pa / m.
      */
     virtual double
     stiffness() const
@@ -42,7 +42,7 @@ namespace greville
     }
 
     /**
-     * Surface::damping, Pa s / m.
+     * Return Surface::damping, Pa s / m.
      */
     virtual double
     damping() const
@@ -54,14 +54,14 @@ namespace greville
 
 
   /**
-   * The environment of a surface load.
+   * The body and the section of a surface load.
    */
   struct LoadedBody
   {
-    /// The section of the load, for messages.
+    /// Section of the load, for messages.
     std::string     section;
     const Material &material;
-    /// The smallest edge of a cell, m.
+    /// Smallest edge of a cell, m.
     double cell_size;
   };
 
@@ -80,8 +80,8 @@ namespace greville
     virtual ~SurfaceLoadKind() = default;
 
     /**
-     * Declare the parameters of this kind in the section that @p prm is in. The
-     * values that are read into @p prm go to this object.
+     * Declare the parameters of this kind in the current section of @p prm.
+     * Parsed values are stored in this object.
      */
     virtual void
     declare(dealii::ParameterHandler &prm) = 0;
@@ -95,8 +95,8 @@ namespace greville
     {}
 
     /**
-     * The names and values of the parameters that make the load strong, for
-     * messages. Empty values are left out of them.
+     * Return the names and values of the parameters that determine the strength
+     * of the load, for messages. Messages omit empty values.
      */
     virtual std::vector<std::pair<std::string, std::string>>
     strengths() const
@@ -124,9 +124,9 @@ namespace greville
 
 
   /**
-   * A SurfaceLoadKind from a class Kind with a member class template Load,
-   * which depends on the dimension and derives from SurfaceLoad. The
-   * constructor of Load takes the Kind and the LoadedBody.
+   * Implements SurfaceLoadKind for a class Kind with a member template Load of
+   * the dimension, which derives from SurfaceLoad. The constructor of Load
+   * takes the Kind and the LoadedBody.
    */
   template <typename Kind>
   class SurfaceLoadKindOf : public SurfaceLoadKind
@@ -152,15 +152,15 @@ namespace greville
   using MakeSurfaceLoadKind = std::unique_ptr<SurfaceLoadKind> (*)();
 
   /**
-   * Add a kind to the list, before parameters are read. Not from several
-   * threads.
+   * Add a kind to the list, before parameters are read. Not thread-safe.
    */
   void
   add_surface_load_kind(const std::string        &name,
                         const MakeSurfaceLoadKind make);
 
   /**
-   * The same for a class with a default constructor and a static name.
+   * Add a kind by its class, which needs a default constructor and a static
+   * name.
    */
   template <typename Kind>
   void
@@ -172,14 +172,14 @@ namespace greville
   }
 
   /**
-   * The names of all kinds, separated by '|'.
+   * Return the names of all kinds, separated by '|'.
    */
   std::string
   surface_load_kinds();
 
   /**
-   * A kind by name. Throws dealii::ExcMessage with surface_load_kinds() for an
-   * unknown @p name; the message names the @p parameter.
+   * Return a kind by name. Throws dealii::ExcMessage with the @p parameter and
+   * surface_load_kinds() for an unknown @p name.
    */
   std::unique_ptr<SurfaceLoadKind>
   make_surface_load_kind(const std::string &name, const std::string &parameter);
@@ -187,8 +187,8 @@ namespace greville
 
 
   /**
-   * Throw dealii::ExcMessage if a parameter that a load of this @p kind needs
-   * has no value.
+   * Throw dealii::ExcMessage if a parameter that this @p kind of load needs has
+   * no value.
    */
   void
   check_is_given(const bool         is_given,
@@ -197,7 +197,7 @@ namespace greville
                  const std::string &parameter);
 
   /**
-   * A formula of x, X and t, with n components.
+   * A formula of x, X and t with n components.
    */
   template <int dim, int n>
   class SurfaceFormula
