@@ -221,7 +221,8 @@ namespace greville
 
     private:
       /**
-       * B-splines of the box are those of all its cells.
+       * Return the filling threshold. It is 0 for a box, whose B-splines use
+       * all cells.
        */
       double
       threshold() const

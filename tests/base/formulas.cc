@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// The language of formulas, row by row of doc/user/formulas.md, named formulas
-// and their precomputed values, and what is refused with a message that
-// names the parameter.
+// Checks the language of formulas, row by row of doc/user/formulas.md, named
+// formulas and their precomputed values, and error messages that name the
+// parameter.
 #include <greville/base/expression.h>
 #include <greville/base/named_formulas.h>
 

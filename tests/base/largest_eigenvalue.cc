@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// The largest eigenvalue of B S, S the second difference of n unknowns and B
-// the inverse of different masses, some of them constrained: beside LAPACK's,
-// from an arbitrary start, and from the vector of a problem that has changed a
-// little.
+// Checks the largest eigenvalue of B S against LAPACK, from an arbitrary start
+// and from the vector of a slightly different problem. S is the second
+// difference of n unknowns, and B the inverse of different masses, some of them
+// constrained.
 #include <deal.II/lac/lapack_full_matrix.h>
 
 #include <greville/base/largest_eigenvalue.h>

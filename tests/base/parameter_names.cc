@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Lines and settings of the command line, and what is known of a parameter;
-// what is refused is in tests/run/refusals.txt.
+// Checks lines and settings of the command line, and the description of a
+// parameter. For refused input see tests/run/refusals.txt.
 #include <greville/base/parameters.h>
 
 #include <fstream>

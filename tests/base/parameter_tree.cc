@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Parameter files of JSON and XML, and files within files; what is refused is
-// in tests/run/refusals.txt.
+// Checks parameter files in JSON and XML, and included files. For refused input
+// see tests/run/refusals.txt.
 #include <greville/base/parameter_tree.h>
 
 #include <filesystem>

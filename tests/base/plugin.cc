@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// A plugin of this build is loaded. A plugin of another or of an unknown build
-// is refused before it is loaded, and so is one that is linked with another
-// deal.II.
+// Checks that a plugin of this build is loaded, and that a plugin is refused
+// before it is loaded if its build is another or unknown, or if it is linked
+// with another deal.II.
 
 #include <greville/base/plugin.h>
 #include <greville/base/shared_library.h>

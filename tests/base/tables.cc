@@ -2,10 +2,9 @@
 // Processes: 1 2
 // All: 4
 
-// Tables and texts in files: what is written is read on all processes, by rows
-// in their order; files that are truncated, foreign or changed in any byte are
-// refused before HDF5 opens them; what fails to be written leaves the file of
-// before.
+// Checks tables and texts in files. All processes read what was written, with
+// the rows in order. Truncated, foreign or changed files are refused before
+// HDF5 opens them. A failed write leaves the previous file.
 
 #include <deal.II/base/mpi.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Each kind of wrong input is answered by one clear message.
+// Checks that each kind of wrong input yields one clear message.
 
 #include <greville/benchmark/benchmark.h>
 

@@ -2,9 +2,9 @@
 // Processes: 1
 // All: 2 3
 
-// Geometric levels below the Laplacian of order 1 on bodies that end anywhere
-// in the lattice: iterations of conjugate gradients do not grow with the mesh,
-// and are the same on any number of processes.
+// Checks geometric levels below the Laplacian of order 1 on bodies that end
+// anywhere in the lattice: the conjugate gradient iterations do not grow with
+// the mesh and do not depend on the number of processes.
 
 #include <deal.II/lac/solver_cg.h>
 

@@ -3,8 +3,8 @@
 // All: 2
 // Debug: no
 
-// What a run leaves: the columns and rows of its CSV files, the parameters, no
-// temporary file; and each option of the benchmark has an effect on them.
+// Checks the output of a run: columns and rows of its CSV files, the
+// parameters, no temporary file. Each option of the benchmark must affect them.
 
 #include <greville/benchmark/benchmark.h>
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Every shipped parameter file and the examples of the reference parse, and
-// doc/parameters.md is what the program says, with an example in each section.
+// Checks that all shipped parameter files and all examples of the reference
+// parse, and that doc/parameters.md agrees with the program and has an example
+// in each section.
 
 #include <greville/base/templates.h>
 #include <greville/benchmark/benchmark.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Loads and damping.
+// Checks loads and damping.
 #include "simulation.h"
 
 void

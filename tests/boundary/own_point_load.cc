@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// A load on points of a program's own, without a change of the library: a
-// magnet that pulls points, which it marks at the start. It does what a body
-// force of the same formula does.
+// Checks a point load that the program defines without changing the library: a
+// magnet that pulls points, which it marks at the start. It must act like a
+// body force with the same formula.
 
 #include <greville/boundary/point_load.h>
 

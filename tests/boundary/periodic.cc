@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // All: 1 2 4
 
-// Periodic walls: a body that flies through them goes on as in an open grid,
-// and a body does not know where a period begins.
+// Checks periodic walls: a body flies through them as in an open grid, and
+// results do not depend on where a period begins.
 #include "simulation.h"
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Forces of walls in explicit and implicit steps: the change of momentum is
-// their impulse and that of gravity, and they bear a weight.
+// Checks wall forces in explicit and implicit steps: the change of momentum
+// equals the impulse of walls and gravity, and walls bear a weight.
 #include "simulation.h"
 
 /**

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Loads on the surfaces of bodies: their forces, what they do to bodies in
-// explicit and implicit steps, and what is refused.
+// Checks loads on surfaces of bodies: their forces, their effect in explicit
+// and implicit steps, and refused input.
 #include "simulation.h"
 
 namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Friction walls: Coulomb's law for the total
-// impulses of a block that slides, rest below the angle of friction,
-// separation, walls that meet, and that nothing goes into a wall.
+// Checks friction walls: Coulomb's law for the total impulses of a sliding
+// block, rest below the friction angle, separation, walls that meet, and no
+// motion into a wall.
 #include "simulation.h"
 
 namespace

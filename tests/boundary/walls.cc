@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// Walls: what they hold, moving ones, Coulomb friction.
+// Checks walls: their constraints, moving walls, Coulomb friction.
 #include "simulation.h"
 
 template <int dim>

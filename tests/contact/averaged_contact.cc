@@ -2,14 +2,16 @@
 // Processes: 1 2
 // All: 3
 
-// Gaps between surfaces that are known by points only, and contact by averages:
-// - projection onto curved surfaces has an error of second order in the spacing
-//   of points, a thousandth of the sagitta, onto planes none, with their ends;
-// - a uniform overlap has the exact pressure, whatever the grid; momentum is
-//   kept to round-off where surfaces cut the grid, and have other spacings;
-// - friction: stick, slip at mu times the pressure, and the way back, by a law
-//   of this program; laws by formulas of pressure and speed;
-// - opposite faces of a plate do not see one another.
+// Checks gaps between surfaces that are given only by points, and averaged
+// contact:
+// - the projection onto curved surfaces has a second-order error in the point
+//   spacing, a thousandth of the sagitta, and is exact on planes and at their
+//   ends;
+// - a uniform overlap has the exact pressure on any grid, and momentum is
+//   conserved to round-off if surfaces cut the grid and differ in spacing;
+// - friction sticks, slides at mu times the pressure and reverses, with a law
+//   of this program and with formulas of pressure and speed;
+// - opposite faces of a plate do not touch one another.
 
 #include <greville/contact/averaged_contact.h>
 #include <greville/contact/overlap.h>

@@ -2,14 +2,14 @@
 // Processes: 1 2
 // All: 3
 
-// The derivative of averaged contact:
-// - it is that of the forces where bodies move without deformation, with one
-//   and with two sides, in stick and in sliding, and by the pressure of pores;
-// - it is negative, keeps momentum, and is symmetric where nothing slides;
-// - points by themselves resist at least as much as their averages do;
-// - friction is that of the effective pressure: none where water bears all, and
-//   none at all where nothing presses;
-// - the rounds of Uzawa's method close a gap between springs.
+// Checks the derivative of averaged contact:
+// - it agrees with the contact forces for bodies that move without deformation,
+//   with one and two sides, in stick and slip, and with pore pressure;
+// - it is negative, conserves momentum, and is symmetric without sliding;
+// - single points resist at least as much as their averages;
+// - friction follows the effective pressure: none if water bears all, and none
+//   without pressure;
+// - the iterations of Uzawa's method close a gap between springs.
 
 #include <greville/contact/averaged_contact.h>
 

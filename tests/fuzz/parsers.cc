@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Texts that libFuzzer makes, for the parsers of the project: the environment
-// variable PARSER says which (see scripts/fuzz). A text has to be read, or to
-// be answered with an exception of deal.II that has a message. Everything else,
-// exceptions of the standard library, too, is a finding.
+// Passes texts of libFuzzer to the parser that the environment variable PARSER
+// names (see scripts/fuzz). The parser must read a text or throw an exception
+// of deal.II with a message. Anything else, such as an exception of the
+// standard library, is a failure.
 
 #include <deal.II/base/exceptions.h>
 

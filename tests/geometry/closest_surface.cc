@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// The closest points of surfaces of rigid bodies, and signed distances, at
-// random points: against closed forms and against all facets of meshes.
+// Checks closest points on surfaces of rigid bodies and signed distances, at
+// random points, against closed forms and against all facets of meshes.
 
 #include <greville/geometry/closest_surface.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Meshes of rigid bodies that are formulas: they are closed, lie on the
-// surface, have the volume of the body, to round-off where planes end it,
-// and what has no end is cut at a box.
+// Checks meshes of rigid bodies given by formulas: they are closed, lie on the
+// surface, have the volume of the body, to round-off if planes bound it, and an
+// unbounded body is cut at a box.
 
 #include <greville/geometry/closest_surface.h>
 

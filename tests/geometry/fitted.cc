@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Points that follow the boundary of a shape, and points on it: volumes,
+// Checks points that follow the boundary of a shape, and points on it: volumes,
 // centres, moments of inertia and areas, which are exact or converge with order
-// 2 n, and what is refused.
+// 2 n, and refused input.
 
 #include <greville/geometry/fitted_points.h>
 

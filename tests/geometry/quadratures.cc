@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Quadratures of what planes leave of a box, and of their cuts, against the
-// integrals of monomials over the simplex of all x >= 0 with x_1 + ... + x_dim
-// <= a,
+// Checks quadratures on a box cut by planes, and on the cuts, also after
+// compression. The reference is the integral of monomials over the simplex of
+// all x >= 0 with x_1 + ... + x_dim <= a,
 //   prod k_d! a^(dim + |k|) / (dim + |k|)!,
 // and over its oblique face,
-//   sqrt(dim) prod k_d! a^(dim - 1 + |k|) / (dim - 1 + |k|)!;
-// and the same integrals after compression.
+//   sqrt(dim) prod k_d! a^(dim - 1 + |k|) / (dim - 1 + |k|)!.
 
 #include <greville/geometry/compressed_quadrature.h>
 

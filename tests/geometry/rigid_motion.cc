@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Rigid bodies that move and turn: rotations stay rotations and follow a
-// constant spin exactly, positions of then and now are inverse to each other,
-// velocities are difference quotients of positions.
+// Checks rigid bodies that move and turn: rotations stay orthogonal and follow
+// a constant spin exactly, maps between initial and current positions are
+// inverse to each other, and velocities are difference quotients of positions.
 
 #include <greville/geometry/rigid_motion.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Bodies whose surface is in a file: a torus and an icosphere as STL, PLY and
-// OBJ, polygons as CSV; exact volumes and areas, points of a lattice, and what
-// is refused.
+// Checks bodies with a surface from a file: a torus and an icosphere as STL,
+// PLY and OBJ, polygons as CSV; exact volumes and areas, lattice points, and
+// refused input.
 
 #include <greville/geometry/fitted_points.h>
 #include <greville/geometry/surface_shape.h>

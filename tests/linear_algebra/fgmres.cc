@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// solve_krylov() by FGMRES with a preconditioner that changes and is bad for
-// some rows: the residual that the method estimates is the residual of the
-// solution. Classical Gram-Schmidt with delayed corrections (deal.II 9.6.2)
-// ends with a residual of 0.019.
+// Checks FGMRES in solve_krylov() with a preconditioner that changes and is bad
+// for some rows: the estimated residual is the residual of the solution.
+// Classical Gram-Schmidt with delayed corrections (deal.II 9.6.2) ends with a
+// residual of 0.019.
 
 #include <deal.II/lac/full_matrix.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// IC(0): exact for a Kronecker product in lexicographic order, raised pivots,
-// shifts, errors, and all widths give the same.
+// Checks IC(0): exact for a Kronecker product in lexicographic order, raised
+// pivots, shifts, errors, and the same result for all vector widths.
 
 #include <greville/linear_algebra/incomplete_cholesky.h>
 #include <greville/paper/assembled_mass_level.h>

@@ -2,9 +2,9 @@
 // Processes: 1 2
 // All: 3 4
 
-// PartitionedCholesky with the mass matrices of full and of jagged bodies: the
-// preconditioner is symmetric, leaves out what is constrained, and conjugate
-// gradients need about as many iterations on several processes as on one.
+// Checks PartitionedCholesky with mass matrices of full and jagged bodies: it
+// is symmetric, leaves out constrained functions, and conjugate gradients need
+// about as many iterations on several processes as on one.
 
 #include <greville/linear_algebra/partitioned_cholesky.h>
 #include <greville/mass/extended_mass.h>

@@ -2,10 +2,10 @@
 // Processes: 1 2
 // All: 3
 
-// The fast path of simulations: ExtendedMass is the dense matrix E^T M~ E, with
-// fragments, constrained functions and any width, StencilMatrix is
-// MassOperator, filled from points and from weights, and ExtendedMassSolver
-// solves, with an old factorization, too.
+// Checks the fast path of simulations: ExtendedMass equals the dense matrix E^T
+// M~ E, with fragments, constrained functions and any width; StencilMatrix
+// equals MassOperator, filled from points and from weights; ExtendedMassSolver
+// solves, even with an old factorization.
 
 #include <greville/multigrid/extended_mass_solver.h>
 #include <greville/points/point_transfer.h>

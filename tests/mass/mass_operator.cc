@@ -2,10 +2,9 @@
 // Processes: 1 2
 // All: 3 4
 
-// The matrix-free and the assembled operator are the same, on any number of
-// processes the same as on one, symmetric, and right: the sum of all entries is
-// the mass, and the entries of the smallest case are those of a finer
-// quadrature.
+// Checks that the matrix-free and the assembled operator agree, are symmetric
+// and do not depend on the number of processes. The sum of all entries is the
+// mass, and the entries of the smallest case agree with a finer quadrature.
 
 #include <greville/paper/assembled_mass_level.h>
 

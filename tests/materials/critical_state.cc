@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Laws of critical state soil mechanics: element tests against closed forms of
-// modified Cam-Clay and the critical state of NorSand; liquefaction of loose
-// sand; steps of any size from any state, energies, rotations.
+// Checks laws of critical state soil mechanics: element tests against closed
+// forms of modified Cam-Clay and the critical state of NorSand; liquefaction of
+// loose sand; steps of any size from any state, energies, rotations.
 
 #include <greville/materials/element_test.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Spectral decompositions; the elastic laws against derivatives of their
-// energy, closed forms, rotations, closed cycles, and their linear limits.
+// Checks spectral decompositions, and elastic laws against derivatives of their
+// energy, closed forms, rotations, closed cycles and linear limits.
 
 #include "materials.h"
 

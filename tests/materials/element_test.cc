@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Element tests: of all laws, against closed forms of elastic and perfectly
-// plastic ones; the way back; that each parameter has an effect; messages.
+// Checks element tests of all laws: closed forms of elastic and perfectly
+// plastic laws, unloading, the effect of each parameter, messages.
 
 #include <greville/materials/element_test.h>
 

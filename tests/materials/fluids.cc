@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Fluids against Tait's equation, viscous stresses of known rates, the limits
-// of Bingham's law, tearing, spin, and energies.
+// Checks fluids: Tait's equation, viscous stresses at known rates, the limits
+// of Bingham's law, tearing, spin and energies.
 
 #include "materials.h"
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// The list of materials, messages for wrong input, and that every parameter
-// of every material changes what the material does; umat.cc has those of umat.
+// Checks the list of materials, messages for wrong input, and that every
+// parameter of every material has an effect. For the parameters of umat see
+// umat.cc.
 
 #include <greville/materials/material_lanes.h>
 #include <greville/materials/state_names.h>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Elastoplastic laws: thousands of returns against the yield surface and the
-// flow rule, region by region; rotations, energies, elastic and limit states.
+// Checks elastoplastic laws: thousands of return mappings against the yield
+// surface and the flow rule, region by region; rotations, energies, elastic and
+// limit states.
 
 #include "materials.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Strength that falls in time: as a law with the reduced parameters has it, at
-// a point that is held and at points that move, its tangent, and the messages
-// of formulas that give none.
+// Checks a strength that decreases in time: it acts like a law with the reduced
+// parameters at a fixed point and at moving points. Also checks its tangent,
+// and messages for formulas without a strength.
 
 #include "materials.h"
 

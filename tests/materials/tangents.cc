@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Tangents of all laws, and the default for a law of a program's own, against
-// extrapolated differences of stresses: random steps into each regime, in plane
-// strain and in 3D, with repeated principal strains; symmetry.
+// Checks tangents of all laws, and the default tangent of a law of the user,
+// against extrapolated stress differences: random steps into each regime, in
+// plane strain and in 3D, with repeated principal strains; symmetry.
 
 #include "materials.h"
 

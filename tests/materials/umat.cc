@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// UMATs of benchmarks/umat against the laws of the library that they repeat,
-// step by step: stress, history, energies and tangents in plane strain and in
-// 3D; an incremental one where it is exact, and how it converges otherwise.
-// What a UMAT is given, state variables, errors, and what a UMAT does to memory
-// that is not its own.
+// Checks UMATs of benchmarks/umat step by step against the same laws of the
+// library: stress, history, energies and tangents in plane strain and in 3D. An
+// incremental UMAT is exact in one case and converges otherwise. Also checks
+// the arguments of a UMAT, state variables, errors, and UMATs that write to
+// memory of others.
 #include <greville/materials/umat.h>
 #include <greville/run/check_materials.h>
 

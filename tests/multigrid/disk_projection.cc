@@ -3,11 +3,11 @@
 // All: 2
 // Debug: no
 
-// Projection of a smooth function from the material points of a disk, weighted
-// by their masses: on extended B-splines the errors of values and gradients at
-// the points fall with orders p + 1 and p, those of gradients at the surface,
-// too. Beside it what other treatments of mass leave (written to a file if its
-// name is given: doc/data/disk_projection.csv).
+// Projects a smooth function from the material points of a disk, weighted by
+// their masses. On extended B-splines, the errors of values and gradients at
+// the points decrease with orders p + 1 and p, also for gradients at the
+// surface. Also reports the errors of other mass treatments (written to a file
+// if its name is given: doc/data/disk_projection.csv).
 
 #include <greville/mass/fmpm.h>
 #include <greville/mass/mass_operator.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// A smoother of a program's own, by name, without a change of the library: the
-// method of Jacobi with a fixed factor, which the cycle of p-multigrid and
-// conjugate gradients around it take.
+// Checks a smoother that the program defines by name without changing the
+// library: Jacobi's method with a fixed factor, in the p-multigrid cycle and in
+// conjugate gradients with this cycle.
 
 #include <deal.II/lac/solver_cg.h>
 

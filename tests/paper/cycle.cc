@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// The own V-cycle is deal.II's; W and F are what their recursions say; the
-// symmetric cycle is symmetric; smoothing steps count.
+// Checks that the project's V-cycle equals deal.II's, W and F follow their
+// recursions, the symmetric cycle is symmetric, and the number of smoothing
+// steps has an effect.
 
 #include <deal.II/lac/precondition.h>
 #include <deal.II/lac/solver_cg.h>

@@ -2,10 +2,10 @@
 // Processes: 1
 // All: 2 3
 
-// Extended B-splines: a level, applied and assembled, is the dense matrix
-// E^T M~ E, with coefficients constrained at a wall and lumped fragments, on
-// any number of processes; transfers keep constants, the transpose is the
-// transpose, and solvers converge.
+// Checks extended B-splines: a level, applied and assembled, equals the dense
+// matrix E^T M~ E, with coefficients constrained at a wall and lumped
+// fragments, on any number of processes. Transfers preserve constants and agree
+// with their transposes, and solvers converge.
 
 #include <greville/paper/mass_solver.h>
 #include <greville/paper/paper_parts.h>

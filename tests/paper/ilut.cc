@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// ILUT is exact without dropping, its transpose is the transpose, and both
-// thresholds bound its memory.
+// Checks that ILUT is exact without dropping, its transpose is correct, and
+// both thresholds bound its memory.
 
 #include <greville/paper/assembled_mass_level.h>
 #include <greville/paper/ilut.h>

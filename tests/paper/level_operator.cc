@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// An operator that this file implements, mass plus beta times the Laplacian of
-// one or two components, is a level of PMultigrid: few iterations, whatever the
-// mesh, and the same for all components.
+// Checks an operator of this file as a level of PMultigrid: mass plus beta
+// times the Laplacian, for one or two components. It needs few iterations on
+// any mesh, and as many for all components.
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/lac/solver_cg.h>

@@ -2,10 +2,10 @@
 // Processes: 1 2
 // All: 3 4
 
-// Every solver by name on constant, smooth and half-empty densities in 2D and
-// 3D: the iterations are in range, or the solver says why it did not converge.
-// FMPM(K) is its series, and the result does not depend on the number of
-// processes.
+// Checks every solver by name on constant, smooth and half-empty densities in
+// 2D and 3D: the iterations are in range, or the solver reports why it did not
+// converge. FMPM(K) equals its series, and results do not depend on the number
+// of processes.
 
 #include <greville/paper/mass_solver.h>
 #include <greville/paper/paper_parts.h>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// Transfers keep constants, the exact one keeps polynomials, "transpose" is the
-// transpose, and all agree with assembled matrices.
+// Checks that transfers preserve constants, the exact transfer preserves
+// polynomials, "transpose" is the transpose, and all agree with assembled
+// matrices.
 
 #include <deal.II/lac/full_matrix.h>
 

@@ -3,8 +3,8 @@
 // All: 2
 // Debug: no
 
-// L2 projection of a smooth function: order p + 1 for values and p for
-// gradients in 2D and 3D, with every component of a solve in play (extraction,
+// Checks the L2 projection of a smooth function: order p + 1 for values and p
+// for gradients in 2D and 3D. It uses every component of a solve (extraction,
 // operator, tensor-product inverse, deal.II's integration of errors).
 
 #include <deal.II/base/function_lib.h>

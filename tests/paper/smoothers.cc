@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Every smoother, by name: the transpose is the transpose, those that say so
-// are symmetric, and CG with it needs a number of iterations in the expected
-// range. Every parameter of the smoothers changes what they do.
+// Checks every smoother by name: its transpose is correct, symmetric smoothers
+// are symmetric, and CG with it needs an expected number of iterations. Every
+// smoother parameter has an effect.
 
 #include <deal.II/lac/solver_cg.h>
 

@@ -2,9 +2,9 @@
 // All: 1 2
 // Debug: no
 
-// Table 1 of Tielen, Moeller and Vuik (2019): on one process not more
-// iterations than published in any entry, for V-, W- and F-cycles; on several
-// at most two more. The same in 3D, where the bound is 3.
+// Checks Table 1 of Tielen, Moeller and Vuik (2019) for V-, W- and F-cycles: no
+// entry needs more iterations than published on one process, and at most two
+// more on several. The bound in 3D is 3.
 
 #include <deal.II/base/function_lib.h>
 

@@ -2,9 +2,9 @@
 // Processes: 1
 // All: 2 3
 
-// The tensor-product inverse is exact for constant density, on any number of
-// processes, and its preconditioner is symmetric for others and leaves inactive
-// coefficients alone.
+// Checks that the tensor-product inverse is exact for constant density on any
+// number of processes. For other densities, its preconditioner is symmetric and
+// leaves inactive coefficients unchanged.
 
 #include <greville/mass/mass_operator.h>
 #include <greville/paper/tensor_product_solver.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// Bodies from shapes and files: their volumes, points, stresses and
-// displacements, and the messages for what is wrong.
+// Checks bodies from shapes and files: volumes, points, stresses,
+// displacements, and error messages.
 
 #include <greville/materials/linear_elastic.h>
 #include <greville/materials/newtonian_fluid.h>

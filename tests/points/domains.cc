@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Sums with B-splines averaged over the domains of points, and increments of F,
-// are those of loops over points and functions whose means are integrated
-// numerically.
+// Checks sums with B-splines averaged over point domains, and increments of F,
+// against loops over points and functions with numerically integrated means.
 
 #include <deal.II/base/quadrature_lib.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// With weights of material points at 2 p + 1 Gauss points per direction, the
-// mass operator is the sum over the points.
+// Checks that the mass operator with weights of material points at 2 p + 1
+// Gauss points per direction equals the sum over the points.
 
 #include <greville/paper/assembled_mass_level.h>
 #include <greville/points/point_transfer.h>

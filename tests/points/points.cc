@@ -2,8 +2,8 @@
 // Processes: 1 2
 // All: 3 4
 
-// Points are neither lost nor doubled nor changed, whatever cells and processes
-// they move to.
+// Checks that points are neither lost, duplicated nor changed while they move
+// between cells and processes.
 
 #include "points.h"
 

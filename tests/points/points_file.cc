@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Points of other programs: tables with more than places, and what is refused.
+// Checks points of other programs: tables with more columns than positions, and
+// refused input.
 
 #include <greville/materials/linear_elastic.h>
 #include <greville/materials/neo_hookean.h>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Points share their changes of volume with their neighbours: the volume is
-// kept, differences fall, and J follows from the definition, sum by sum.
+// Checks points that share their volume changes with neighbours: the volume is
+// conserved, differences decrease, and J follows from the definition, sum by
+// sum.
 
 #include <greville/points/point_transfer.h>
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// Sums over points and back are those of loops over points and functions that
-// KnotVector evaluates; they conserve mass and momentum, and are exact for
-// polynomials.
+// Checks sums over points and back against loops over points and functions of
+// KnotVector. They conserve mass and momentum, and are exact for polynomials.
 
 #include <greville/materials/linear_elastic.h>
 #include <greville/points/point_transfer.h>

@@ -2,19 +2,20 @@
 // All: 1
 // Debug: no
 
-// Wrong input is answered by one message that names what is wrong: every line
+// Checks that wrong input yields one message that names the mistake. Every line
 // of the shipped files in turn is removed, misspelled, and given wrong values.
-// Each case runs, or its message names the parameter, its section or its line;
-// or soil of an enormous density finds no equilibrium.
+// Each case must run, or its message must name the parameter, its section or
+// its line. The only other result: soil of an enormous density finds no
+// equilibrium.
 //
-// Without arguments a sample of about 200 cases runs. Otherwise, as
-// scripts/check_input calls it:
+// Runs a sample of about 200 cases without arguments. scripts/check_input calls
+// it with arguments:
 //
 //   check_input FIRST STRIDE LOG [TEXT]
 //
-// every STRIDE-th case from FIRST on, with a line in LOG for each; with TEXT
-// only those that have it in their name. A case is written to LOG.at before it
-// runs, so that a crash has a name.
+// This runs every STRIDE-th case from FIRST on, with a line in LOG for each;
+// with TEXT only cases with TEXT in their name. A case is written to LOG.at
+// before it runs, to name it after a crash.
 #include <greville/benchmark/benchmark.h>
 #include <greville/run/run.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// --check: what a run would take, without results; and settings of the command
-// line in runs.
+// Checks --check, which estimates the cost of a run without results, and
+// command-line settings in runs.
 #include <greville/run/run.h>
 
 #include "simulation.h"

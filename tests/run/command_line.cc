@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// The command lines of both programs that run no simulation, or a tiny one:
-// what they print, and that wrong ones are answered by one message of the first
-// process.
+// Checks command lines of both programs that run no simulation or a tiny one:
+// their output, and one message of the first process for wrong ones.
 #include <greville/benchmark/benchmark_program.h>
 #include <greville/run/simulation_program.h>
 

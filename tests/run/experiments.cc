@@ -2,7 +2,7 @@
 // All: 1
 // Debug: no
 
-// The flow in a channel against the exact one, water at rest, and grid
+// Checks channel flow against the exact solution, water at rest, and grid
 // crossing.
 #include <greville/run/simulation_run.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// Fields in files: classes of cells and forces on the grid, points of loads on
-// surfaces, and points that are read again.
+// Checks fields in files: cell classes and forces on the grid, points of
+// surface loads, and points that are read back.
 #include <deal.II/base/utilities.h>
 
 #include <greville/run/run.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// What a run leaves.
+// Checks the files that a run writes.
 #include <greville/run/run.h>
 
 #include "simulation.h"

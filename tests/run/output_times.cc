@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// What is written belongs to the end of the step, velocities at half steps too:
-// free fall is exact in rows and fields, kinetic and total energy are of second
-// order, bodies at walls show no kick twice, and steps do not see what has been
-// written.
+// Checks that output belongs to the end of a step, even if velocities are at
+// half steps: free fall is exact in rows and fields, kinetic and total energy
+// are of second order, no kick is counted twice for bodies at walls, and output
+// does not affect the steps.
 #include <deal.II/base/utilities.h>
 
 #include <greville/run/simulation_run.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// Files that are refused: those of the base "block" in refusals.txt, which are
-// about names, numbers, formulas and texts. Long messages are cut.
+// Checks refused files of the base "block" in refusals.txt: wrong names,
+// numbers, formulas and texts. Long messages are cut.
 #include "refusals.h"
 
 void

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// Files that are refused: those of all bases but "block" in refusals.txt, which
-// are about several bodies, files that cannot be written, runs that break,
-// contacts, axisymmetry and water.
+// Checks refused files of all bases but "block" in refusals.txt: several
+// bodies, files that cannot be written, runs that fail, contacts, axisymmetry
+// and water.
 #include "refusals.h"
 
 void

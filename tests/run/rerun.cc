@@ -2,10 +2,10 @@
 // All: 1
 // Debug: no
 
-// Each shipped file runs on a coarse grid, and its output/NAME/parameters.prm
-// runs again, from another folder and with results that agree bit for bit. Each
-// file as it is has its points and goes a step, if it is not too large. Two
-// sets of parameters live side by side.
+// Checks that each shipped file runs on a coarse grid, and that its
+// output/NAME/parameters.prm runs again from another folder with bitwise equal
+// results. Each file without changes sets up its points and takes a step, if it
+// is not too large. Two sets of parameters can exist side by side.
 #include <greville/benchmark/benchmark.h>
 #include <greville/run/run.h>
 #include <greville/steps/coupled_simulations.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Settings that no other test sees: each has an effect. And the hydrostatic
-// column against the published errors of CB-Geo MPM.
+// Checks that settings without another test have an effect. Checks the
+// hydrostatic column against the published errors of CB-Geo MPM.
 #include <greville/run/run.h>
 
 #include "simulation.h"

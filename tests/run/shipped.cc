@@ -2,12 +2,12 @@
 // Processes: 1
 // Debug: no
 
-// Every shipped parameter file, those of examples, of the user guide and of the
-// reference are accepted, and their data are there; rerun.cc runs them.
-// doc/simulation_parameters.md is what the program says, with an example in
-// each section. It has at most 173 rows besides those of laws, a law has at
-// most 10, and some shipped file sets what each of them describes; options of
-// PETSc are those of a smoother that none of them takes.
+// Checks that all shipped parameter files of simulations, examples, the user
+// guide and the reference are accepted, and that their data exist; rerun.cc
+// runs them. doc/simulation_parameters.md must agree with the program, with an
+// example in each section. It has at most 173 rows besides the rows of laws,
+// and a law has at most 10. Some shipped file sets each of them, except PETSc
+// options of a smoother that no file uses.
 #include <greville/base/templates.h>
 
 #include "../reference_page.h"

@@ -2,8 +2,8 @@
 // Processes: 1 2
 // All: 3
 
-// Hosts of cells and classes of functions on drawings, and extension keeps
-// polynomials, at the walls, too.
+// Checks host cells and function classes on drawings, and that extension
+// reproduces polynomials, also at walls.
 
 #include <filling.h>
 

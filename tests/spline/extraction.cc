@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Bezier extraction to an ordinary deal.II field: the cell matrix against the
-// spline's values, and a polynomial of order p, given by its blossom, found
-// again by deal.II's integration, scalar and vector-valued.
+// Checks Bezier extraction to an ordinary deal.II field: the cell matrix
+// against the spline's values, and a polynomial of order p, given by its
+// blossom and recovered by deal.II's integration, scalar and vector-valued.
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/dofs/dof_handler.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Univariate splines against their definition: partition of unity, derivatives
-// against difference quotients, Bezier extraction, blossom, Greville abscissae,
-// cross matrices; on uniform and on general open knot vectors.
+// Checks univariate splines against their definition: partition of unity,
+// derivatives against difference quotients, Bezier extraction, blossom,
+// Greville abscissae, cross matrices; on uniform and general open knot vectors.
 
 #include <deal.II/base/polynomials_bernstein.h>
 

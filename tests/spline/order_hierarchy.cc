@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// The orders of the levels.
+// Checks the orders of the levels.
 
 #include <greville/spline/order_hierarchy.h>
 

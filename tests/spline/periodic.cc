@@ -2,9 +2,9 @@
 // Processes: 1 2
 // All: 4
 
-// Spaces on periodic grids: numbers, partition of unity, projections of order
-// p + 1, matrices that commute with shifts, and hosts and extension that do not
-// know where a period begins.
+// Checks spaces on periodic grids: numbers, partition of unity, projections of
+// order p + 1, matrices that commute with shifts, and hosts and extension that
+// do not depend on where a period begins.
 
 #include <deal.II/lac/precondition.h>
 #include <deal.II/lac/solver_cg.h>

@@ -2,7 +2,7 @@
 // Processes: 1 2 3
 // All: 4
 
-// Numbering and ownership on meshes and partitions of all kinds: each dof is
+// Checks numbering and ownership on various meshes and partitions: each dof is
 // owned once, all processes agree on its number, and the coefficients of the
 // Greville points reproduce x on each cell.
 

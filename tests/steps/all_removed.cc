@@ -2,7 +2,8 @@
 // Processes: 1 2
 // All: 3 4
 
-// A body that leaves the grid, to the last point: the run ends by itself.
+// Checks that the run ends by itself when the last point of a body has left the
+// grid.
 #include "simulation.h"
 
 void

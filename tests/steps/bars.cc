@@ -2,7 +2,8 @@
 // Processes: 1
 // Debug: no
 
-// Exact solutions of bars (benchmarks A1 to A4, A7): orders of convergence.
+// Checks convergence orders against exact solutions of bars (benchmarks A1 to
+// A4, A7).
 #include "simulation.h"
 
 Text

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// Mass and momentum of a spinning and translating disk, in each step; with APIC
-// and the functions of the interior also the spin. Points cross process
-// borders.
+// Checks mass and momentum of a spinning and translating disk in each step, and
+// the spin with APIC and interior functions. Points cross process borders.
 #include "simulation.h"
 
 template <int dim>

@@ -3,9 +3,9 @@
 // All: 2
 // Debug: no
 
-// The exact mass matrix at free surfaces: colliding disks keep energy and
-// momentum; the cycle with all orders gives what the solver of all components
-// gives; a bar breaks.
+// Checks the exact mass matrix at free surfaces: colliding disks conserve
+// energy and momentum; the cycle with all orders agrees with the solver of all
+// components; a bar breaks.
 #include "simulation.h"
 
 void

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// The critical step: Courant numbers of full boxes beside those that were
-// computed from the eigenvalues of assembled matrices, and what happens on both
-// sides of it.
+// Checks the critical step: Courant numbers of full boxes against eigenvalues
+// of assembled matrices, and stability on both sides of it.
 #include "simulation.h"
 
 Text

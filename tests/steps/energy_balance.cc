@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// The balance of energy of damped bodies: the work of damping is that of what a
-// step does, so that the balance closes, and so that the guard sees energy that
-// comes from nothing where damping takes it away again.
+// Checks the energy balance of damped bodies: the work of damping agrees with
+// the steps, so that the balance closes and the guard detects spurious energy
+// even if damping removes it again.
 #include "simulation.h"
 
 namespace

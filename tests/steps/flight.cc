@@ -2,10 +2,10 @@
 // All: 1 2
 // Debug: no
 
-// Stress-free blocks in free flight across many cells with the exact mass: the
-// filter of the velocity keeps them at rest in themselves, and momentum;
-// without it, round-off grows to a thousand times and more. The guard sees
-// energy that comes from nothing.
+// Checks stress-free blocks in free flight across many cells with the exact
+// mass: the velocity filter keeps them free of relative motion and conserves
+// momentum. Without it, round-off grows by a factor of a thousand and more, and
+// the guard detects the spurious energy.
 #include "simulation.h"
 
 template <int dim>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// The exact mass matrix where a body is too small for it: a disk and a single
-// point fall, and the point is a fragment. Velocities of both are the same, so
-// no point feels a stress. Factorizations serve several steps.
+// Checks the exact mass matrix for bodies that are too small for it: a disk and
+// a single point, which is a fragment, fall with the same velocity, so that no
+// point has a stress. Factorizations are used for several steps.
 #include "simulation.h"
 
 void

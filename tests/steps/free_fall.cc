@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// A point, and a body, in free fall: position and shape exact, for all schemes.
+// Checks a point and a body in free fall: position and shape are exact for all
+// schemes.
 #include "simulation.h"
 
 template <int dim>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// A program that catches the error of a step and goes on gets what it had got
-// without the error: all that a step hands to the next one goes back to the
-// last good state.
+// Checks a program that catches the error of a step and continues: its results
+// are the same as without the error, because all data that a step passes on
+// return to the last good state.
 #include <greville/steps/coupled_simulations.h>
 
 #include "simulation.h"

@@ -2,8 +2,8 @@
 // Processes: 1
 // All: 2 4
 
-// Bodies with grids of their own: they are alone, go in common steps, meet the
-// walls of the grid, and bear their loads.
+// Checks bodies with their own grids: they do not interact, take common steps,
+// meet the walls of the grid, and bear their loads.
 #include <greville/run/run.h>
 #include <greville/steps/implicit_scheme.h>
 

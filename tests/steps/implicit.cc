@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Implicit and quasi-static steps: free fall, orders in time, damping of high
-// modes, loads that depend on the position of points, conservation of energy
-// and momentum, equilibrium, and steps that are cut.
+// Checks implicit and quasi-static steps: free fall, orders in time, damping of
+// high modes, loads that depend on point positions, conservation of energy and
+// momentum, equilibrium, and shortened steps.
 #include "simulation.h"
 
 namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Implicit steps in cases with references: Cook's membrane, free flight, disks
-// that collide, walls that turn, limit loads, and forces of walls.
+// Checks implicit steps in cases with references: Cook's membrane, free flight,
+// colliding disks, turning walls, limit loads, and wall forces.
 #include "simulation.h"
 #include <limits>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // All: 1 2
 
-// Bars that swing along their axis with strains of 20 %, held at both ends or
-// at one, in total Lagrangian steps: the order p + 1 of the splines against a
-// spectral solution of the wave equation with large strains. With TABLE=1 in
-// the environment on three meshes, with the errors.
+// Checks bars that vibrate along their axis with strains of 20 %, fixed at both
+// ends or at one, in total Lagrangian steps: the order p + 1 against a spectral
+// solution of the wave equation with large strains. With TABLE=1 in the
+// environment, it uses three meshes and prints the errors.
 #include <deal.II/base/quadrature_lib.h>
 
 #include "simulation.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Rows that a step sums up for the time at which it begins. Where the same
-// forces act before and after this time, they are those of finished states,
-// which have half of a kick, to round-off. Impacts on walls act within one
-// step: there rows differ by up to two per cent, and leave as much of the
-// balance of energy open. With SHOW in the environment, the columns that differ
-// most.
+// Checks rows that a step sums up for the time at which it begins. If the same
+// forces act before and after this time, they agree to round-off with rows of
+// finished states, which include half of a kick. Wall impacts act within one
+// step: the rows then differ by up to two per cent, and so much of the energy
+// balance stays open. With SHOW in the environment, it prints the columns that
+// differ most.
 #include <greville/steps/coupled_simulations.h>
 
 #include "simulation.h"

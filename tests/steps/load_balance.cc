@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2
 
-// Cells that are shared among processes anew while points move: work stays
-// balanced, and the results are those without, for the main ways through the
-// code; states are those to go back to, and to go on from with the same bits.
+// Checks the redistribution of cells among processes while points move: work
+// stays balanced, results agree with runs without it for the main code paths,
+// and saved states can be restored and continued with the same bits.
 #include <greville/run/simulation_run.h>
 #include <greville/steps/coupled_simulations.h>
 #include <greville/steps/load_balance.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Some hundred steps of a beam that swings and of a pile at rest: the mass does
-// not change, and nothing grows from step to step. scripts/tables long_runs has
-// 100000 steps of them.
+// Checks some hundred steps of a vibrating beam and of a pile at rest: the mass
+// does not change, and nothing grows from step to step. scripts/tables
+// long_runs takes 100000 steps.
 #include <greville/base/memory.h>
 
 #include "simulation.h"

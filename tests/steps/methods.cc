@@ -2,8 +2,8 @@
 // Processes: 1
 // All: 2 4
 
-// Every solver of the consistent mass matrix gives the same steps on a sliding
-// floor, in each order of a step.
+// Checks that all solvers of the consistent mass matrix yield the same steps on
+// a sliding floor, in each order of a step.
 
 #include "simulation.h"
 

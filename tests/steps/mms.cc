@@ -2,8 +2,8 @@
 // Processes: 1
 // Debug: no
 
-// The axis-aligned manufactured solution (benchmark A8) of the shipped files,
-// on coarser grids.
+// Checks the axis-aligned manufactured solution (benchmark A8) of the shipped
+// files on coarser grids.
 #include "simulation.h"
 
 template <int dim>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1
 
-// Newton's method on small systems: full steps, the watchdog, the line search,
-// forcing terms, and residuals that round-off keeps from falling.
+// Checks Newton's method on small systems: full steps, the watchdog, the line
+// search, forcing terms, and residuals that stagnate at round-off.
 #include <deal.II/lac/full_matrix.h>
 
 #include <greville/steps/newton.h>

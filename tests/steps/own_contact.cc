@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// A contact of a program constrains velocities along a normal that is not an
-// axis.
+// Checks a contact of the program that constrains velocities along a normal
+// that is not an axis.
 #include <greville/steps/contact.h>
 
 #include "simulation.h"

@@ -2,8 +2,9 @@
 // Processes: 1 2
 // All: 4
 
-// The same run on all processes and on one: statistics of every step agree,
-// with points that cross process borders, for the main ways through the code.
+// Checks that the same run on all processes and on one has the same statistics
+// in every step, with points that cross process borders, for the main code
+// paths.
 #include "simulation.h"
 
 template <int dim>

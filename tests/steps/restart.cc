@@ -2,8 +2,8 @@
 // Processes: 1 2
 // All: 4
 
-// Runs that go on from a checkpoint, or begin with another run; what becomes of
-// earlier results, and folders that are in use.
+// Checks runs that resume from a checkpoint or begin with another run, the
+// treatment of earlier results, and folders in use.
 #include <greville/base/run_folder.h>
 #include <greville/run/run.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Parameters are values: two simulations with different parameters, names and
-// dimensions, which step alternately in one program, do what each does alone;
-// a copy that is changed leaves the original as it was.
+// Checks that two simulations with different parameters, names and dimensions,
+// which step alternately in one program, agree with each alone, and that a
+// change of a copy leaves the original parameters unchanged.
 #include "simulation.h"
 
 namespace

@@ -3,9 +3,9 @@
 // All: 3 4
 // Debug: no
 
-// A body that is smaller than the part of the grid of one process flies through
-// it, so that processes have none of its points and functions for many steps:
-// runs end, and conserve momentum.
+// Checks a body that is smaller than the grid part of a process and flies
+// through it, so that processes have none of its points and functions for many
+// steps: runs end, and conserve momentum.
 #include "simulation.h"
 
 void

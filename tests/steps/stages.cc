@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Stages: a column that rests after it has been loaded, the same bits as
-// without stages, walls that let go, files, and what is refused. Walls with a
+// Checks stages: a column that rests after loading, the same bits as without
+// stages, released walls, files, and refused input. Also checks walls with a
 // given displacement.
 #include <greville/run/run.h>
 

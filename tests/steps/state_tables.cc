@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Processes: 1 2 4
 
-// A state as tables in a file: a simulation that takes it from there has the
-// same bits from then on, on the same number of processes, and the same
-// statistics on others.
+// Checks a state as tables in a file: a simulation that reads it continues with
+// the same bits on the same number of processes, and with the same statistics
+// on others.
 #include <greville/steps/state_tables.h>
 
 #include "simulation.h"

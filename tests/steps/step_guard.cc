@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Each guard of a step stops a run in which it is violated. The message says
-// what happened, where, and the usual cause, and names the files with the last
-// good state, from which the run goes on.
+// Checks that each guard of a step stops a run that violates it. The message
+// names the event, its place, the usual cause, and the files with the last good
+// state, from which the run can resume.
 #include <greville/materials/elastic_constants.h>
 #include <greville/run/run.h>
 #include <greville/steps/explicit_schemes.h>

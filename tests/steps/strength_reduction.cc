@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Soil whose strength falls in time: a block that rests under its own weight
-// stays elastic until its strength no longer does, on any number of processes;
-// and a formula that gives no strength ends the run with a message.
+// Checks soil with a strength that decreases in time: a block at rest under its
+// weight stays elastic until its strength no longer suffices, on any number of
+// processes. A formula without a strength ends the run with a message.
 
 #include "simulation.h"
 

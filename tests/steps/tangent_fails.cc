@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// A law whose stress is finite and whose tangent is NaN, at points of one
-// process: steps are shortened, and a run that has no shorter one ends with the
-// point and the reason, not with what the linear solver says.
+// Checks a law with finite stress and a NaN tangent at points of one process:
+// steps are shortened, and a run without a shorter step ends with a message on
+// the point and the reason, not with the error of the linear solver.
 #include <greville/materials/elastic_constants.h>
 
 #include "simulation.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // All: 1 2
 
-// A thick ring under inner pressure, with curved surfaces that cut the cells:
-// the order of the displacement and of the stress at the inner wall, at small
-// strain against Lame's solution and at large strain against the solution of
-// the ordinary differential equation of a neo-Hookean ring. With TABLE=1 in the
-// environment on four meshes, with the errors.
+// Checks a thick ring under inner pressure, with curved surfaces that cut the
+// cells: the order of the displacement and of the stress at the inner wall, at
+// small strain against Lame's solution and at large strain against the ordinary
+// differential equation of a neo-Hookean ring. With TABLE=1 in the environment,
+// it uses four meshes and prints the errors.
 #include "simulation.h"
 
 namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// A time integrator of a program's own, by name, without a change of the
-// library: symplectic Euler that proposes too long a step and rejects it. With
-// the accepted steps it has the bits of USL.
+// Checks a time integrator that the program defines by name without changing
+// the library: symplectic Euler that proposes too long a step and rejects it.
+// With the accepted steps it agrees bitwise with USL.
 #include <greville/steps/implicit_steps.h>
 #include <greville/steps/move_points.h>
 

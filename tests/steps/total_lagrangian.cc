@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Total Lagrangian steps: the order of the splines, large rotations, bodies
-// that leave the grid, implicit steps, and what is refused.
+// Checks total Lagrangian steps: the order of the splines, large rotations,
+// bodies that leave the grid, implicit steps, and refused input.
 #include "simulation.h"
 
 namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // All: 1 2
 
-// The projection of changes of volume: a beam that hardly changes its volume
-// bends as it should, in quasi-static and in explicit steps.
+// Checks the projection of volume changes: a nearly incompressible beam bends
+// without locking, in quasi-static and in explicit steps.
 #include "simulation.h"
 #include <iomanip>
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Columns of statistics.csv: the work of gravity, loads, walls and friction
-// closes the balance of energy, the sums of bodies are those of all, and steps
-// that are done again are counted. With SHOW in the environment, the numbers.
+// Checks columns of statistics.csv: the work of gravity, loads, walls and
+// friction closes the energy balance, the columns of bodies sum up to the
+// totals, and repeated steps are counted. With SHOW in the environment, it
+// prints the values.
 
 #include "simulation.h"
 

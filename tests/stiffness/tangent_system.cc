@@ -2,9 +2,9 @@
 // Processes: 1 2
 // All: 4
 
-// The linear systems of implicit steps: the operator is the derivative of the
-// force, and p-multigrid needs few iterations, whatever the mesh, the order and
-// the place of the surface in its cells.
+// Checks the linear systems of implicit steps: the operator is the derivative
+// of the force, and p-multigrid needs few iterations for any mesh, order and
+// position of the surface in its cells.
 #include <greville/steps/grid_mass.h>
 #include <greville/stiffness/tangent_system.h>
 
