@@ -1,36 +1,35 @@
-# What scripts/run, scripts/test and scripts/fresh_machine share: to be sourced
-# from the project's root. Installs what is missing, configures and builds.
+# Shared by scripts/run, scripts/test and others; source it from the project's
+# root. Installs missing packages, configures and builds.
 
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
 drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
 test_packages="numdiff gfortran lld doxygen python3-numpy python3-yaml python3-sympy python3-nbclient python3-ipykernel $drawing_packages"
 checking_packages="clang clang-tidy libclang-rt-dev valgrind gcc"
 
-# Without these ccache does not look into its cache where a precompiled header
-# is used. With the others, clones of the project share what they have compiled.
+# Without these, ccache does not use its cache with precompiled headers. The
+# other settings let clones of the project share the cache.
 export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros,include_file_mtime,include_file_ctime}"
 
-# Compilers and tests at a time.
-# nproc counts no more than OMP_NUM_THREADS.
+# Compilers and tests at a time. nproc counts at most OMP_NUM_THREADS.
 JOBS=${JOBS:-$(unset OMP_NUM_THREADS; nproc)}
 
 say() {
   echo "== $*"
 }
 
-# usage: the comment at the top of the script that is running.
+# usage: print the comment at the top of the running script.
 usage() {
   sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"
 }
 
-# wrong_usage MESSAGE...: one message, and exit status 2.
+# wrong_usage MESSAGE...: print one message, and exit with status 2.
 wrong_usage() {
   echo "$(basename "$(dirname "$0")")/$(basename "$0"): $*" >&2
   exit 2
 }
 
-# --yes, which all of these scripts take: packages are installed without a
-# question. This file, which they source, takes it out of their arguments.
+# --yes, an option of all these scripts: install packages without asking. Remove
+# it from their arguments here.
 assume_yes=false
 for argument; do
   shift
@@ -40,8 +39,8 @@ for argument; do
   esac
 done
 
-# Install the Debian packages that are missing. Debian 13's deal.II also wants
-# a linker, which its package only recommends.
+# Install missing Debian packages. Debian 13's deal.II also needs a linker,
+# which its package only recommends.
 install_packages() {
   install_missing "$@" || return 1
   if dpkg -L libdeal.ii-dev 2>/dev/null | grep '[.]cmake$' |
@@ -93,9 +92,9 @@ install_missing() {
   $as_root env DEBIAN_FRONTEND=noninteractive $install
 }
 
-# is_configured FOLDER: whether it is a build tree of this project. In a copy of
-# the project, or where it was moved, the tree still has the paths of the
-# original and would build the sources there.
+# is_configured FOLDER: true for a build tree of this project. In a copied or
+# moved project, the tree still has the original paths and would build the
+# sources there.
 is_configured() {
   home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$1/CMakeCache.txt" 2>/dev/null)
   [ -f "$1/build.ninja" ] && [ "$home" -ef . ]
@@ -119,15 +118,15 @@ configure() {
   }
 }
 
-# configure_clang: what scripts/fuzz builds and scripts/lint reads.
+# configure_clang: configure the tree of scripts/fuzz and scripts/lint.
 configure_clang() {
   configure build-clang Debug -DCMAKE_CXX_COMPILER=clang++ \
     -DGREVILLE_SANITIZE=address,undefined -DGREVILLE_TESTS=ON \
     -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
 }
 
-# test_targets FOLDER REGEX: the targets PART.NAME of the tests that match and
-# have a program, and the two programs of the project.
+# test_targets FOLDER REGEX: print the targets PART.NAME of matching tests with
+# a program, and the two programs of the project.
 test_targets() {
   echo greville greville_benchmark
   ctest --test-dir "$1" -N -R "$2" | sed -n 's/^ *Test *#[0-9]*: //p' |
@@ -138,7 +137,7 @@ test_targets() {
   done
 }
 
-# build FOLDER TARGET...: build what is out of date.
+# build FOLDER TARGET...: build outdated targets.
 build() {
   folder=$1
   shift
@@ -146,8 +145,8 @@ build() {
   cmake --build "$folder" -j "$JOBS" --target "$@"
 }
 
-# Open MPI refuses to run as root unless it is told twice, and more processes
-# than cores unless told once. Open MPI 5 has names of its own (PRTE_).
+# Open MPI needs two variables to run as root, and one to run more processes
+# than cores. Open MPI 5 has its own names (PRTE_).
 set_up_mpi() {
   if [ "$(id -u)" -eq 0 ]; then
     export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
@@ -155,12 +154,12 @@ set_up_mpi() {
   export OMPI_MCA_rmaps_base_oversubscribe=1
   export PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
   export OMPI_MCA_mpi_yield_when_idle=1
-  # Several runs at a time must not be bound to the same core.
+  # Simultaneous runs must not be bound to the same core.
   export OMPI_MCA_hwloc_base_binding_policy=none
   export PRTE_MCA_hwloc_default_binding_policy=none
   export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
-  # Memory comes in large pages and is kept, where the kernel lets programs ask
-  # for that (doc/results/simulation.md).
+  # Use large pages and keep freed memory, if the kernel allows it
+  # (doc/results/simulation.md).
   export GLIBC_TUNABLES="${GLIBC_TUNABLES-glibc.malloc.hugetlb=1:\
 glibc.malloc.mmap_threshold=4294967296:glibc.malloc.trim_threshold=8589934592:\
 glibc.malloc.top_pad=67108864}"

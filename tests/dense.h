@@ -10,8 +10,8 @@
 
 #include <tests.h>
 
-// E^T M~ E by its definition, on one process; its diagonal is 0 where
-// coefficients are inactive.
+// E^T M~ E by its definition, on one process. Inactive coefficients have a zero
+// diagonal entry.
 template <int dim>
 FullMatrix<double>
 dense(const SplineSpace<dim>                         &space,

@@ -7,7 +7,7 @@
 
 #include <tests.h>
 
-// The part of a cell that is filled, as a function of its lattice index.
+// The filled fraction of a cell, as a function of its lattice index.
 template <int dim>
 using Filling = std::function<double(const MultiIndex<dim> &)>;
 

@@ -7,9 +7,9 @@
 
 #include <filling.h>
 
-// Points at random in the filled cells, the same on any number of processes:
-// so many that all functions of full cells are determined, and a single one in
-// cells that are filled by less than half.
+// Random points in the filled cells, the same on any number of processes. Full
+// cells have enough points to determine all their functions; cells that are
+// less than half full have one point.
 template <int dim>
 MaterialPoints<dim>
 random_points(const SplineSpace<dim> &space,

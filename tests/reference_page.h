@@ -12,8 +12,8 @@
 #include <tests.h>
 
 /**
- * The page of the reference is what the program says, and each section has an
- * example.
+ * Check that the page of the reference agrees with the program, and that each
+ * section has an example.
  */
 inline void
 check_reference(const std::string           &program,

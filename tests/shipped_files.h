@@ -3,9 +3,8 @@
 #ifndef greville_tests_shipped_files_h
 #define greville_tests_shipped_files_h
 
-// The shipped parameter files and the templates of 'greville --new', made small
-// enough to run in a fraction of a second: coarse grids, three steps, no
-// sweeps.
+// The shipped parameter files and the templates of 'greville --new', reduced to
+// run in a fraction of a second: coarse grids, three steps, no sweeps.
 
 #include <algorithm>
 #include <filesystem>
@@ -19,9 +18,9 @@
 struct ShippedFile
 {
   std::string name;
-  /// Whether it is one of greville_benchmark.
+  /// Whether it is a file of greville_benchmark.
   bool is_benchmark = false;
-  /// The whole file, and what makes it small: later lines win.
+  /// The whole file, and the lines that reduce it: later lines win.
   std::string content, overrides;
 };
 
@@ -39,9 +38,9 @@ section_text(const std::string &section, const std::vector<std::string> &lines)
 
 
 /**
- * @p source is the folder of the tests of a part; results go to @p results.
- * Files beside the parameter files keep their names: write the text into
- * @p folder, which is made with links to them.
+ * Return the shipped files. @p source is the test folder of a part, and results
+ * go to @p results. Write the text into @p folder, which is created with links
+ * to the files beside the parameter files.
  */
 inline std::vector<ShippedFile>
 shipped_files(const std::string &source,
@@ -83,7 +82,8 @@ shipped_files(const std::string &source,
             file.is_benchmark = part == "prm/mass";
             std::ostringstream content;
             content << std::ifstream(entry.path()).rdbuf();
-            // Files of examples include others, and name what those read.
+            // Files of examples include others, and name the files that these
+            // read.
             file.content = std::regex_replace(content.str(),
                                               std::regex(R"(\.\./\.\./)"),
                                               root.string() + "/");
@@ -124,9 +124,9 @@ shipped_files(const std::string &source,
 
 
 /**
- * The parameter files of greville as they are, those of the reference among
- * them, with the settings that name what users compile: it is in the tree
- * @p build.
+ * Return the parameter files of greville without reduction, including the files
+ * of the reference. Settings name the libraries that users compile, from the
+ * tree @p build.
  */
 inline std::vector<std::pair<std::filesystem::path, std::vector<std::string>>>
 whole_shipped_files(const std::string &source, const std::string &build)

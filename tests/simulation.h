@@ -3,7 +3,7 @@
 #ifndef greville_tests_simulation_simulation_h
 #define greville_tests_simulation_simulation_h
 
-// What the tests of simulations share: parameter files as text.
+// Shared by the tests of simulations: parameter files as text.
 
 #include <greville/run/comparison.h>
 #include <greville/steps/simulation.h>
@@ -17,7 +17,7 @@
 #include <tests.h>
 
 /**
- * Parameters from sections: add("Grid", "Order = 2").
+ * Parameters that are built from sections: add("Grid", "Order = 2").
  */
 class Text
 {
@@ -25,7 +25,7 @@ public:
   Text() = default;
 
   /**
-   * From a whole file.
+   * Construct from the text of a whole file.
    */
   explicit Text(const std::string &content)
     : content(content)
@@ -68,7 +68,7 @@ public:
 
 
 /**
- * A simulation, with its parameters.
+ * A simulation with its parameters.
  */
 template <int dim>
 struct Simulated
@@ -79,7 +79,7 @@ struct Simulated
   {}
 
   /**
-   * With parameters that files cannot set.
+   * Construct with parameters that files cannot set.
    */
   Simulated(const Text                                        &text,
             const std::function<void(SimulationParameters &)> &change)
@@ -136,7 +136,8 @@ struct Simulated
 
 
 /**
- * Whether a 2D simulation is refused with a message that has @p wanted.
+ * Return whether a 2D simulation is refused with a message that contains @p
+ * wanted.
  */
 inline void
 check_refused(const std::string &name,
@@ -152,7 +153,7 @@ check_refused(const std::string &name,
     {
       message = message_of(error);
     }
-  // Nobody reads the file any more when it is written again.
+  // All processes must have read the file before it is rewritten.
   MPI_Barrier(MPI_COMM_WORLD);
   check(name, message.find(wanted) != std::string::npos);
   if (message.find(wanted) == std::string::npos)

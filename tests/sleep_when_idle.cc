@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// A library to be loaded before Open MPI. A process that waits for a message
-// calls sched_yield() again and again, which keeps a core busy that another
-// test needs. After a thousand calls in a row, about a millisecond, this one
-// sleeps for a moment instead.
+// A library that is loaded before Open MPI. A process that waits for a message
+// calls sched_yield() continually and keeps a core busy that another test
+// needs. With this library, it sleeps for a moment after a thousand calls in a
+// row, about a millisecond.
 
 #include <sys/syscall.h>
 #include <time.h>

@@ -3,11 +3,10 @@
 #ifndef greville_tests_h
 #define greville_tests_h
 
-// What the tests share. A test is a file with a function test_main(), in which
-// MPI is up. Numbers are printed by the first process and compared
-// with the .output file. Claims are checked in the program, by check():
-// residuals of the size of round-off above all, since numdiff takes what is
-// below 1e-6 for zero.
+// Shared by all tests. A test is a file with a function test_main(), which runs
+// with MPI initialized. The first process prints numbers, which are compared
+// with the .output file. The program itself checks claims with check(), above
+// all residuals at round-off, because numdiff treats values below 1e-6 as zero.
 
 #include <deal.II/base/function.h>
 #include <deal.II/base/mpi.h>
@@ -25,7 +24,7 @@
 using namespace dealii;
 using namespace greville;
 
-// What stands behind the name of the test in the command line.
+// The command-line arguments after the name of the test.
 inline std::vector<std::string> &
 test_arguments()
 {
@@ -44,10 +43,10 @@ print(const MPI_Comm comm = MPI_COMM_WORLD)
 
 
 
-// What the checks of a program have found. At its end, the first process prints
-// how many there were, so that a check that is never reached changes the
-// output, and each process that has seen one fail exits with 1, which deal.II's
-// test driver reports together with the claims.
+// Counts the checks of a program. At the end, the first process prints their
+// number, so that a skipped check changes the output. A process with a failed
+// check exits with 1, which deal.II's test driver reports together with the
+// claims.
 class Checks
 {
 public:
@@ -59,7 +58,7 @@ public:
       std::_Exit(1);
   }
 
-  // The output where the claim that has failed is to be written.
+  // Return the stream for a failed claim.
   std::ostream &
   failed()
   {
@@ -87,7 +86,7 @@ next_check()
 
 
 
-// Nothing is printed unless the bound is missed (or the value is NaN).
+// Print nothing unless the bound is missed or the value is NaN.
 inline void
 check(const std::string &what, const double value, const double bound)
 {
@@ -108,7 +107,7 @@ check(const std::string &what, const bool condition)
 
 
 
-// A count in a range.
+// Check that a count is in a range.
 inline void
 check_range(const std::string &what,
             const unsigned int value,
@@ -154,7 +153,8 @@ cube(const unsigned int n)
 
 
 
-// A number between -1 and 1 that depends on the position of a function only.
+// Return a number between -1 and 1 that depends only on the position of a
+// function.
 inline double
 pseudo_random(const std::uint64_t position)
 {
@@ -177,7 +177,7 @@ pseudo_random_vector(const SplineSpace<dim> &space)
 
 
 
-// Relative difference of two vectors.
+// Return the relative difference of two vectors.
 inline double
 difference(const VectorType &a, const VectorType &b)
 {
