@@ -1,4 +1,4 @@
-"""What the tables of scripts/tables share."""
+"""Shared by the tables of scripts/tables."""
 import argparse
 import csv
 import os
@@ -11,14 +11,14 @@ from greville import ResultsError, how_to_install
 
 ROOT = Path(__file__).resolve().parent.parent
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
-# Of the command line: the folder of the programs, and the name of the table.
+# From the command line: the folder of the programs, and the name of the table.
 OPTIONS = argparse.Namespace(build=ROOT / "build", name="")
-# By name: its function, which takes what the command line gives, and its arguments, as argparse has them.
+# For each name: its function of the command-line arguments, and its arguments for argparse.
 TABLES = {}
 
 
 def table(name, *arguments):
-    """Add a function to the list; the first line of its text says what it makes."""
+    """Add a function to the list; the first line of its docstring says what it makes."""
     def add(function):
         TABLES[name] = (function, arguments)
         return function
@@ -34,12 +34,12 @@ def shipped(name):
 
 
 def section(name, **values):
-    """The text of a section; underscores are blanks."""
+    """Return the text of a section; underscores become blanks."""
     return f"subsection {name}\n" + "".join(f"  set {key.replace('_', ' ')} = {value}\n" for key, value in values.items()) + "end\n"
 
 
 class Result:
-    """What a run has printed, its folder, and its CPU and wall time in s."""
+    """The output of a run, its folder, and its CPU and wall time in s."""
 
     def __init__(self, folder, process, cpu, wall):
         self.folder, self.cpu, self.wall = folder, cpu, wall
@@ -76,7 +76,7 @@ def run(file, folder, settings={}, program="greville", processes=0):
 
 
 def run_to_end(*arguments, **options):
-    """The same of a run that has to succeed."""
+    """Run a file as run() does. The run must succeed."""
     result = run(*arguments, **options)
     if result.has_failed:
         raise ResultsError(f"{result.folder} has failed: {result.error.strip() or result.out[-2000:]}")
@@ -84,7 +84,7 @@ def run_to_end(*arguments, **options):
 
 
 def write_csv(rows, columns=None, name=None):
-    """Rows, which are dicts, to doc/data."""
+    """Write rows, which are dicts, to doc/data."""
     with open(ROOT / "doc" / "data" / f"{name or OPTIONS.name}.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, columns or list(rows[0]), lineterminator="\n")
         writer.writeheader()
@@ -92,7 +92,7 @@ def write_csv(rows, columns=None, name=None):
 
 
 def read_csv(file):
-    """The rows of a table as dicts of words."""
+    """Return the rows of a table as dicts of words."""
     with open(file, newline="") as stream:
         return list(csv.DictReader(stream))
 

@@ -23,7 +23,7 @@ STUDIES = [("vibrating_bar", "{n}, 1", [8, 16, 32, 64], 6.25, "bar"),
 
 
 def error_and_cost(study, kind, p, n, safety):
-    """A row; None where the run has failed."""
+    """Return a row; None if the run has failed."""
     problem, cells, _, end, body = study
     formulation, mass = kind
     settings = {"Sweep/Cells": "", "Sweep/Orders": "", "Sweep/Masses": "", "Sweep/Formulations": "",
@@ -35,7 +35,7 @@ def error_and_cost(study, kind, p, n, safety):
     start, whole = (run(shipped(problem), folder_of("run"), {**settings, "Time/Maximum steps": steps}) for steps in (1, 0))
     if start.has_failed or whole.has_failed:
         return None
-    # The time of the start of a program varies by 0.05 s.
+    # The start time of a program varies by 0.05 s.
     return {"problem": problem, "formulation": formulation, "mass": mass, "p": p, "cells": n, "safety": safety,
             "steps": re.search(r"(\d+) steps to", whole.out).group(1),
             "seconds": f"{max(whole.cpu - start.cpu, 0.05):.3f}",
@@ -43,7 +43,7 @@ def error_and_cost(study, kind, p, n, safety):
 
 
 def front_of(rows, *wanted):
-    """Seconds and errors of runs of a problem, formulation, mass and order that no cheaper one undercuts."""
+    """Return seconds and errors of the runs of a problem, formulation, mass and order without a cheaper run of smaller error."""
     runs = sorted((float(row["seconds"]), float(row["error_l2"])) for row in rows
                   if (row["problem"], row["formulation"], row["mass"], int(row["p"])) == wanted)
     front, best = [], float("inf")
@@ -61,7 +61,7 @@ def work_precision(given):
     Runs the vibrating bar, the axis-aligned manufactured solution and the twisting disk in updated Lagrangian steps with
     lumped mass, FMPM(2), FMPM(4) and the consistent mass, and in total Lagrangian steps with lumped and consistent mass,
     orders 1 to 3, on several meshes, each with 0.9 of its own critical step and with a quarter of that. Times are CPU times
-    on one core, without those of a run of one step, and 0.05 s at least. Draws work_precision.png and a short form of it,
+    on one core, without the time of a run of one step, and at least 0.05 s. Draws work_precision.png and a short form of it,
     order_pays.png, and prints the cheapest run below some errors.
     """
     plt = pyplot()
@@ -129,9 +129,8 @@ def load_balance(given):
     Runs the parameter files with 'Load balance/Threshold' = 0 and with the default, in turns, --rounds times on each
     number of processes, and prints a table: the imbalance (largest work of a process over the mean, from the rows of
     statistics.csv) at the worst and its mean over time, which is the time of a step in a model in which points and cells
-    are all the work; how often cells were shared anew and the seconds that took; and the wall and CPU times with it over
-    those without, as medians of the ratios of rounds. Times mean something only where each process has a core and nothing
-    else runs.
+    are all the work; how often cells were redistributed and the seconds for it; and the ratios of wall and CPU times with
+    and without it, as medians over rounds. Times are meaningful only if each process has a core and nothing else runs.
     """
     print_head("file", "processes", "imbalance without: mean, largest", "with: mean, largest", "largest work without, with (points)",
                "partitions", "s for them, of all", "wall, with / without", "CPU, with / without")
@@ -167,8 +166,8 @@ def load_balance(given):
 def cost_of_rows(_):
     """what a row of statistics in each step costs
 
-    The CPU time of runs with rows over that of the same runs without, both less the time of a run of one step, which is
-    that of the set-up. Medians of five pairs, one process.
+    The ratio of CPU times of runs with and without rows, both less the time of a run of one step, which is the set-up
+    time. Medians of five pairs, one process.
     """
     print_head("", "mass", "cost of a row / step")
     for name, mass, steps in (("elastic_block_2d", "lumped", 200), ("elastic_block_2d", "consistent", 60),
@@ -190,7 +189,7 @@ def cost_of_domains(_):
     """what B-splines averaged over domains cost
 
     The CPU time of steps with 'Scheme/Functions' = domains over that of as many steps of the same length with points, both
-    less the time of a run of one step, which is that of the set-up. Medians of five pairs, one process.
+    less the time of a run of one step, which is the set-up time. Medians of five pairs, one process.
     """
     print_head("", "mass", "step with domains / with points")
     for name, settings, steps in (("colliding_disks", {"Grid/Cells": "60, 60", "Time/Step": 5e-4, "Sweep/Masses": ""}, 400),
@@ -208,7 +207,7 @@ def cost_of_domains(_):
 
 
 def without_contacts(text):
-    """The text of a parameter file without its contacts and rigid bodies."""
+    """Return the text of a parameter file without its contacts and rigid bodies."""
     text = re.sub(r"subsection (Contact|Rigid body) .*?\nend\n", "", text, flags=re.DOTALL)
     return re.sub(r"\n *set (Contacts|Rigid bodies) .*", "", text)
 
@@ -225,8 +224,8 @@ CONTACTS = {
 def cost_of_contact(given):
     """what contact costs in explicit steps
 
-    The CPU time of runs with contacts over that of the same steps without, both less the time of a run of one step, which
-    is that of the set-up; and the fraction of material points that are contactors or on surfaces. Medians of five pairs,
+    The ratio of CPU times of the same steps with and without contacts, both less the time of a run of one step, which is
+    the set-up time; and the fraction of material points that are contactors or on surfaces. Medians of five pairs,
     one process.
     """
     print_head("", "points", "points in contacts", "step with contact / without")
@@ -269,7 +268,7 @@ FREE_FALL = math.sqrt(2 * 9.81 * 1.0)  # m / s, from the height of the pile
 
 
 def last_time(file):
-    """The time in the last whole line of a table."""
+    """Return the time in the last complete line of a table."""
     try:
         with open(file, "rb") as stream:
             stream.seek(0, os.SEEK_END)
@@ -281,7 +280,7 @@ def last_time(file):
 
 
 def run_long(name):
-    """Run to the end; memory.csv has the resident memory over the time of the run."""
+    """Run to the end. Writes the resident memory over the time of the run to memory.csv."""
     kind, settings = LONG_RUNS[name]
     folder = folder_of(re.sub(r"\W+", "_", name))
     folder.mkdir(parents=True, exist_ok=True)
@@ -316,7 +315,7 @@ def results_of(name):
 def measure(name):
     folder, rows, memory = results_of(name)
     log = (folder / "log.txt").read_text()
-    # The balance of energy may have stopped it.
+    # The energy balance may have stopped the run.
     steps = re.search(r"(\d+) steps to", log) or re.search(r"The state of step (\d+)", log)
     if steps is None:
         raise ResultsError(f"{name} failed:\n{log}")

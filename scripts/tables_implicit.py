@@ -53,7 +53,7 @@ def stiffness_growth(given):
     """time, memory and iterations of linear systems over the number of unknowns
 
     Runs prm/stiffness/throughput_p2.prm and throughput_p3.prm five times each, and writes and draws the medians. Takes ten
-    minutes on an idle machine, and means nothing on another one.
+    minutes, and needs an idle machine.
     """
     plt, files = pyplot(), list(given.files)
     for k in range(0 if files else 5):
@@ -170,7 +170,7 @@ LENGTH = 0.048   # m, the width of Cook's membrane
 
 
 def tip(folder):
-    """Upward displacement of the tip, mm."""
+    """Return the upward displacement of the tip, mm."""
     table = Run(folder).probes
     count = sum(re.fullmatch(r"x\d+", name) is not None for name in table)
     x, y = ([np.array([table[f"{axis}{k}"][row] for k in range(count)]) * 1e3 for row in (0, -1)] for axis in "xy")
@@ -208,7 +208,7 @@ def cooks_membrane(_):
                       "Output/Fields every": 0, "Output/Probes": probes})
         row = f"{cells},{order},{per_cell},{shift_x:.1f},{shift_y:.1f},"
         if result.has_failed:
-            # How far it came.
+            # The time that the run has reached.
             times = re.findall(r"^step \d+, t = (\S+)", result.out, re.MULTILINE)
             print(row + f",,,,stopped at t = {times[-1] if times else 0}", flush=True)
             continue
@@ -228,7 +228,7 @@ LOCKING = {
 
 
 def run_locking(case, cells, order, projection, placement="equidistant", jitter=0.5):
-    """The folder of a run, which is made where it is not there."""
+    """Return the folder of a run, and run it if the folder is missing."""
     length, box, shape, force, walls, _ = LOCKING[case]
     h = length / cells
     x0, y0, x1, y1 = box(h)
@@ -256,7 +256,7 @@ def pressures(folder):
 
 
 def at_points(x, fine, values, h):
-    """The values of a plane through those of the nearest fine points, for each x. Cells of h sort the fine points."""
+    """Return, for each x, the value of a plane through the values of the nearest fine points. Cells of size h sort the fine points."""
     cells = {}
     for k, cell in enumerate(map(tuple, np.floor(fine / h).astype(int))):
         cells.setdefault(cell, []).append(k)
@@ -274,7 +274,7 @@ def at_points(x, fine, values, h):
 def projection_tables(_):
     """spaces of Scheme/Volumetric projection at a Poisson's ratio of 0.4999, as CSV
 
-    Cook's membrane and a soil below a strip, with jittered points. Takes some minutes; runs that are there are kept.
+    Cook's membrane and a soil below a strip, with jittered points. Takes some minutes; existing runs are kept.
 
     Body forces are smooth. The displacement is the work over that of a fine run, i.e. the mean displacement, weighted by
     the force. The pressure is compared with that of the fine run at the points which are farther than an eighth of the
@@ -313,7 +313,7 @@ MIDPOINT = section("Scheme", Stress_update="implicit-midpoint", Mass="consistent
 
 
 def rows_of(text, file="statistics.csv"):
-    """The rows of a table that a run leaves, and what it ended with."""
+    """Return the rows of a table of a run, and the end of the run."""
     (folder_of("run") / file).unlink(missing_ok=True)
     result = run(text + section("Output", Fields_every=0), folder_of("run"), program="sweep" if file == "convergence.csv" else "greville")
     if result.has_failed and not (result.folder / file).exists():

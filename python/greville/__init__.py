@@ -1,4 +1,4 @@
-"""Runs Greville, and reads and draws what it leaves.
+"""Runs Greville, and reads and draws its results.
 
     import greville
     case = greville.Case("slope.prm")

@@ -1,4 +1,4 @@
-"""Runs parameter files: Case, and what it needs of the programs."""
+"""Runs parameter files: Case and its helpers."""
 import contextlib
 import json
 import os
@@ -21,7 +21,7 @@ PROGRESS = re.compile(r"step \d+, t = (\S+) of (\S+) s")
 
 
 class RunFailed(Error):
-    """What the program says of a run that it cannot begin or finish; output is all that it has printed."""
+    """The program's message on a run that cannot begin or finish; output is all that it has printed."""
 
     def __init__(self, message, output=""):
         super().__init__(message)
@@ -29,7 +29,7 @@ class RunFailed(Error):
 
 
 def program():
-    """The program: $GREVILLE, that of the source tree or installation with this package, or that of the PATH."""
+    """Return the program: $GREVILLE, else from the source tree or installation of this package, else from PATH."""
     installed = [folder / "bin/greville" for folder in list(PACKAGE.parents)[3:4]]
     candidates = [os.environ.get("GREVILLE"), PACKAGE.parents[1] / "build/greville", *installed, shutil.which("greville")]
     for candidate in candidates:
@@ -39,7 +39,7 @@ def program():
 
 
 def project_file(name):
-    """A file of the source tree or installation, such as 'scripts/build_umat' or 'prm/simulation/dam_break.prm'."""
+    """Return a file of the source tree or installation, such as 'scripts/build_umat' or 'prm/simulation/dam_break.prm'."""
     roots = [PACKAGE.parents[1]]
     if not (roots[0] / name).exists():
         prefix = program().resolve().parent.parent
@@ -51,7 +51,7 @@ def project_file(name):
 
 
 def environment():
-    """As set_up_mpi of scripts/common.sh; what the caller has set counts."""
+    """Return the environment of set_up_mpi in scripts/common.sh; variables that the caller has set are kept."""
     defaults = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
                 "OMPI_MCA_hwloc_base_binding_policy": "none",
                 "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
@@ -64,7 +64,7 @@ def environment():
 
 
 def message_of(text):
-    """The program's paragraph in what a failed run has printed on stderr, without what mpirun says of it."""
+    """Return the program's paragraph in the stderr output of a failed run, without the text of mpirun."""
     found = re.search(r"^greville: (.+?)(?=\n\s*\n|\n-{5,}|\Z)", text, re.MULTILINE | re.DOTALL)
     return (found.group(1) if found else text).strip() or "The program has ended without a message."
 
@@ -88,36 +88,36 @@ class Progress:
 
 
 def check_number(name, n):
-    """Refuse numbers of processes that are no whole numbers above zero."""
+    """Refuse a number of processes that is no positive integer."""
     if not isinstance(n, Integral) or isinstance(n, bool) or n < 1:
         raise RunFailed(f"{name} has to be a whole number above zero, not {n!r}.")
 
 
 def start(arguments, processes, terminal=True, **streams):
-    """Start the program in a session of its own, so that Ctrl-C reaches it by interrupt() only."""
+    """Start the program in its own session, so that Ctrl-C reaches it only through interrupt()."""
     command = [str(program()), *map(str, arguments)]
     if processes > 1:
         command = ["mpirun", "-np", str(processes), *command]
-    # mpirun gives processes a terminal whatever its own output is.
+    # mpirun gives processes a terminal even if its own output is none.
     variables = environment() if terminal else {**environment(), "TERM": "dumb"}
     return subprocess.Popen(command, stdin=subprocess.DEVNULL, env=variables, start_new_session=True, **streams)
 
 
 def interrupt(process, processes):
-    """Let the program write a checkpoint and end; mpirun would kill it before."""
+    """Let the program write a checkpoint and end. mpirun would kill it before."""
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    with contextlib.suppress(OSError):   # Of one that has just ended.
+    with contextlib.suppress(OSError):   # The process has just ended.
         for pid in children.read_text().split() if processes > 1 else [process.pid]:
             os.kill(int(pid), signal.SIGINT)
 
 
 def call(arguments, processes=1, progress=None):
-    """Run the program, and return what it prints; progress(part, line) is called about five times a second."""
+    """Run the program, and return its output; progress(part, line) is called about five times a second."""
     check_number("processes", processes)
     if progress is not None and not callable(progress):
         raise RunFailed(f"progress has to be a function of the part that is done and a line, not {progress!r}.")
     lines, rest = [], b""
-    # The program shows each step to a terminal, and ten lines to a file.
+    # The program shows each step on a terminal, but only ten lines in a file.
     ours, theirs = pty.openpty()
     with tempfile.TemporaryFile() as messages:
         process = start(arguments, processes, stdout=theirs, stderr=messages)
@@ -131,7 +131,7 @@ def call(arguments, processes=1, progress=None):
                     break
                 try:
                     text = os.read(ours, 65536)
-                except OSError:   # So a terminal ends.
+                except OSError:   # A terminal signals its end by this error.
                     break
                 *parts, rest = re.split(rb"[\r\n]+", rest + text)
                 for line in (re.sub(r"\033\[[0-9;]*[A-Za-z]", "", part.decode(errors="replace")).rstrip() for part in parts):
@@ -155,8 +155,8 @@ def call(arguments, processes=1, progress=None):
 
 
 def as_text(value):
-    """A value as a parameter file has it: a list with commas, a list of lists with semicolons between them."""
-    if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):   # Of numpy.
+    """Return the value as text of a parameter file: lists with commas, lists of lists with semicolons between them."""
+    if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):   # A number of numpy.
         value = value.item() if value.dtype == bool else value[()]
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -168,7 +168,7 @@ def as_text(value):
 
 
 def as_value(text):
-    """The number that has this text, or the text."""
+    """Return the number that the text represents, or the text."""
     for kind in (int, float):
         try:
             if str(kind(text)) == text:
@@ -179,7 +179,7 @@ def as_value(text):
 
 
 def as_prm(tree, indent=""):
-    """The text of a parameter file with these sections within sections; names may be paths as in 'Stage cut/Time/Step'."""
+    """Return the text of a parameter file from nested sections; names may be paths as in 'Stage cut/Time/Step'."""
     result = ""
     for name, value in tree.items():
         *sections, name = str(name).split("/")
@@ -195,7 +195,7 @@ def as_prm(tree, indent=""):
 
 
 def check_repetitions(file, names):
-    """Refuse names that are there twice in one section."""
+    """Refuse duplicate names in a section."""
     for name in names:
         if names.count(name) > 1:
             raise RunFailed(f"{file} has <{name}> twice in one section.")
@@ -215,7 +215,7 @@ def import_yaml(file):
 
 
 def read_tree(file):
-    """The sections of a JSON or YAML file."""
+    """Return the sections of a JSON or YAML file."""
     text, yaml = read_text(file), None if file.suffix == ".json" else import_yaml(file)
     try:
         if yaml:
@@ -234,19 +234,19 @@ def read_tree(file):
 
 
 def values_of(text):
-    """The parameters of a text of the program by name."""
+    """Return the parameters in a text of the program by name."""
     return {name: line.value for name, line in read_parameter_text(text).items()}
 
 
 def folder_of(parameters):
-    """The folder of the results of a run with these parameters."""
+    """Return the result folder of a run with these parameters."""
     return Path(parameters["Output/Directory"] or f"output/{parameters['Simulation/Name']}")
 
 
 class Case:
     """A problem: a parameter file (.prm, .json, .yaml), a template by its name, or sections as a dict, with settings.
 
-    JSON, YAML and dicts have sections within sections with the names of a .prm file. Lists become values with
+    JSON, YAML and dicts have nested sections with the names of a .prm file. Lists become values with
     commas, and lists of lists have semicolons between them.
     """
 
@@ -266,16 +266,16 @@ class Case:
 
     @classmethod
     def new(cls, template, file=None):
-        """A copy of a template of the program, such as 'slope', as FILE: greville --new."""
+        """Copy a template of the program, such as 'slope', to FILE, like greville --new, and return its Case."""
         call(["--new", template, *([file] if file else [])])
         return cls(file or f"{template}.prm")
 
     def set(self, name, value):
-        """Replace a parameter, such as 'Material clay/Cohesion'; returns the case."""
+        """Replace a parameter, such as 'Material clay/Cohesion', and return the case."""
         if value is None:
             raise RunFailed(f"The parameter <{name}> has no value.")
         text = as_text(value)
-        # What the command line cannot take.
+        # The command line does not support these.
         if any(character == "\0" or "\ud800" <= character <= "\udfff" for character in f"{name}{text}"):
             raise RunFailed(f"The parameter {name!r} is {text!r}, which has characters that no file can have.")
         self.settings[name] = text
@@ -287,14 +287,14 @@ class Case:
         return result
 
     def as_prm(self):
-        """The text of a parameter file with the sections of a dict, JSON or YAML; settings are not in it."""
+        """Return the sections of a dict, JSON or YAML as the text of a parameter file, without settings."""
         return f"subsection Simulation\n  set Name = {self.name}\nend\n" + as_prm(self.tree)
 
     def _call(self, *options, processes=1, progress=None):
         options += tuple(word for name, value in self.settings.items() for word in ("--set", f"{name}={value}"))
         if self.tree is None:
             return call([self.file, *options], processes, progress)
-        # Names of files in it are relative to the file, which has to be where the original is.
+        # File names in it are relative to the file, so it must be in the folder of the original.
         descriptor, file = tempfile.mkstemp(".prm", f".{self.name}_", self.folder, text=True)
         try:
             with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
@@ -307,15 +307,15 @@ class Case:
 
     @property
     def parameters(self):
-        """All parameters that a run would have, as text by name."""
+        """Return all parameters of a run, as text by name."""
         return values_of(self._call("--print-parameters"))
 
     def save(self, file):
-        """Write what is not a default as .prm, .json or .yaml, which this package reads again."""
+        """Write all parameters that are not defaults as .prm, .json or .yaml. This package reads all three."""
         tree, file = {}, Path(file)
         for name, line in read_parameter_text(self._call("--print-parameters")).items():
             *sections, name = name.split("/")
-            if line.default is not None or name == "Model":   # Which has no default.
+            if line.default is not None or name == "Model":   # It has no default.
                 section = tree
                 for part in sections:
                     section = section.setdefault(part, {})
@@ -329,16 +329,16 @@ class Case:
         file.write_text(text, encoding="utf-8")
 
     def check(self):
-        """What a run would take, as text: sizes, step, time and memory."""
+        """Return the estimated cost of a run as text: sizes, step, time and memory."""
         return self._call("--check")
 
     @property
     def results(self):
-        """The folder of the results."""
+        """Return the result folder."""
         return folder_of(self.parameters)
 
     def run(self, processes=1, progress=None, resume=False):
-        """Run the program, and return the Run; progress(part, line) takes the place of the bar or line that is shown."""
+        """Run the program, and return the Run; progress(part, line) replaces the progress bar or line."""
         folder = self.results
         output = self._call(*(["--resume"] if resume else []), processes=processes, progress=progress or Progress())
         run = Run(folder)
@@ -346,7 +346,7 @@ class Case:
         return run
 
     def element_test(self, test, material=None):
-        """The Table of a laboratory test of a material, such as 'triaxial-drained'."""
+        """Return the Table of a laboratory test of a material, such as 'triaxial-drained'."""
         self._call("--element-test", test, *(["--material", material] if material else []))
         return read_table(self.results / "element_test.csv")
 

@@ -1,10 +1,10 @@
-"""Pictures of what is no simulation, or several ones: energies, errors of sweeps, solves, element tests."""
+"""Draws charts: energies of several runs, errors of sweeps, solves, element tests."""
 from .drawing import COLOURS, LINES, FormatStrFormatter, label_energy, np, plt
 from .results import ResultsError, Run, read_table
 
 
 def draw_all_energies(folders, place):
-    """Kinetic and total energy of several runs."""
+    """Draw kinetic and total energy of several runs."""
     figure, axes = plt.subplots(1, 2, figsize=(7.2, 2.9 + 0.17 * (len(folders) // 3)), dpi=200)
     for k, folder in enumerate(folders):
         run = Run(folder)
@@ -27,7 +27,7 @@ def draw_convergence(folder):
     table = read_table(folder / "convergence.csv")
     p, cells, error = (table[name] for name in ("p", "cells", "error_l2"))
     kinds = list(zip(table["formulation"], table["mass"]))
-    # What is the same for all rows needs no label.
+    # Equal values in all rows need no label.
     told = [k for k in range(2) if len({kind[k] for kind in kinds}) > 1] or [1]
     names, orders = list(dict.fromkeys(kinds)), sorted(set(p.astype(int)))
     figure, axes = plt.subplots(figsize=(5.4, 3.8), dpi=200)
@@ -102,7 +102,7 @@ def draw_solves(folder):
 
 def draw_element_test(folder):
     table = read_table(folder / "element_test.csv")
-    # The strain that grows most is the one that the test controls.
+    # The test controls the strain that grows most.
     axial, shear = table["strain_axial"], table["strain_shear"]
     is_shear = np.ptp(shear) > 1.5 * np.ptp(axial)
     strain, label = (shear, "shear strain") if is_shear else (axial, "axial strain")

@@ -1,4 +1,4 @@
-"""What the commands of this package share: each is main(program) of a module."""
+"""Shared by the commands of this package. Each is main(program) of a module."""
 import argparse
 import sys
 from pathlib import Path
@@ -7,14 +7,14 @@ from .results import ResultsError
 
 
 def parser_of(program, text, folders="results of a run"):
-    """Takes the folders of runs; text is the help."""
+    """Return a parser that takes folders of runs; text is the help."""
     parser = argparse.ArgumentParser(prog=program, description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help=folders)
     return parser
 
 
 def run_command(parser, action):
-    """Call the action with what the command line says; an error ends the program with its message."""
+    """Call the action with the command-line arguments. An error ends the program with its message."""
     arguments = parser.parse_args()
     try:
         action(arguments)

@@ -1,34 +1,34 @@
-"""What pictures and reports choose to show of a run: its main field, ranges of colours, the upright axis, room for rigid bodies."""
+"""Chooses the display of a run in pictures and reports: main field, colour ranges, upright axis, room for rigid bodies."""
 import re
 
 from .results import AXES, ResultsError, np
 
-# The smallest upper end of the scale of a field. A plastic strain of less than a
-# hundredth does not change the shape of a body visibly; on a scale that fits it, a
-# body that stands would look like one that fails.
+# The smallest upper end of the scale of a field. A plastic strain below 0.01 does not
+# change the shape of a body visibly; on a fitted scale, a stable body would look as if
+# it failed.
 LEAST_UPPER_ENDS = {"plastic_strain": 0.01}
-# What is shown of a run whose points have no velocity, the first that is there.
+# Fields to show if points have no velocity; the first existing one is used.
 MAIN_FIELDS = ("displacement", "pressure", "von_mises", "pore_pressure")
-# Fields that tell points apart, and say nothing about what happens.
+# Fields that only identify points.
 IDENTIFIERS = ("body", "id", "process", "size", "reference")
 
 
 def parts_in_range(field):
-    """Percentiles of values between which a scale of colours lies. The plastic strain of a thin sheared layer is many
-    times that of the body above it."""
+    """Return the percentiles of values that bound a colour scale. The plastic strain of a thin sheared layer is many times
+    larger than in the body above it."""
     return (0., 97.) if field == "plastic_strain" else (0.2, 99.8)
 
 
 def range_of_colours(field, low, high):
-    """The range of a scale that fits the values from low to high."""
+    """Return the range of a scale that fits the values from low to high."""
     return low, max(high, LEAST_UPPER_ENDS.get(field, high))
 
 
 def main_field(run):
-    """The field that says most about a run; None where points have nothing but positions.
+    """Return the most informative field of a run; None if points have only positions.
 
-    This is the plastic strain of soil, where there is any, and else the speed. Points that are written without their
-    velocity have the pore pressure of water, or the first of MAIN_FIELDS and others that is there.
+    This is the plastic strain of soil, if there is any, else the speed. For points that are written without their
+    velocity, it is the pore pressure, or the first existing field of MAIN_FIELDS and others.
     """
     available = run.point_fields
     models = {run.parameters.get(f"Material {run.parameters.get(f'Body {name}/Material')}/Model") for name in run.bodies}
@@ -44,7 +44,7 @@ def main_field(run):
 
 
 def check_field(run, name):
-    """Refuse a field that points do not have: neither 'speed', nor an array of them, nor a component such as velocity_x."""
+    """Refuse a field that is neither 'speed', nor an array of the points, nor a component such as velocity_x."""
     available = run.point_fields
     if name == "speed" and "velocity" in available or name in available \
             or isinstance(name, str) and name[:-2] in available and name[-2:] in ("_x", "_y", "_z"):
@@ -54,14 +54,14 @@ def check_field(run, name):
 
 
 def array_of(run, name):
-    """The array that has a field: 'velocity' of 'speed' and of 'velocity_x'."""
+    """Return the array that contains a field: 'velocity' for 'speed' and for 'velocity_x'."""
     return "velocity" if name == "speed" else name if name in run.point_fields else name[:-2]
 
 
 def up_axis(run, up=None):
-    """The number of the axis that is upright in 3D: that of this name, or that which gravity follows most.
+    """Return the number of the upright axis in 3D: the named axis, or the axis closest to gravity.
 
-    The first numbers in formulas of gravity decide, those of stages as well. Without gravity it is the axis along which
+    The first numbers in the formulas of gravity decide, including stages. Without gravity, it is the axis along which
     bodies are flat, less than half as long as along the others, or y.
     """
     if up:
@@ -85,9 +85,9 @@ def up_axis(run, up=None):
 
 
 def room_for_rigid_bodies(run, lower, upper, facets_of):
-    """Limits of bodies with room for rigid ones, whose facets are facets_of[name], one array for each time.
+    """Return limits of bodies with room for rigid bodies. facets_of[name] has an array of facets for each time.
 
-    Those without an end, which are cut beyond the grid, and those that do not fit have little.
+    Unbounded bodies, which are cut beyond the grid, and bodies that do not fit have little room.
     """
     room, (low, high) = (upper - lower).max(), (lower, upper)
     n = len(lower)

@@ -1,10 +1,10 @@
-"""What all pictures share: libraries, colours, axes, and spheres with a depth buffer."""
+"""Shared by all pictures: libraries, colours, axes, and spheres with a depth buffer."""
 import math
 
 from .results import PACKAGES, ResultsError, how_to_install, pretty
 from .rigid import cut, loops_of
 
-# Help is there without the libraries, too.
+# Help must work without the libraries.
 try:
     import matplotlib
     import matplotlib.pyplot as plt
@@ -20,7 +20,7 @@ except ImportError as error:
     MISSING = (error.name or "").split(".")[0]
     matplotlib = plt = np = patheffects = EllipseCollection = Outline = FormatStrFormatter = Triangulation = Image = None
 
-# Okabe and Ito's colours, which the colour-blind can tell apart.
+# Okabe and Ito's colours, which colour-blind readers can distinguish.
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
 LINES = ["-", "--", "-."]
 BODY_COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5CC0", "#8C8C8C"]
@@ -34,12 +34,12 @@ def need_libraries():
         raise ResultsError(how_to_install(MISSING if MISSING in PACKAGES else "matplotlib"))
 
 
-# Room for labels beside and below the box of axes in 3D, inches.
+# Room for labels beside and below the axes box in 3D, inches.
 LABELS_3D = 0.5, 0.65
 
 
 def fit_box(axes, size, inches):
-    """The largest box of this shape that fits into so many inches with its labels."""
+    """Return the largest box of this shape that fits into this many inches with its labels."""
     axes.set_box_aspect(size)
     axes.figure.canvas.draw()
     corners = np.array([[limits[(k >> d) & 1] for d, limits in enumerate((axes.get_xlim(), axes.get_ylim(), axes.get_zlim()))]
@@ -51,7 +51,7 @@ def fit_box(axes, size, inches):
 
 
 def keep_apart(axis):
-    """The last label of an x axis ends within it, away from the first one of the next panel."""
+    """Align the last label of an x axis to end within it, away from the first label of the next panel."""
     low, high = sorted(axis.get_view_interval())
     places = [place for place in axis.get_majorticklocs() if low <= place <= high]
     axis.set_ticks(places)
@@ -62,7 +62,7 @@ def keep_apart(axis):
 
 
 def outline_of(segments):
-    """The path of the closed lines that segments make."""
+    """Return the path of the closed lines that the segments form."""
     corners, codes = [], []
     for loop in loops_of(segments):
         corners += loop + loop[:1]
@@ -71,7 +71,7 @@ def outline_of(segments):
 
 
 def places_in(triangles, spacing):
-    """Weights of corners at places in triangles that are no further apart, with the triangles, of which there are few at a time."""
+    """Yield corner weights of positions in triangles, no further apart than the spacing, with the triangles, a few at a time."""
     longest = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1, initial=0.)
     numbers = np.ceil(longest / spacing).astype(int) + 1
     for n in np.unique(numbers):
@@ -82,28 +82,28 @@ def places_in(triangles, spacing):
 
 
 def draw_spheres(axes, x, diameter, colours, facets, limits, sampling=2):
-    """Spheres, and grey triangles within limits, with a depth buffer, which matplotlib lacks, as an image over the axes."""
+    """Draw spheres, and grey triangles within limits, as an image over the axes, with a depth buffer, which matplotlib lacks."""
     axes.figure.canvas.draw()
-    # Of long ones, what lies beyond the picture would take most of the time.
+    # The parts of long triangles outside the picture would take most of the time.
     facets = cut(facets, np.linalg.norm(np.subtract(*limits)) / 8, limits, np.inf)
     matrix = axes.get_proj()
     scale = sampling * (axes.transData.transform([1., 0.]) - axes.transData.transform([0., 0.]))[0]
 
     def view(x):
-        """Pixels and, towards the eye, depth in pixels."""
-        projected = np.c_[x, np.ones(len(x))] @ matrix.T / matrix[3, 3]   # Without perspective.
+        """Return pixels, and the depth towards the eye in pixels."""
+        projected = np.c_[x, np.ones(len(x))] @ matrix.T / matrix[3, 3]   # There is no perspective.
         return np.c_[sampling * axes.transData.transform(projected[:, :2]), -scale * projected[:, 2]]
 
     points = view(x)
     radius = np.maximum(0.65 * diameter * scale * np.linalg.norm(matrix[:3, 0]) / matrix[3, 3], 1.)
-    order = np.argsort(points[:, 2])   # The nearest is written last.
+    order = np.argsort(points[:, 2])   # Write the nearest last.
     pixel, depth, radius, colours = points[order, :2], points[order, 2], radius[order], colours[order]
     seen = view(facets.reshape(-1, 3)).reshape(-1, 3, 3)
     box = view(np.array([[limits[(k >> d) & 1][d] for d in range(3)] for k in range(8 * bool(len(facets)))]).reshape(-1, 3))
     toward = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])
     toward *= np.where(toward[:, 2:] < 0, -1., 1.) / np.maximum(np.linalg.norm(toward, axis=1, keepdims=True), 1e-300)
 
-    # Pixels that points and triangles cover, and the nearest of these.
+    # The pixels that points and triangles cover, and the nearest of these.
     reach = int(np.ceil(radius.max()))
     every = np.r_[pixel, box[:, :2]]
     origin = (every.min(axis=0) // sampling).astype(int) - reach - 10
@@ -120,7 +120,7 @@ def draw_spheres(axes, x, diameter, colours, facets, limits, sampling=2):
         wins = z > nearest[place]
         nearest[place[wins]], owner[place[wins]] = z[wins], len(x) + mine[order][wins]
     if len(x) < (2 * reach + 1)**2:
-        # Few large ones, one after the other.
+        # The few large ones, one after the other.
         rows, owners = nearest.reshape(height, width), owner.reshape(height, width)
         for m in range(len(x)):
             (left, right), (low, high) = ((max(c - reach, 0), c + reach + 1) for c in corner[m])
@@ -139,7 +139,7 @@ def draw_spheres(axes, x, diameter, colours, facets, limits, sampling=2):
             wins = z > nearest[place]
             nearest[place[wins]], owner[place[wins]] = z[wins], inside[wins]
 
-    # Light from the upper left; darker where something near stands in front.
+    # Light from the upper left; darker behind near objects.
     place = np.flatnonzero(owner >= 0)
     mine = owner[place]
     normal, is_point = np.zeros((len(place), 3)), mine < len(x)
@@ -164,7 +164,7 @@ def draw_spheres(axes, x, diameter, colours, facets, limits, sampling=2):
 
 
 def label_energy(axes, name, run):
-    """Ticks of at most four digits, and the unit that fits them."""
+    """Set ticks of at most four digits, and the unit that fits them."""
     largest = max(map(abs, axes.get_ylim()))
     power = min(3, max(-3, math.floor(math.log10(largest) / 3))) if largest > 0 else 0
     prefix = {-3: "n", -2: "\u00b5", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}[power]
@@ -174,7 +174,7 @@ def label_energy(axes, name, run):
 
 
 def add_legend(axes):
-    """Above the axes, where there are no lines; of so many columns that it fits."""
+    """Add a legend above the axes, with as many columns as fit."""
     handles, labels = axes.get_legend_handles_labels()
     columns = len(labels)
     while columns > 1 and sum(sorted(map(len, labels))[-columns:]) + 8 * columns > 110:

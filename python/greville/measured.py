@@ -11,14 +11,14 @@ FILES = ("Surface file", "Failure line file", "Series file")
 
 
 def statistics_of(distance, value):
-    """Mean and largest of some distances (in the unit of the values), and the mean over that of the values."""
+    """Return the mean and the largest distance (in the unit of the values), and the mean relative to the mean value."""
     return {"mean": distance.mean(), "largest": distance.max(), "relative": distance.mean() / abs(value).mean(), "values": len(distance)}
 
 
 def surface_distance(run, x, y):
-    """Vertical distances of the measured surface to the highest point, with half of its size, within half a cell of x.
+    """Compare the measured surface with the highest point within half a cell of x, plus half of its size: vertical distances.
 
-    Where the body has ended, its surface is the floor; front says how far the run-out is beyond the last x, m.
+    Beyond the body, its surface is the floor. front is the run-out beyond the last x, m.
     """
     points, (lower, upper) = run.points(-1, ["size"]), run.grid_box
     half_cell = (upper[0] - lower[0]) / run.grid_cells[0] / 2
@@ -28,9 +28,9 @@ def surface_distance(run, x, y):
 
 
 def failure_line_distance(run, x, y):
-    """The area between the measured failure line and that of the run over the length of the first, m.
+    """Return the area between the failure lines of measurement and run, over the length of the measured line, m.
 
-    The area is that of points which were above the line and have not failed, or below it and have.
+    The area belongs to points that were above the line and have not failed, or below it and have failed.
     """
     if len(x) < 2 or (np.diff(x) <= 0).any():
         raise ResultsError(f"<{run.parameters['Reference/Failure line file']}> of the parameter 'Reference/Failure line file' "
@@ -46,7 +46,7 @@ def failure_line_distance(run, x, y):
 
 
 def series_distance(run, x, y):
-    """Distances of a column of statistics.csv to the measured values at the times that the run has reached."""
+    """Compare a column of statistics.csv with the measured values at the times that the run has reached."""
     table = run.statistics
     time, value = table["time"], table[run.parameters["Reference/Series quantity"]]
     reached = (time[0] <= x) & (x <= time[-1])
@@ -57,7 +57,7 @@ def series_distance(run, x, y):
 
 
 def distances(run):
-    """What summary.json has in "reference": a dict for each file of the section Reference."""
+    """Return the entry "reference" of summary.json: a dict for each file of the section Reference."""
     result = {}
     for file, measure in zip(FILES, (surface_distance, failure_line_distance, series_distance)):
         if run.parameters.get(f"Reference/{file}"):
@@ -73,7 +73,7 @@ def distances(run):
 
 
 def text_of(run, found):
-    """The lines about distances that scripts/run prints."""
+    """Return the lines about distances that scripts/run prints."""
     text, summary = "", run.summary
     if "surface" in found:
         surface = found["surface"]
@@ -89,7 +89,7 @@ def text_of(run, found):
 
 
 def add_to_summary(run):
-    """Add the distances of a run that is over to summary.json, and return the lines about them, or why there are none."""
+    """Add the distances of a finished run to summary.json, and return the lines about them, or the reason why there are none."""
     if not run.summary:
         return ""
     try:

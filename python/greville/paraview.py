@@ -5,8 +5,8 @@
 
 view.py is a script for ParaView 5.10 or later: points as boxes (3D: spheres) of
 their size, coloured by a field over all times, with the walls of the grid, surfaces
-with loads, rigid bodies, and the time. It goes on working when the folder is moved, if it is run
-by pvpython, which writes a picture of the last time, too:
+with loads, rigid bodies, and the time. It works in a moved folder if it is run by
+pvpython, which also writes a picture of the last time:
 
     pvpython output/dam_break/files/view.py last.png
 

@@ -1,6 +1,6 @@
-"""Draw what a run has left.
+"""Draw the results of a run.
 
-What is drawn, and where to, depends on what FOLDER holds:
+The contents of FOLDER decide on the pictures and their files:
 
 fields.pvd        a simulation: files/frames/frame_NNNN.png, one for each time of output,
                   animation.gif, also .mp4 where ffmpeg is installed, and
@@ -54,7 +54,7 @@ class Picture:
 
 
 def picture_of(run, k, mesh=False, **options):
-    """The Picture of the kth time of a run; options are those of Simulation."""
+    """Return the Picture of the kth time of a run; options are the options of Simulation."""
     need_libraries()
     with plt.rc_context(STYLE):
         simulation = Simulation(run.folder, **options)
@@ -71,14 +71,14 @@ def draw_frames(simulation, mesh):
         pictures.append(folder / f"frame_{k:04d}.png")
         frame(simulation, k, mesh).savefig(pictures[-1])
     print(f"{folder}/frame_0000.png to {pictures[-1].name}")
-    # Of a frame; the last one stays for a while.
+    # Durations of a frame; the last one stays longer.
     duration, end = int(np.clip(6000 / len(pictures), 40, 400)), 1500
     write_gif(simulation, pictures, duration, end)
     write_mp4(simulation.folder, duration, end)
 
 
 def write_gif(simulation, pictures, duration, end):
-    # One palette for all: the colours of points, in 3D in four shades, those of bodies, and grey.
+    # One palette for all frames: the colours of points, in 3D in four shades, of bodies, and grey.
     shades = np.array([1., 0.87, 0.74, 0.6] if simulation.dim == 3 else [1.])
     colours = plt.get_cmap(simulation.colours)(np.linspace(0, 1, 224 // len(shades)))[:, :3]
     colours = np.r_[(shades[:, None, None] * colours).reshape(-1, 3), matplotlib.colors.to_rgba_array(BODY_COLOURS)[:, :3], np.linspace([0.] * 3, [1.] * 3, 24)]
@@ -92,12 +92,12 @@ def write_gif(simulation, pictures, duration, end):
 
 
 def write_mp4(folder, duration, end):
-    """The frames as a film in all colours, where ffmpeg is installed; one of before would show another run."""
+    """Write the frames as a film in all colours if ffmpeg is installed. Removes an earlier film, which would show another run."""
     file = folder / "animation.mp4"
     file.unlink(missing_ok=True)
     if not shutil.which("ffmpeg"):
         return
-    # Players want even numbers of pixels, and colours by this format.
+    # Players need even numbers of pixels, and this colour format.
     filters = f"tpad=stop_mode=clone:stop_duration={end / 1000},pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white,format=yuv420p"
     done = subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-framerate", f"1000/{duration}", "-i", folder / "files/frames/frame_%04d.png",
                            "-vf", filters, "-r", "25", "-movflags", "+faststart", file], capture_output=True, text=True, stdin=subprocess.DEVNULL)
@@ -111,8 +111,8 @@ def write_mp4(folder, duration, end):
 # Lines.
 
 def draw_failure_lines(axes, simulation, k):
-    """The measured one, and where points of the run have moved by Reference/Failure displacement."""
-    # White lines with dark edges can be seen on all colours and beside them.
+    """Draw the measured failure line, and the line where points have moved by Reference/Failure displacement."""
+    # White lines with dark edges are visible on all colours and beside them.
     style = {"color": "white", "linewidth": 1.3,
              "path_effects": [patheffects.Stroke(linewidth=2.2, foreground="0.2"), patheffects.Normal()]}
     axes.plot(*simulation.failure_line[:2], linestyle=(0, (3, 2)), label="its failure line", **style)
@@ -122,9 +122,9 @@ def draw_failure_lines(axes, simulation, k):
         triangles = Triangulation(*x[:, :2].T)
         corners = x[triangles.triangles, :2]
         edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-        triangles.set_mask(edges > 4. * np.median(diameter))   # Those across the air and along walls.
+        triangles.set_mask(edges > 4. * np.median(diameter))   # Segments across air and along walls.
         level = float(simulation.parameters["Reference/Failure displacement"])
-        if not moved.min() < level < moved.max():   # Nothing fails yet.
+        if not moved.min() < level < moved.max():   # Nothing has failed yet.
             return
         contour = axes.tricontour(triangles, moved, colors="white", linewidths=style["linewidth"], levels=[level])
         for lines in getattr(contour, "collections", [contour]):   # One collection since matplotlib 3.8.
@@ -133,7 +133,7 @@ def draw_failure_lines(axes, simulation, k):
 
 
 def draw_series(axes, simulation, series):
-    """A column of statistics.csv and its measured values."""
+    """Draw a column of statistics.csv and its measured values."""
     quantity = simulation.parameters["Reference/Series quantity"]
     labels = [f"{label}, {pretty(simulation.run.unit('statistics.csv', column))}"
               for label, column in (("time", "time"), (quantity.replace("_", " "), quantity))]
@@ -143,7 +143,7 @@ def draw_series(axes, simulation, series):
 
 
 def draw_energies(axes, simulation):
-    """Energies, and the work of all that is none of them."""
+    """Draw energies, and the work of everything else."""
     statistics = simulation.statistics
     time, lowest = statistics["time"], statistics["gravitational"].min()
     for k, name in enumerate(("kinetic", "strain", "gravitational", "dissipation", "total")):
@@ -202,7 +202,7 @@ def draw_picture(simulation, mesh):
 
 
 def increments(run):
-    """Positions and increments of displacement of the points of the last two states of a ramp, m."""
+    """Return positions and displacement increments of points between the last two states of a ramp, m."""
     first, last = (run.points(k, ["id", "body"]) for k in (0, -1))
     places = {key: x for key, x in zip(zip(first["body"], first["id"]), first.x)}
     here = [key in places for key in zip(last["body"], last["id"])]

@@ -2,7 +2,7 @@
 as a table that 'Body NAME/Points file' takes. Columns are x, y, z and the arrays at
 points; those with several components are as many columns: NAME_x, NAME_y, NAME_z of
 three, NAME_xx, NAME_yy, NAME_zz, NAME_xy, NAME_yz, NAME_xz of six, NAME_xx, NAME_xy,
-... of nine. A point that cells share is written once. Needs Debian's python3-vtk9.
+... of nine. Points shared by cells are written once. Needs Debian's python3-vtk9.
 """
 import argparse
 import sys
@@ -17,7 +17,7 @@ XML = (".vtu", ".vtp", ".pvtu", ".pvtp")
 
 
 def read(file):
-    """The data set of a file; what VTK says of a damaged one is an error."""
+    """Return the data set of a file; messages of VTK on a damaged file become errors."""
     try:
         from vtkmodules.vtkCommonCore import vtkLogger
         from vtkmodules.vtkIOLegacy import vtkGenericDataObjectReader
@@ -42,7 +42,7 @@ def read(file):
 
 
 def columns_of(name, values):
-    """The columns of an array of n numbers or of n x m."""
+    """Return the columns of an array of n or n x m numbers."""
     if values.ndim == 1:
         return [(name, values)]
     m = values.shape[1]
@@ -57,7 +57,7 @@ def main(program=None):
 
 
 def write_table(stream, x, arrays):
-    """Columns of positions and of arrays by name, to a stream."""
+    """Write columns of positions and of arrays by name to a stream."""
     import numpy as np
     columns = [("xyz"[d], x[:, d]) for d in range(3)]
     for name, values in arrays.items():
@@ -71,6 +71,6 @@ def write(file):
     from vtkmodules.util.numpy_support import vtk_to_numpy
     arrays = data.GetPointData()
     given = [arrays.GetArray(k) for k in range(arrays.GetNumberOfArrays())]
-    # Strings are none.
+    # Arrays of strings have no columns.
     return write_table(sys.stdout, vtk_to_numpy(data.GetPoints().GetData()),
                        {array.GetName(): vtk_to_numpy(array) for array in given if array is not None})

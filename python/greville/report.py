@@ -4,7 +4,7 @@
     scripts/report output/first output/second    writes output/report.html, where both are
     scripts/report output/vibrating_bar          a sweep: its runs, and their errors
 
-The page holds all that it shows, so that it can be moved and sent, and needs a
+The page is self-contained, so that it can be moved and sent, and needs a
 browser but no network: warnings, moving points coloured by a field, energies and
 their balance, momentum, iterations, Newton's method, time per part, measured or
 exact values, bodies, and the parameters that are not defaults.
@@ -29,17 +29,17 @@ from .rigid import rigid_data, rigid_rows
 
 TEMPLATE = Path(__file__).resolve().parent / "report.html"
 MOST_ROWS, MOST_FRAMES, MOST_POINTS = 1000, 61, 40000
-# Of all frames, in characters.
+# Limit of all frames, in characters.
 BUDGET = 3_000_000
-# The page that explains figures of a run, in the source tree or installation.
+# The page that explains the figures of a run, in the source tree or installation.
 GUIDE = "doc/user/output.md"
-# Fields that are shown if they are there, after that of main_field().
+# Fields that are shown after the field of main_field(), if they exist.
 FIELDS = ["speed", "pressure", "von_mises", "plastic_strain", "displacement", "pore_pressure", "density"]
 ABSENT = 65535
 
 
 def number(value, digits=5):
-    """What JSON can hold, and short."""
+    """Return a short number that JSON can hold."""
     return None if not math.isfinite(value) else float(f"{value:.{digits}g}")
 
 
@@ -54,7 +54,7 @@ def label_of(name):
 # Tables.
 
 def chosen_rows(n):
-    """At most MOST_ROWS rows, with the first and the last."""
+    """Return at most MOST_ROWS rows, with the first and the last."""
     return np.unique(np.linspace(0, n - 1, min(n, MOST_ROWS)).round().astype(int))
 
 
@@ -67,14 +67,14 @@ def table_data(run):
     columns.update({"change of energy": numbers(change[rows]), "work": numbers(work[rows]), "not accounted for": numbers(left[rows])})
     units = {name: pretty(run.unit("statistics.csv", name)) for name in table}
     units.update({name: unit for name in ("change of energy", "work", "not accounted for")})
-    # Of the rows only, where the program compares with each hundredth step.
+    # From the rows only; the program compares with each hundredth step.
     energy = np.max(np.abs(np.concatenate([change, work, table["kinetic"], table["strain"]])))
     return {"columns": columns, "units": units, "n": table.n_rows, "works": run.work,
             "loss": loss_data(run, -left[-1], -left[-1] / energy if energy > 0 else 0.)}
 
 
 def loss_data(run, loss, share):
-    """The numerical loss that the run has found, with its judgement; until it ends that of its rows, both given."""
+    """Return the numerical loss of the run with its judgement; until the run ends, the loss from its rows."""
     found = run.summary.get("energy", {})
     return {"loss": number(found.get("numerical_loss", loss)), "share": number(found.get("relative_loss", share)),
             "judgement": found.get("judgement", "until now")}
@@ -90,7 +90,7 @@ def probes_data(run):
 
 
 def newton_data(run):
-    """One entry for each step that was solved or given up."""
+    """Return one entry for each solved or abandoned step."""
     table = run.newton
     if table is None or table.n_rows == 0:
         return None
@@ -138,7 +138,7 @@ def parameter_data(run):
 
 
 def body_data(run):
-    """Names, laws, numbers of points, masses and first extents of bodies."""
+    """Return names, laws, numbers of points, masses and initial extents of bodies."""
     rows = []
     points = sizes = None
     if run.has_points:
@@ -167,7 +167,7 @@ def scheme_facts(run):
     stages = names_in(run.parameters.get("Simulation/Stages"))
     if not stages:
         return of("", run.summary.get("mass"))
-    # What 'auto' has chosen stands in the summary, which a run that goes on has not written yet.
+    # The summary has the choice of 'auto'; a running run has not written it yet.
     masses = run.summary.get("stages", {})
     return [[f"stage {number}: {name}", f"to {float(run.parameters[f'Stage {name}/Time/End']):.4g} s: "
              + ", ".join(f"{what} {value}" if what == "mass" else value for what, value in
@@ -176,13 +176,13 @@ def scheme_facts(run):
 
 
 def cost_of_point(summary):
-    """Microseconds as text."""
+    """Return microseconds as text."""
     speed = summary.get("point_steps_per_second")
     return f"{1e6 * summary['processes'] / speed:.3g} µs" if speed else ""
 
 
 def facts(run):
-    """What is said of the run at the top."""
+    """Return the facts about the run at the top of the page."""
     s, table = run.summary, run.statistics
     cells = " × ".join(str(n) for n in run.grid_cells)
     result = [["points", f"{s.get('points') or int(table['points'][0]):,}"], ["grid", cells + " cells" if cells else ""],
@@ -205,14 +205,14 @@ def facts(run):
 # Points.
 
 def load_frames(run, frames, stride, names):
-    """Positions, values and sizes of every stride-th point of a body, in a common order; NaN where a point has left."""
+    """Return positions, values and sizes of every stride-th point of a body, in a common order; NaN for points that have left."""
     first = run.points(frames[0], [name for name in ("body", "id") if name in run.point_fields])
     keyed = "id" in first and "body" in first
     n_ids = int(first["id"].max()) + 1 if keyed and len(first.x) else 0
 
     def keys(points):
         return points["body"].astype(np.int64) * n_ids + points["id"].astype(np.int64)
-    # Single precision cannot tell ids above 16.7 million.
+    # Single precision cannot distinguish ids above 16.7 million.
     keyed = keyed and len(np.unique(keys(first))) == len(first.x)
     order = np.sort(keys(first))[::stride] if keyed else None
     wanted = sorted({array_of(run, name) for name in names} | ({"body", "id"} if keyed else set())
@@ -237,8 +237,8 @@ def load_frames(run, frames, stride, names):
 
 
 def limits_of(name, values):
-    """The range of colours of a field at all times, and whether it has two signs."""
-    # It never falls, so that the last time has the range of all.
+    """Return the colour range of a field at all times, and whether it has two signs."""
+    # It never decreases, so the last time has the whole range.
     own = values[-1] if name == "plastic_strain" else values
     low, high = (float(v) for v in np.nanpercentile(own, parts_in_range(name)))
     if name in ("speed", "displacement"):
@@ -253,7 +253,7 @@ def limits_of(name, values):
 
 
 def pack(frames, dim, lower, upper, ranges):
-    """Two bytes for a position and one for a size and each value, as differences between frames, compressed."""
+    """Pack two bytes per position and one per size and value, as compressed differences between frames."""
     x = np.rint((frames[:, :, :dim] - lower) / (upper - lower) * (ABSENT - 1))
     x = np.where(np.isnan(x), ABSENT, np.clip(x, 0, ABSENT - 1)).astype(np.uint16)
     x[1:] = x[1:] - x[:-1]
@@ -281,7 +281,7 @@ def frames_data(run, budget, chosen, up):
     stride = -(-len(run.points(0, []).x) // MOST_POINTS)
     data = load_frames(run, frames, stride, names)
     while True:
-        # Fields that are the same everywhere say nothing.
+        # Omit uniform fields.
         kept = [k for k in range(len(names)) if np.nanmax(data[:, :, dim + 1 + k]) > np.nanmin(data[:, :, dim + 1 + k])] or [0]
         lower, upper = np.nanmin(data[:, :, :dim], axis=(0, 1)), np.nanmax(data[:, :, :dim], axis=(0, 1))
         width = np.where(upper > lower, upper - lower, 1.)
@@ -297,7 +297,7 @@ def frames_data(run, budget, chosen, up):
         text = pack(columns, dim, lower, lower + width, [(0., largest)] + [(field["low"], field["high"]) for field in fields])
         if len(text) <= budget or len(frames) <= 2 and data.shape[1] <= 1000:
             break
-        # Half of what there is more of.
+        # Halve the number of frames or of points.
         if len(frames) > 21 or data.shape[1] <= 4000:
             keep = sorted({*range(0, len(frames), 2), len(frames) - 1})
             frames, data = [frames[k] for k in keep], data[keep]
@@ -339,7 +339,7 @@ def run_data(run, budget, fields, has_points, up):
 
 
 def sweep_data(folder):
-    """Errors of the runs of a sweep, one line for each kind."""
+    """Return the errors of the runs of a sweep, one line for each kind."""
     table = read_table(folder / "convergence.csv")
     kinds = list(zip(table["formulation"], table["mass"], table["p"].astype(int)))
     lines = []
@@ -351,7 +351,7 @@ def sweep_data(folder):
 
 
 def guide():
-    """The address of the page of the guide that explains figures, where it is on this machine."""
+    """Return the address of the guide's page that explains the figures, if it is on this machine."""
     try:
         return project_file(GUIDE).resolve().as_uri()
     except Error:
@@ -394,7 +394,7 @@ def write(folders, field=(), no_points=False, output=None, up=None):
             "guide": guide(),
             "title": place.resolve().name.replace("_", " ") if len(runs) > 1 and n_given == 1
             else " and ".join(run.title for run in runs)}
-    # Runs of the same name are told by their folders.
+    # Folders distinguish runs of the same name.
     for entry, run in zip(data["runs"], runs):
         if names.count(run.name) > 1:
             entry["title"] = f"{run.folder.resolve().parent.name}/{run.name}"

@@ -1,4 +1,4 @@
-"""Reads what a run of Greville has left in its folder.
+"""Reads the results of a run of Greville from its folder.
 
     import greville
     run = greville.Run("output/dam_break")
@@ -22,28 +22,28 @@ try:
 except ImportError:
     np = None
 
-# Parameters name measured data relative to their file, whose copy lies with the results.
+# Parameters name measured data relative to their file; its copy is among the results.
 PARAMETER_FOLDER = Path(__file__).resolve().parents[2] / "prm" / "simulation"
 AXES = "xyz"
-# All that a run has written for ParaView.
+# The files of a run for ParaView.
 SERIES = "fields.pvd"
 
 
-# The packages of Debian that bring the modules.
+# The Debian packages of the modules.
 PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "vtkmodules": "python3-vtk9",
             "meshio": "python3-meshio", "PIL": "python3-pil", "yaml": "python3-yaml", "sympy": "python3-sympy"}
 
 
 class Error(Exception):
-    """What this package raises."""
+    """The base class of errors of this package."""
 
 
 class ResultsError(Error):
-    """What cannot be read, and why: one message for the user."""
+    """A message for the user on unreadable results and the reason."""
 
 
 def how_to_install(*modules):
-    """What to do where none of these modules is there, and for which Python."""
+    """Return instructions if none of these modules is installed, and for which Python."""
     packages = " or ".join(PACKAGES[module] for module in modules)
     return (f"{' or '.join(modules)} is missing in {sys.executable}: install Debian's {packages} for /usr/bin/python3 "
             f"(sudo apt install {PACKAGES[modules[0]]}), or use this Python's own package manager.")
@@ -54,7 +54,7 @@ def pretty(unit):
 
 
 def path_of(name):
-    """The path with this name; refuses what is none."""
+    """Return the path with this name; refuse other types."""
     try:
         path = Path(name)
     except TypeError:
@@ -65,7 +65,7 @@ def path_of(name):
 
 
 def names_of_fields(names):
-    """A list of names; one alone may be given as it is."""
+    """Return a list of names. A single name may be given without a list."""
     names = [names] if isinstance(names, str) else names
     if not hasattr(names, "__iter__") or not all(isinstance(name, str) for name in names):
         raise ResultsError(f"Fields are a list of names, not {names!r}.")
@@ -82,7 +82,7 @@ def read_text(path):
 
 
 class Table(dict):
-    """Columns by name, all of one length; those of words are lists."""
+    """Columns by name, all of one length. Columns of words are lists."""
 
     def __init__(self, columns, path, units=None):
         super().__init__(columns)
@@ -96,12 +96,12 @@ class Table(dict):
         return len(next(iter(self.values()), ()))
 
     def rows(self):
-        """One dict after the other, as csv.DictReader has them."""
+        """Yield one dict per row, like csv.DictReader."""
         return [dict(zip(self, values)) for values in zip(*self.values())]
 
 
 def column_of(words):
-    """Numbers where all words are numbers or, some of them, empty, which is NaN."""
+    """Return numbers if all words are numbers or empty (NaN), else the words."""
     if words and not any(words):
         return list(words)
     try:
@@ -112,7 +112,7 @@ def column_of(words):
 
 
 def word_in(values):
-    """The first of the words of a column that is no number; None where there is none."""
+    """Return the first word of a column that is no number; None if there is none."""
     for value in values:
         if isinstance(value, str) and value:
             try:
@@ -123,7 +123,7 @@ def word_in(values):
 
 
 def read_table(path, units=None, may_be_empty=False):
-    """The columns of a CSV file with a header; lines with # are comments."""
+    """Return the columns of a CSV file with a header; lines with # are comments."""
     lines = [line for line in read_text(path).splitlines() if line.strip() and line[0] != "#"]
     if len(lines) < (1 if may_be_empty else 2):
         raise ResultsError(f"{path} has no rows.")
@@ -131,7 +131,7 @@ def read_table(path, units=None, may_be_empty=False):
     names = [name.strip() for name in rows[0]]
     for number, row in enumerate(rows[1:], 1):
         if len(row) != len(names):
-            # The last line of a run that goes on, or was killed.
+            # The last line may be incomplete in a running or killed run.
             if number == len(rows) - 1 and number > 1:
                 rows.pop()
                 break
@@ -141,14 +141,14 @@ def read_table(path, units=None, may_be_empty=False):
 
 
 class Parameter:
-    """A line of parameters.prm. default is None where the value is the default."""
+    """A line of parameters.prm. default is None if the value is the default."""
 
     def __init__(self, value, default, unit):
         self.value, self.default, self.unit = value, default, unit
 
 
 def read_parameter_text(text):
-    """{"Section/Name": Parameter}, in the order of the text of a parameter file."""
+    """Return {"Section/Name": Parameter}, in the order of the text of a parameter file."""
     result, section, comment = {}, [], []
     for line in text.splitlines():
         line = line.strip()
@@ -181,7 +181,7 @@ def numbers_in(text):
 
 
 class Fields(dict):
-    """Points with their fields, by name; x are the positions, one row each, with three columns."""
+    """Points with their fields by name. x has the positions, one row per point, with three columns."""
 
     def __init__(self, x, fields, time, path, dataset):
         super().__init__(fields)
@@ -191,7 +191,7 @@ class Fields(dict):
         raise ResultsError(f"{self.path} has no field {name}. There are: {', '.join(self)}.")
 
     def component(self, name):
-        """A field of one number per point: of a vector its length, or a component as velocity_x."""
+        """Return a field with one number per point: the length of a vector, or a component such as velocity_x."""
         if name == "speed" and name not in self:
             name = "velocity"
         if name not in self and isinstance(name, str) and name[-2:-1] == "_" and name[-1] in AXES \
@@ -201,7 +201,7 @@ class Fields(dict):
         return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
 
     def as_pyvista(self):
-        """The data set of VTK for pyvista, which has to be installed."""
+        """Return the VTK data set for pyvista, which must be installed."""
         try:
             import pyvista
         except ImportError:
@@ -224,7 +224,7 @@ class Fields(dict):
 
 
 def content_of(path):
-    """The number of points of a .vtu file and the names of its fields; refuses a part of a file, which VTK reads as one without points."""
+    """Return the number of points of a .vtu file and the names of its fields. Refuse a truncated file, which VTK would read as one without points."""
     try:
         content = Path(path).read_bytes()
     except OSError as error:
@@ -266,13 +266,13 @@ def read_with_meshio(path, names):
     import meshio
     try:
         mesh = meshio.read(path)
-    except Exception as error:   # Of many kinds.
+    except Exception as error:   # Many types of exceptions occur.
         raise ResultsError(f"{path} cannot be read: {error}.") from None
     return mesh.points, {name: mesh.point_data[name] for name in names}, mesh
 
 
 def read_fields(path, names=None, time=None):
-    """The Fields of a .vtu file: all, or those of these names."""
+    """Return the Fields of a .vtu file: all, or only these names."""
     if np is None:
         raise ResultsError("Fields cannot be read: " + how_to_install("numpy"))
     n_points, available = content_of(path)
@@ -285,7 +285,7 @@ def read_fields(path, names=None, time=None):
         x, fields, dataset = read_with_vtk(path, names)
     except ImportError:
         try:
-            # meshio reads no file without points.
+            # meshio cannot read a file without points.
             x, fields, dataset = read_with_meshio(path, names) if n_points else (np.zeros((0, 3)), {name: np.zeros(0) for name in names}, None)
         except ImportError:
             raise ResultsError("Fields cannot be read: " + how_to_install("vtkmodules", "meshio")) from None
@@ -295,13 +295,13 @@ def read_fields(path, names=None, time=None):
 
 
 def names_in_series(folder):
-    """The names of what a run has written for ParaView, in alphabetic order."""
+    """Return the names in a run's .pvd file for ParaView, in alphabetic order."""
     path = Path(folder) / SERIES
     return sorted(set(re.findall(r'\bname="([^"]*)"', read_text(path)))) if path.exists() else []
 
 
 class Series:
-    """The times and files of a name in a .pvd file; series(k) are the Fields of the kth time, series(0.5) those nearest to 0.5 s."""
+    """The times and files of a name in a .pvd file. series(k) returns the Fields at the kth time, series(0.5) at the time nearest to 0.5 s."""
 
     def __init__(self, path, name):
         self.path = Path(path)
@@ -323,11 +323,11 @@ class Series:
 
     @property
     def names(self):
-        """The names of the fields, which are those of the first file."""
+        """Return the names of the fields in the first file."""
         return content_of(self.files[0])[1]
 
     def place_of(self, k):
-        """The number of the time that is nearest to a float, or k."""
+        """Return the index of the time nearest to a float, or k itself."""
         if not isinstance(k, Real) or isinstance(k, bool) or k != k:
             raise ResultsError(f"A time of {self.path} is a whole number, or a float in s, not {k!r}.")
         if not isinstance(k, Integral):
@@ -337,7 +337,7 @@ class Series:
         return k
 
     def at(self, time):
-        """The Fields nearest to a time in s."""
+        """Return the Fields nearest to a time in s."""
         return self(float(time) if isinstance(time, Real) and not isinstance(time, bool) else time)
 
     def __call__(self, k, names=None):
@@ -346,27 +346,27 @@ class Series:
 
 
 def has_points(folder):
-    """Whether a run has written points into a folder."""
+    """Return whether a run has written points to a folder."""
     return (Path(folder) / SERIES).exists()
 
 
 class Run:
-    """The results of a run. What it has left is read when it is asked for.
+    """The results of a run. Files are read on demand.
 
     parameters              {"Section/Name": value}
-    changed_parameters      [(name, value, default, unit)]: those that are not defaults
+    changed_parameters      [(name, value, default, unit)] of parameters that are not defaults
     bodies                  the names of bodies, in the order of the field 'body'
     statistics, probes      Tables
     newton                  a Table: iterations of Newton's method; None with explicit steps
-    summary                 summary.json as a dict; empty while the run goes on, or has failed
+    summary                 summary.json as a dict; empty for a running or failed run
     messages                [(kind, text)], where kind is Warning, Error or Note
     unit(file, column)      of units.csv, such as unit("points", "velocity")
-    times                   those of the points
-    points(k), grid(k), surface(k)   Fields at the kth time, or for a float nearest to it in s; names=[...] reads those only
+    times                   times of the points
+    points(k), grid(k), surface(k)   Fields at the kth time, or nearest to a float in s; names=[...] reads only these
     rigid_bodies            the names of rigid bodies that have been written
     plot(k)                 a Picture of the points at the kth time, which notebooks show
     report()                writes report.html, and returns its path
-    rigid(name, time)       the facets of one at a time: corners (facet, corner, xyz), and Fields of them all
+    rigid(name, time)       facets of a rigid body at a time: corners (facet, corner, xyz), and their Fields
     """
 
     def __init__(self, folder):
@@ -438,7 +438,7 @@ class Run:
         return self._once("units", read)
 
     def unit(self, file, column):
-        """The unit as it is printed beside a number; empty for numbers without one."""
+        """Return the unit in the form printed beside a number; empty without unit."""
         unit = self.units.get((file, column), "")
         return "" if unit == "1" else unit
 
@@ -453,7 +453,7 @@ class Run:
         return names_in(self.parameters.get("Simulation/Bodies"))
 
     def _numbers(self, name, kind=float):
-        """The numbers of a parameter; none where it is missing."""
+        """Return the numbers of a parameter; empty if it is missing."""
         try:
             return [kind(word) for word in names_in(self.parameters.get(name))]
         except ValueError:
@@ -462,7 +462,7 @@ class Run:
 
     @property
     def grid_box(self):
-        """Two corners of the grid, or None where parameters are missing."""
+        """Return two corners of the grid, or None if parameters are missing."""
         corners = [self._numbers(f"Grid/{name} corner") for name in ("Lower", "Upper")]
         return corners if all(corners) else None
 
@@ -472,7 +472,7 @@ class Run:
 
     @property
     def walls(self):
-        """What each wall is: {"Left": "free", ...}."""
+        """Return the type of each wall: {"Left": "free", ...}."""
         names = ("Left", "Right", "Bottom", "Top", "Back", "Front")[:2 * self.dim]
         return {name: self.parameters.get(f"Walls/{name}", "free") for name in names}
 
@@ -509,12 +509,12 @@ class Run:
         return [tuple(line.split(": ", 1)) for line in lines if ": " in line]
 
     def series(self, name):
-        """The Series of points, grid, surface, or grid_BODY, surface_BODY where bodies have grids of their own."""
+        """Return the Series of points, grid, surface, or grid_BODY, surface_BODY if bodies have their own grids."""
         return self._once(f"{name} of {SERIES}", lambda: Series(self.folder / SERIES, name))
 
     @property
     def surfaces(self):
-        """The names of series of surfaces that have been written."""
+        """Return the names of written series of surfaces."""
         return [name for name in names_in_series(self.folder) if name == "surface" or name.startswith("surface_")]
 
     @property
@@ -533,7 +533,7 @@ class Run:
         return self.series("points")(k, names)
 
     def plot(self, k=-1, **options):
-        """A Picture of the points at the kth time, or nearest to a time in s; options: field, magnify, mesh, rigid_bodies, up ('x', 'y', 'z')."""
+        """Return a Picture of the points at the kth time, or nearest to a time in s; options: field, magnify, mesh, rigid_bodies, up ('x', 'y', 'z')."""
         from . import pictures
         return pictures.picture_of(self, self.series("points").place_of(k), **options)
 
@@ -558,7 +558,7 @@ class Run:
         return fields.x.reshape(-1, self.dim, 3), fields
 
     def sizes(self, k=None, points=None):
-        """Edges of cubes (2D: squares) of the volumes of points, m, at the kth time or of these points."""
+        """Return the edges of cubes (2D: squares) with the volumes of the points, m, at the kth time or of given points."""
         if "size" in self.point_fields:
             return (points if points is not None and "size" in points else self.points(k, ["size"]))["size"].astype(float)
         first = self._once("volumes", self._estimate_volumes)
@@ -569,8 +569,8 @@ class Run:
         return (first[body] * np.clip(points["J"] if "J" in points else 1., 0.3, 3.))**(1. / self.dim)
 
     def _estimate_volumes(self):
-        """For results without the field size: the distance of points and their mass give the volumes of bodies."""
-        # Points of a run that has written none of these are those of one body.
+        """Estimate the volumes of bodies from distance and mass of points, for results without the field size."""
+        # Without these fields, all points belong to one body.
         points = self.points(0, [name for name in ("J", "body", "density") if name in self.point_fields])
         body = points["body"].astype(int) if "body" in points else np.zeros(len(points.x), int)
         volumes = np.ones(body.max(initial=0) + 1)
@@ -584,7 +584,7 @@ class Run:
         return volumes
 
     def reference(self, name):
-        """Measured data that the parameter Reference/NAME names: (x, y, whose), or None.
+        """Return the measured data of the parameter Reference/NAME: (x, y, whose), or None.
 
         name is 'Surface file' or 'Series file'; x and y are the first two columns.
         """
@@ -604,13 +604,13 @@ class Run:
 
     @property
     def work(self):
-        """Columns of statistics.csv that are the work of something, without those that are zero."""
+        """Return the nonzero columns of work in statistics.csv."""
         return [name for name in self.statistics if name.startswith("work_") and any(w != 0 for w in self.statistics[name])]
 
     def energy_balance(self):
-        """(change of the energy, work, what is left) over time.
+        """Return (change of energy, work, residual) over time.
 
-        The energy is kinetic + strain + dissipation; gravity counts as work. What is left is negative where
+        The energy is kinetic + strain + dissipation; gravity counts as work. The residual is negative if
         transfers, the filter or friction have taken energy without counting it.
         """
         if np is None:
@@ -623,6 +623,6 @@ class Run:
 
 
 def runs_in(folder):
-    """The folders of runs below the folder of a sweep, in the order of their numbers."""
+    """Return the run folders below the folder of a sweep, in numerical order."""
     return sorted((path.parent for path in Path(folder).glob("*/statistics.csv")),
                   key=lambda run: [int(t) if t.isdigit() else t for t in re.split(r"(\d+)", run.name)])

@@ -1,4 +1,4 @@
-"""The rigid bodies of a run as the report draws them: few facets, and the motion that they have at each time."""
+"""Prepares the rigid bodies of a run for the report: few facets, and the motion at each time."""
 import base64
 import zlib
 
@@ -11,7 +11,7 @@ MOST_FACETS, LONGEST_EDGE = 3000, 0.08
 
 
 def loops_of(segments):
-    """The closed lines, a list of places each, that segments make of one after the other: the inside is on their left."""
+    """Return the closed lines, each a list of positions, that segments form: the inside is on their left."""
     following, loops = {tuple(start): tuple(end) for start, end in segments[:, :, :2]}, []
     while following:
         start, place = following.popitem()
@@ -24,7 +24,7 @@ def loops_of(segments):
 
 
 def motion_between(before, after):
-    """The rotation and the shift that bring places to others, or None where no motion of a rigid body does."""
+    """Return the rotation and the shift between two sets of positions, or None if no rigid motion maps them."""
     centers = before.mean(axis=0), after.mean(axis=0)
     left, _, right = np.linalg.svd((before - centers[0]).T @ (after - centers[1]))
     sign = np.ones(len(left))
@@ -36,7 +36,7 @@ def motion_between(before, after):
 
 
 def cut(facets, longest, limits=None, most=MOST_FACETS):
-    """Triangles without edges that are longer, unless there would be too many, and without those beyond limits."""
+    """Return triangles without longer edges, unless there would be too many, and without triangles beyond limits."""
     while True:
         if limits is not None:
             facets = facets[~((facets < limits[0]).all(axis=1) | (facets > limits[1]).all(axis=1)).any(axis=1)]
@@ -52,11 +52,11 @@ def cut(facets, longest, limits=None, most=MOST_FACETS):
 
 
 def simplified(facets, size):
-    """At most MOST_FACETS triangles, with no edge much longer than LONGEST_EDGE of the size of the view."""
+    """Return at most MOST_FACETS triangles, with no edge much longer than LONGEST_EDGE times the size of the view."""
     width = np.ptp(facets, axis=(0, 1)).max() / 100
     original, origin = facets, facets.min(axis=(0, 1))
     while len(facets) > MOST_FACETS:
-        # Corners in a small cube become their mean.
+        # Merge the corners in a small cube.
         _, cube = np.unique(np.floor((original - origin) / width).astype(int).reshape(-1, 3), axis=0, return_inverse=True)
         cube = cube.ravel()
         sums = np.stack([np.bincount(cube, column) for column in original.reshape(-1, 3).T], axis=1)
@@ -69,13 +69,13 @@ def simplified(facets, size):
 
 
 class Shapes:
-    """The shapes that a body has had: one, unless it is cut where the view ends, and is cut elsewhere later."""
+    """The shapes of a body: one, unless the view cuts it differently at different times."""
 
     def __init__(self, dim, size):
         self.dim, self.size, self.shapes, self.bytes, self.last = dim, size, [], [], None
 
     def add(self, facets):
-        """The number of the shape of these facets, and the motion that brings it to them."""
+        """Return the number of the shape of these facets, and its motion to them."""
         motion = None
         if self.last is not None and self.last.shape == facets.shape and len(facets):
             motion = motion_between(self.last.reshape(-1, self.dim), facets.reshape(-1, self.dim))
@@ -101,7 +101,7 @@ class Shapes:
 
 
 def rigid_data(run, times, lower, upper):
-    """What the report needs of each rigid body, and the limits of the points with room for these bodies."""
+    """Return the data of each rigid body for the report, and the limits of the points with room for these bodies."""
     names, dim = run.rigid_bodies, run.dim
 
     def facets_at(name):
@@ -116,7 +116,7 @@ def rigid_data(run, times, lower, upper):
 
 
 def rigid_rows(run):
-    """Names of rigid bodies and their extents, if they have an end."""
+    """Return names of rigid bodies, and the extents of bounded ones."""
     rows = []
     for name in run.rigid_bodies:
         facets, _ = run.rigid(name, run.times[0])

@@ -1,4 +1,4 @@
-"""The points of a simulation at a time as axes of matplotlib, and the frame of an animation."""
+"""Draws the points of a simulation at a time in axes of matplotlib, and the frame of an animation."""
 import sys
 from numbers import Real
 
@@ -8,7 +8,7 @@ from .results import ResultsError, Run, pretty
 
 
 def read_reference(run, name):
-    """Measured data of a run; a word where they are not to be found."""
+    """Return measured data of a run; print a note if they are missing."""
     found = run.reference(name)
     if not found and run.parameters.get("Reference/" + name):
         print(f"{run.folder}: no measured data: there is no {run.parameters['Reference/' + name]}.", file=sys.stderr)
@@ -44,7 +44,7 @@ class Simulation:
         self.find_ranges()
 
     def load(self, k):
-        """Positions, values and diameters at the kth time; the mean speed as well."""
+        """Return positions, values and diameters at the kth time, and the mean speed."""
         points = self.run.points(k, self.needed)
         if not len(points.x):
             raise ResultsError(f"{points.path} has no points.")
@@ -52,7 +52,7 @@ class Simulation:
         if self.magnify != 1.:
             x = x + (self.magnify - 1.) * points["displacement"]
         speed = np.linalg.norm(points["velocity"], axis=1).mean() if "velocity" in points else 0.
-        # A field that is not there yet has no numbers.
+        # A field that does not exist yet has no values.
         value = np.nan_to_num(points.component(self.component)) if self.component else np.zeros(len(x))
         if self.is_body:
             value = value % len(BODY_COLOURS)
@@ -60,7 +60,7 @@ class Simulation:
         return x, value, self.run.sizes(k, points), speed
 
     def rigid_facets(self, k):
-        """Corners of the facets of each rigid body that is drawn at the kth time, by name."""
+        """Return the facet corners of each rigid body that is drawn at the kth time, by name."""
         return {name: self.facets_of(name, k) for name in (self.run.rigid_bodies if self.has_rigid_bodies else [])}
 
     def facets_of(self, name, k):
@@ -68,7 +68,7 @@ class Simulation:
         return facets + (self.magnify - 1.) * fields["displacement"].reshape(facets.shape)
 
     def find_ranges(self):
-        """Limits and range of colours, which are the same at all times, and mean speeds."""
+        """Find mean speeds, and the limits and colour range for all times."""
         lower, upper, ranges, self.mean_speed = [], [], [], []
         for k in range(len(self.times)):
             x, value, diameter, speed = self.load(k)
@@ -76,7 +76,7 @@ class Simulation:
             upper.append((x + diameter[:, None] / 2).max(axis=0))
             ranges.append((*np.percentile(value, parts_in_range(self.component)), value.min(), value.max()))
             if k == 0:
-                # In 2D lines around all bodies but the largest tell them from it, whatever the colours of points are.
+                # In 2D, outlines distinguish all bodies from the largest, for any colours of points.
                 counts = np.bincount(self.body)
                 several = self.dim == 2 and not self.is_body and np.count_nonzero(counts) > 1
                 self.outlined = [b for b in np.flatnonzero(counts) if b != counts.argmax()] if several else []
@@ -92,7 +92,7 @@ class Simulation:
         margin = 0.04 * (upper - lower).max()
         lower, upper = lower - margin, upper + margin
         self.domain = np.array(self.run.grid_box) if self.run.grid_box else None
-        # In total Lagrangian steps bodies may leave the grid.
+        # In total Lagrangian steps, bodies may leave the grid.
         self.is_bounded = self.domain is not None and self.parameters.get("Scheme/Formulation") != "total Lagrangian" \
             and self.magnify == 1.
         if self.is_bounded:
@@ -125,14 +125,14 @@ class Simulation:
 
     @property
     def norm(self):
-        """A new one for each artist: figures that are gone leave nothing behind."""
+        """Return a new one for each artist, so that closed figures leave nothing behind."""
         return plt.Normalize(*self.limits_of_colours)
 
     def title(self, k):
         return f"$t$ = {self.times[k]:.{self.decimals}f} s"
 
     def four_times(self):
-        """Beginning, end, and two between at equal parts of the way that points have gone."""
+        """Return the first and last time, and two times at equal parts of the path of the points."""
         n, speed = len(self.times), np.array(self.mean_speed)
         way = np.concatenate([[0.], np.cumsum((speed[1:] + speed[:-1]) * np.diff(self.times))])
         if n <= 4 or way[-1] == 0:
@@ -141,7 +141,7 @@ class Simulation:
 
 
 def add_axes(figure, position, simulation, mesh=False, labels="xy"):
-    """Axes at a position in inches, with limits and labels of the simulation."""
+    """Add axes at a position in inches, with limits and labels of the simulation."""
     box = np.array(position) / np.tile(figure.get_size_inches(), 2)
     lower, upper = simulation.lower, simulation.upper
     if simulation.dim == 3:
@@ -154,7 +154,7 @@ def add_axes(figure, position, simulation, mesh=False, labels="xy"):
             axis.set_label_text(f"${'xyz'[order[k]]}$, m")
             axis.labelpad = (0, 0, 1)[k]
             axis.set_tick_params(pad=-2)
-            # Short axes have room for few labels, or for one.
+            # Short axes have room for only one or a few labels.
             part = (upper - lower)[order[k]] / (upper - lower).max()
             most = int(np.clip(round(4 * part), 1, 4 if k == 0 else 3))
             places = plt.MaxNLocator(most, steps=[1, 2, 5, 10]).tick_values(*sorted(limits))
@@ -185,7 +185,7 @@ def add_axes(figure, position, simulation, mesh=False, labels="xy"):
 
 
 def draw_walls(axes, simulation):
-    """A line along each side of the grid where there is a wall, and hatching behind it."""
+    """Draw a line along each side of the grid with a wall, and hatching behind it."""
     if simulation.domain is None or simulation.magnify != 1.:
         return
     (x0, y0), (x1, y1) = simulation.domain
@@ -204,7 +204,7 @@ def draw_walls(axes, simulation):
 
 
 def axes_order(simulation):
-    """The axes of a view from above: the upright one is the last."""
+    """Return the order of axes with the upright axis last."""
     return [[1, 2, 0], [0, 2, 1], [0, 1, 2]][simulation.up]
 
 
@@ -217,7 +217,7 @@ def draw_points(axes, simulation, k):
         facets = np.concatenate([np.zeros((0, 3, 3)), *simulation.rigid_facets(k).values()])
         draw_spheres(axes, x[:, order], diameter, colours, facets[:, :, order], (simulation.lower[order], simulation.upper[order]))
         return
-    # Circles of the volume would leave gaps, and where bodies are sheared larger ones as well.
+    # Circles of equal volume would leave gaps; in sheared bodies, larger circles would, too.
     inner = is_inside(simulation, x, diameter)
     for mine, factor in ((inner, 3.4), (slice(None), 1.7)):
         size = factor * diameter[mine]
@@ -235,7 +235,7 @@ def draw_points(axes, simulation, k):
 
 
 def draw_outlines(axes, simulation, x, diameter):
-    """Lines around bodies, where the part of squares that their points fill is a half."""
+    """Draw outlines of bodies, at which their points fill half of the squares."""
     for b in simulation.outlined:
         mine = simulation.body == b
         if not mine.any():
@@ -245,7 +245,7 @@ def draw_outlines(axes, simulation, x, diameter):
                  zip(x[mine, :2].min(axis=0), x[mine, :2].max(axis=0))]
         area = np.histogram2d(*x[mine, :2].T, bins=edges, weights=diameter[mine]**2)[0] / width**2
         smooth = sum(np.roll(area, (i - 2, j - 2), axis=(0, 1)) for i, j in np.ndindex(5, 5)) / 25
-        if smooth.max() <= 0.5:   # Too thin for a line around it.
+        if smooth.max() <= 0.5:   # The body is too thin for an outline.
             continue
         centers = [(edge[1:] + edge[:-1]) / 2 for edge in edges]
         axes.contour(*centers, smooth.T, levels=[0.5], colors="white", linewidths=2.2, zorder=2.4)
@@ -253,7 +253,7 @@ def draw_outlines(axes, simulation, x, diameter):
 
 
 def is_inside(simulation, x, diameter):
-    """Points that have others, or walls, around them in all squares of three and a half of the usual diameters."""
+    """Return whether points are inside: points or walls fill all squares of three and a half usual diameters around them."""
     width = 3.5 * np.median(diameter)
     origin = simulation.domain[0] if simulation.domain is not None else x[:, :2].min(axis=0)
     place = np.maximum(np.floor((x[:, :2] - origin) / width).astype(int) + 1, 1)
@@ -271,7 +271,7 @@ def is_inside(simulation, x, diameter):
 
 
 def add_colour_bar(figure, position, simulation):
-    """Or a legend of the bodies; nothing where points have no field."""
+    """Add a colour bar, or a legend of the bodies; nothing if points have no field."""
     if not simulation.component:
         return
     if simulation.is_body:
@@ -302,7 +302,7 @@ ELEVATION, AZIMUTH = 22, -62
 
 
 def panel_ratio(simulation, width=2.45):
-    """Height over width of axes so many inches wide: of the box in 2D, of its view in 3D with the labels around it."""
+    """Return height over width of axes of this width in inches: of the box in 2D, of its view with labels in 3D."""
     size = simulation.upper - simulation.lower
     if simulation.dim == 2:
         return min(max(size[1] / size[0], 0.1), 3.)
@@ -313,7 +313,7 @@ def panel_ratio(simulation, width=2.45):
 
 
 def frame(simulation, k, mesh=False):
-    """The figure of the kth time."""
+    """Return the figure of the kth time."""
     ratio = panel_ratio(simulation, 5.6)
     width = min(5.6, 6. / ratio)
     height = max(width * ratio, 1.2)
@@ -325,5 +325,5 @@ def frame(simulation, k, mesh=False):
     inset = 0.5 * (height - min(height, 3.))
     add_colour_bar(figure, (width + (1.05 if simulation.dim == 3 else 0.8), 0.5 + inset, 0.13, height - 2 * inset),
                    simulation)
-    plt.close(figure)   # Figures that are kept open would be shown by notebooks, too.
+    plt.close(figure)   # Notebooks would also show open figures.
     return figure

@@ -1,4 +1,4 @@
-"""The picture of what --check --draw writes: bodies, walls, surfaces with loads and in contact, and probes, by their names."""
+"""Draws the output of --check --draw: bodies, walls, surfaces with loads and contacts, and probes, with their names."""
 import re
 
 from .drawing import COLOURS, np, plt
@@ -7,9 +7,9 @@ from .scene import frame
 
 
 def probes_of(text, dim):
-    """Positions of the probes that are points, and corners of those that are boxes, each by its number."""
+    """Return the positions of point probes and the corners of box probes, each by its number."""
     points, boxes = {}, {}
-    # Shapes within shapes have no semicolons.
+    # Nested shapes have no semicolons.
     for number, part in enumerate(part.strip() for part in (text or "").split(";")):
         box = re.fullmatch(r"box\(([^()]*)\)", part)
         try:
@@ -24,23 +24,23 @@ def probes_of(text, dim):
 
 
 def edges_of(corners):
-    """The edges of a box, from its two corners."""
+    """Return the edges of a box, from its two corners."""
     dim = corners.shape[1]
     places = [np.array([corners[(k >> d) & 1][d] for d in range(dim)]) for k in range(2**dim)]
     return [(places[k], places[k | 1 << d]) for k in range(2**dim) for d in range(dim) if not k >> d & 1]
 
 
 class Overlay:
-    """Axes over the whole figure, in which places of the simulation can be drawn over points, in 3D as well."""
+    """Axes over the whole figure, to draw at positions of the simulation above the points, also in 3D."""
 
     def __init__(self, figure, simulation, order):
-        figure.canvas.draw()   # Which gives the axes their final limits.
+        figure.canvas.draw()   # This sets the final limits of the axes.
         self.figure, self.below, self.order, self.dim = figure, figure.axes[0], order, simulation.dim
         self.axes = figure.add_axes([0., 0., 1., 1.], xlim=(0., 1.), ylim=(0., 1.), zorder=10, facecolor="none")
         self.axes.axis("off")
 
     def __call__(self, x):
-        """Parts of the figure's width and height where places are."""
+        """Return positions as fractions of the figure's width and height."""
         x = np.atleast_2d(np.asarray(x, float))
         if self.dim == 3:
             seen = np.c_[x[:, self.order], np.ones(len(x))] @ self.below.get_proj().T
@@ -54,7 +54,7 @@ def names_of_surfaces(run):
 
 
 def draw_surfaces(overlay, run):
-    """Points of surfaces, and arrows of loads that are not zero at the begin."""
+    """Draw points of surfaces, and arrows of loads that are not zero at the start."""
     names, shown = names_of_surfaces(run), {}
     for name in run.surfaces:
         fields = run.series(name)(0)
@@ -71,7 +71,7 @@ def draw_surfaces(overlay, run):
                 length = 0.12 * (np.ptp(run.grid_box, axis=0).max() if run.grid_box else np.ptp(fields.x, axis=0).max()) / size.max()
                 chosen = np.flatnonzero(size > 0)
                 chosen = chosen[::-(-len(chosen) // 24)]
-                # Arrows end where they act.
+                # Arrows end at their points of action.
                 tails = overlay(fields.x[mine][chosen] - length * load[chosen])
                 for tail, head in zip(tails, places[chosen]):
                     overlay.axes.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 0.9,
@@ -111,7 +111,7 @@ def wall_text(run):
 
 
 def show_grid(simulation):
-    """Limits of the picture that contain the grid, with room for its walls."""
+    """Set limits of the picture that contain the grid and its walls."""
     if simulation.domain is None:
         return
     d, margin = simulation.dim, 0.02 * np.ptp(simulation.domain, axis=0).max()

@@ -4,7 +4,7 @@
     scripts/sweep -np 2 --set "Sweep/Processes per run=1" prm/simulation/vibrating_bar.prm
     scripts/sweep --resume output/vibrating_bar
 
-scripts/run does the same, and draws and reports the results.
+scripts/run does the same, and also draws and reports the results.
 """
 import argparse
 import contextlib
@@ -26,14 +26,14 @@ from . import measured
 from .case import Case, Progress, RunFailed, as_prm, as_text, call, check_number, folder_of, interrupt, message_of, start, values_of
 from .results import Error, Run, names_in, path_of, read_table
 
-# In the order of the runs: the last one varies first.
+# In the order of the runs: the last one varies fastest.
 LISTS = ("Formulations", "Masses", "Orders", "Values", "Cells")
 
 
 class Sweep:
-    """The results of a sweep: its table (sweep.csv), and for each run its value and its Run; None where it has failed.
+    """The results of a sweep: its table (sweep.csv), and for each run its value and its Run, or None if it has failed.
 
-    message is what the program says of runs that have failed.
+    message has the program's messages on failed runs.
     """
 
     def __init__(self, folder, message=""):
@@ -44,7 +44,7 @@ class Sweep:
             self.runs.append(None if failed else Run(self.folder / name))
 
     def report(self, **options):
-        """Write report.html about the runs side by side, and return its path; options are those of Run.report()."""
+        """Write report.html about the runs side by side, and return its path; options are the options of Run.report()."""
         from . import report
         return report.write([self.folder], **options)
 
@@ -56,7 +56,7 @@ class Sweep:
 
 
 def sweep(case, parameter=None, values=(), processes=1, processes_per_run=1, progress=None):
-    """Run a case with each of these values of a parameter, or as its section Sweep says, in groups of processes; a Sweep."""
+    """Run a case with each of these values of a parameter, or with its section Sweep, in groups of processes. Returns the Sweep."""
     check_number("processes", processes)
     check_number("processes_per_run", processes_per_run)
     if not isinstance(case, Case):
@@ -71,7 +71,7 @@ def sweep(case, parameter=None, values=(), processes=1, processes_per_run=1, pro
 
 
 def scaled(parameters, grid, n, most):
-    """The numbers of cells of a grid with n in the place of most."""
+    """Return the cell numbers of a grid scaled so that the largest is n."""
     cells = [int(word) for word in names_in(parameters[f"{grid}/Cells"])]
     if any(number > 1 and (number * n % most or number * n // most >= 2**31) for number in cells):
         raise RunFailed(f"The parameter 'Sweep/Cells' has the entry {n}, with which '{grid}/Cells' cannot keep their ratio, or are "
@@ -80,7 +80,7 @@ def scaled(parameters, grid, n, most):
 
 
 def rows_of(parameters):
-    """The runs of a sweep: what each is, and the parameters that it changes."""
+    """Return the runs of a sweep: the entries of each, and the parameters that it changes."""
     lists = {name: names_in(parameters[f"Sweep/{name}"]) for name in LISTS}
     lists["Values"] = [word.strip() for word in parameters["Sweep/Values"].split("|")] if parameters["Sweep/Values"] else []
     varied, stages = parameters["Sweep/Parameter"], names_in(parameters["Simulation/Stages"])
@@ -95,7 +95,7 @@ def rows_of(parameters):
         if n:
             changes.update((f"{grid}/Cells", scaled(parameters, grid, int(n), most)) for grid in grids)
         if value is not None:
-            # Stages that have the value of the section outside of them have it from there.
+            # Stages with the value of the outer section inherit it.
             own = [name for name in (f"Stage {stage}/{varied}" for stage in stages) if name in parameters]
             changes.update({varied: value, **{name: value for name in own if parameters[name] == parameters.get(varied)}})
         rows.append(SimpleNamespace(value=value or "", p=int(changes["Grid/Order"]), cells=int(n or most), changes=changes,
@@ -116,7 +116,7 @@ def name_folders(rows, parameters):
 
 
 def write(file, lines):
-    """Write a table; one of before stays until it is whole."""
+    """Write a table. An earlier one stays until the new one is complete."""
     new = file.with_name(f"{file.name}.tmp")
     new.write_text("".join(",".join(map(str, line)) + "\n" for line in lines), encoding="utf-8")
     os.replace(new, file)
@@ -126,7 +126,7 @@ def write(file, lines):
 def locked(folder):
     """Hold the lock of a folder, as the program does."""
     with open(folder / "lock", "w") as lock:
-        with contextlib.suppress(OSError):   # Of a file system without locks.
+        with contextlib.suppress(OSError):   # The file system has no locks.
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         print(f"process {os.getpid()} on {socket.gethostname()}", file=lock, flush=True)
         try:
@@ -136,7 +136,7 @@ def locked(folder):
 
 
 class Runs:
-    """The runs of a Case with these parameters; resumed is the folder of a sweep that goes on."""
+    """The runs of a Case with these parameters; resumed is the folder of a resumed sweep."""
 
     def __init__(self, case, parameters, options=(), resumed=None):
         if not any(parameters[f"Sweep/{name}"] for name in LISTS):
@@ -146,7 +146,7 @@ class Runs:
         self.running, self.stopped = {}, ""
 
     def prepare(self, place, *options):
-        """Write the files of the runs, let the program accept them and make room for results, and name their folders."""
+        """Write the files of the runs, let the program check them and make room for results, and name their folders."""
         (place / "runs").mkdir()
         for k, row in enumerate(self.rows):
             row.file = place / f"runs/{k:06d}.prm"
@@ -172,7 +172,7 @@ class Runs:
         return [row.file, "--set", f"Output/Directory={folder}", *own, *options]
 
     def check(self, processes, drawing):
-        """Print what each run would take."""
+        """Print the estimated cost of each run."""
         seconds, total = {"s": 1, "min": 60, "h": 3600, "days": 86400}, 0.
         with tempfile.TemporaryDirectory() as place:
             self.prepare(Path(place), "--check")
@@ -185,13 +185,13 @@ class Runs:
         print(f"  estimated time of the sweep: {total / seconds[unit]:.2g} {unit}")
 
     def run(self, processes, progress=None):
-        """Run all; what they print is shown, or else there is progress. Returns what is to be said of runs that have failed."""
+        """Run all, and show their output or else progress. Returns messages on failed runs."""
         with tempfile.TemporaryDirectory() as place:
             self.prepare(Path(place))
             with locked(self.folder):
                 if not self.is_resumed:
                     self.write_results()
-                # Threads other than the main one get no signals.
+                # Only the main thread receives signals.
                 numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if current_thread() is main_thread() else ()
                 handlers = [signal.signal(number, self.stop) for number in numbers]
                 try:
@@ -222,7 +222,7 @@ class Runs:
             interrupt(process, self.each)
 
     def run_all(self, place, processes, progress):
-        """Run one after the other, or side by side. One that a signal ends is the last one."""
+        """Run one after the other, or side by side. No run follows one that a signal ends."""
         given, waiting = int(self.parameters["Sweep/Processes per run"]), list(range(len(self.rows)))
         self.each = min(processes, given) or processes
         is_shown = not progress and not given
@@ -249,7 +249,7 @@ class Runs:
                     progress(done / len(self.rows), f"{done} of {len(self.rows)} runs: {row.name}")
 
     def take(self, row, message):
-        """Take what a run has left, or its message; returns what is to be printed."""
+        """Take the results of a run, or its message. Returns the text to print."""
         if message:
             row.failure = message
             if message.startswith("Stopped by "):
@@ -265,20 +265,20 @@ class Runs:
         return measured.add_to_summary(run)
 
     def write_results(self):
-        """sweep.csv: what each run is, and the last row of its statistics."""
+        """Write sweep.csv: the entries of each run, and the last row of its statistics."""
         names = list(dict.fromkeys(name for row in self.rows for name in row.results))
         write(self.folder / "sweep.csv", [["run", "value", "formulation", "mass", "p", "cells", "failed", *names]] + [
             [row.name, row.value.replace(",", " "), row.formulation, row.mass, row.p, row.cells, int(bool(row.failure)),
              *(f"{row.results[name]:.10g}" if name in row.results else "" for name in names)] for row in self.rows])
 
     def write_errors(self):
-        """convergence.csv."""
+        """Write convergence.csv."""
         write(self.folder / "convergence.csv", [("formulation", "mass", "p", "cells", "error_l2", "error_max", "order")] + [
             (row.formulation, row.mass, row.p, row.cells, f"{row.error['l2']:.10g}", f"{row.error['max']:.10g}",
              "" if row.order is None else f"{row.order:.10g}") for row in self.rows if row.error])
 
     def text(self):
-        """A line for each run: errors, or the factor of a ramp and the last time."""
+        """Return a line for each run: errors, or the factor of a ramp and the last time."""
         text = "  " * 21 + "relative error: L2    largest  order\n" if any(row.error for row in self.rows) else ""
         for row in self.rows:
             text += f"  {row.name:40}" + "  failed" * bool(row.failure)
