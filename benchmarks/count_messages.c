@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: LGPL-2.1-or-later */
 
-/* Counts messages and collective calls of any MPI program, without a change of
-   the program:
+/* Counts messages and collective calls of any MPI program without changing
+   it:
 
      mpicc -shared -fPIC -O2 benchmarks/count_messages.c -o build/count_messages.so
      mpirun -np 4 -x LD_PRELOAD=build/count_messages.so build/greville FILE.prm
 
-   MPI_Finalize() then prints, of the process that sends most bytes, the
-   messages that it sends to others and their bytes, and the collective calls
-   with the bytes that it gives to them. scripts/performance takes the
-   difference of two runs of different length: what a step does. */
+   For the process that sends most bytes, MPI_Finalize() then prints the messages
+   to others and their bytes, and the collective calls with their bytes of input.
+   scripts/performance takes the difference of two runs of different length to
+   find the values of a step. */
 
 #include <mpi.h>
 #include <stdio.h>

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// CPU time of constitutive laws, in ns per point and step: the update and the
-// tangent of each law in plane strain and in 3D, elastic and with plastic flow
-// in each step. Each number is
-// the median of pairs with a fixed loop of square roots, whose time is printed
-// beside it, so that numbers of busy machines can be told from others.
+// Measures the CPU time of constitutive laws in ns per point and step: update
+// and tangent of each law in plane strain and in 3D, elastic and with plastic
+// flow in each step. Each number is a median of runs paired with a fixed loop
+// of square roots. The time of this loop, printed beside it, shows whether the
+// machine was busy.
 //
 //   ninja -C build law_benchmark && build/law_benchmark [LIBRARY ...]
 //
-// With libraries it measures their UMATs instead, whose properties are Young's
-// modulus, Poisson's ratio and a yield stress, and which may have seven state
+// With libraries, it measures their UMATs instead. Their properties are Young's
+// modulus, Poisson's ratio and a yield stress, with up to seven state
 // variables.
 
 #include <deal.II/base/mpi.h>
@@ -36,7 +36,8 @@ namespace
 
 
 
-  // Seconds of 10^6 square roots, each of which waits for the one before.
+  // Return the seconds of 10^6 square roots, each dependent on the previous
+  // one.
   double
   reference_loop()
   {
@@ -60,7 +61,7 @@ namespace
 
 
 
-  // Increments that alternate with their inverses, of some size.
+  // Return increments of this size that alternate with their inverses.
   std::vector<Tensor<2, 3>>
   increments(const unsigned int n, const double size, const bool plane)
   {
@@ -95,7 +96,7 @@ namespace
     prm.parse_input_from_string(text);
     material->reinit("Material");
 
-    // As many points at once as a kernel of the simulation takes.
+    // As many points at once as in a kernel of the simulation.
     constexpr unsigned int n = 256, group = 4, n_steps = 200, n_pairs = 9;
     double                 nanoseconds[2], tangent[2], reference = 0.;
     std::array<MaterialTangent, group> tangents;
@@ -129,7 +130,7 @@ namespace
                     ArrayView<MaterialTangent>(tangents.data(), group),
                     plane ? 2 : 3);
                 seconds_of_tangents += cpu_seconds() - start;
-                // As the kernels of explicit steps call them.
+                // The call of the kernels of explicit steps.
                 std::vector<MaterialLanes> lanes;
                 if (material->has_lanes())
                   for (unsigned int i = 0; i < n; i += group)

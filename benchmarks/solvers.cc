@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Own solver of the exact mass matrix against PETSc's, on the same matrix: CPU
-// time of IC(0) and of conjugate gradients for two vector fields (velocity and
-// acceleration of a step), ExtendedMassSolver (all columns together, on
-// stencils and extended functions) against KSPCG with PCICC (column by column,
-// on the assembled matrix). The points are those of a simulation after some
-// steps (0).
+// Compares the project's solver of the exact mass matrix with PETSc's on the
+// same matrix: CPU time of IC(0) and of conjugate gradients for two vector
+// fields (velocity and acceleration of a step). ExtendedMassSolver solves all
+// columns together, on stencils and extended functions; KSPCG with PCICC solves
+// column by column, on the assembled matrix. The points come from a simulation
+// after STEPS (0).
 //
 //   ninja -C build solver_benchmark
 //   build/solver_benchmark FILE.prm [STEPS [ROUNDS]]
 //
-// prints a table in Markdown: medians over rounds in which the methods take
-// turns (9). One process.
+// prints a table in Markdown: medians over ROUNDS (9), in which the methods
+// take turns. One process.
 
 #include <deal.II/base/mpi.h>
 
@@ -100,7 +100,7 @@ namespace
 
 
 
-  // Times of one method, ms.
+  // Times of a method, ms.
   struct Method
   {
     std::string           name;
@@ -127,7 +127,6 @@ namespace
     while (simulation.state().n_steps < n_steps)
       simulation.step();
 
-    // The mass matrix of the points.
     std::vector<const MaterialPoints<dim> *> points;
     for (const Body<dim> &body : simulation.bodies())
       points.push_back(&body.points);
@@ -149,7 +148,6 @@ namespace
     const LowerTriangle entries = mass.local_entries((1 << dim) - 1);
     const unsigned int  n       = entries.size();
 
-    // Right-hand sides.
     std::mt19937                     engine;
     std::normal_distribution<double> normal;
     VectorField<dim>                 b[n_fields], x[n_fields];
@@ -208,7 +206,8 @@ namespace
         methods.push_back(
           {std::string("PETSc, ") + (symmetric ? "SBAIJ" : "AIJ"),
            [=]() {
-             // An assembly makes the factors old, even of what has not changed.
+             // An assembly invalidates the factors, even of an unchanged
+             // matrix.
              check_petsc(KSPSetOperators(ksp, matrix, matrix));
              check_petsc(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
              check_petsc(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));

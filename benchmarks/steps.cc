@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Time of the steps of a simulation: of some steps after a warm-up, without
-// start and output, on each process. scripts/benchmark runs it in turns for
-// several masses and numbers of processes, and prints medians.
+// Measures the time of simulation steps on each process, after a warm-up,
+// without start and output. scripts/benchmark runs it in turns for several
+// masses and numbers of processes, and prints medians.
 //
 //   ninja -C build step_benchmark
 //   build/step_benchmark FILE.prm MASS [FIRST_STEP LAST_STEP]
 //
 // prints one line of JSON. A fixed loop of square roots before and after the
-// steps tells how busy the machine is.
+// steps shows how busy the machine is.
 
 #include <deal.II/base/mpi.h>
 
@@ -46,7 +46,8 @@ namespace
 
 
 
-  // CPU seconds of 10^7 square roots, each of which waits for the one before.
+  // Return the CPU seconds of 10^7 square roots, each dependent on the previous
+  // one.
   double
   reference_loop()
   {
@@ -91,7 +92,7 @@ namespace
     const double wall      = wall_seconds() - wall_before;
     const double reference = 0.5 * (reference_before + reference_loop());
 
-    // Points of the process that has most of them, relative to the mean.
+    // Largest number of points of a process, relative to the mean.
     double n_points = 0.;
     for (const Body<dim> &body : simulation.bodies())
       n_points += body.points.n_points();

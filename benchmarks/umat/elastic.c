@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: LGPL-2.1-or-later
  *
- * Hooke's law from the increment of strain, as UMATs of small strains have it,
- * in Kirchhoff stresses: tau = J_0 sigma + lambda tr(d) 1 + 2 G d for d =
- * DSTRAN, which are logarithmic strains. It is 'linear-elastic' where the axes
- * of strain do not turn, and where d is small against 1 otherwise.
+ * Hooke's law from the strain increment, as in UMATs for small strains, in
+ * Kirchhoff stresses: tau = J_0 sigma + lambda tr(d) 1 + 2 G d with the
+ * logarithmic strain increment d = DSTRAN. It equals 'linear-elastic' if the
+ * strain axes do not turn, and otherwise if d is small against 1.
  * PROPS: Young's modulus and Poisson's ratio. No STATEV.
  */
 #include <greville/materials/umat_arguments.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Mohr and Coulomb's yield condition without softening, as 'mohr-coulomb' in
+// The Mohr-Coulomb yield condition without softening, like 'mohr-coulomb' in
 // states that never reach the apex: b = f b_e f^T, eps = ln(b) / 2, and a
 // return in Kirchhoff stresses (de Souza Neto, Peric, Owen, section 8.2) to the
 // plane
@@ -59,7 +59,8 @@ namespace
     return det;
   }
 
-  // Jacobi's method: values, and vectors in the columns of V.
+  // Return the eigenvalues, with eigenvectors in the columns of V, by Jacobi's
+  // method.
   Vector
   eigenvalues(Matrix A, Matrix &V)
   {
@@ -90,7 +91,7 @@ namespace
     return {{A[0][0], A[1][1], A[2][2]}};
   }
 
-  // K tr(e) 1 + 2 G dev(e), and what undoes it.
+  // The law K tr(e) 1 + 2 G dev(e) and its inverse.
   struct Elastic
   {
     double K, G;
@@ -113,7 +114,7 @@ namespace
     }
   };
 
-  // Normals of planes 1-3, 1-2, 2-3 for the sine of an angle.
+  // Return the normals of planes 1-3, 1-2, 2-3 for the sine of an angle.
   Vector
   normal(const int plane, const double sine)
   {
@@ -129,7 +130,8 @@ namespace
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   }
 
-  // To plane 1-3 (second < 0), or to its edge with another one; affine in t.
+  // Return t to plane 1-3 (second < 0), or to its edge with another plane;
+  // affine in t.
   Vector
   returned(const Vector  &t,
            const int      second,
@@ -185,7 +187,7 @@ umat_(GREVILLE_UMAT_ARGUMENTS)
   for (int a = 0; a < 3; ++a)
     eps[a] = 0.5 * std::log(values[a]);
 
-  // From the largest to the smallest stress.
+  // Sort from the largest to the smallest stress.
   const Vector unsorted = elastic.stress(eps);
   int          order[]  = {0, 1, 2};
   std::sort(order, order + 3, [&](const int a, const int b) {
@@ -213,7 +215,7 @@ umat_(GREVILLE_UMAT_ARGUMENTS)
         }
     }
 
-  // d tau / d eps column by column, as returned() is affine, and the shear
+  // d tau / d eps column by column, because returned() is affine, and the shear
   // moduli (tau_a - tau_b) / (2 tanh(eps_a - eps_b)).
   Matrix D;
   Vector shear;

@@ -56,7 +56,7 @@ C     STATEV: b_e - 1 (11, 22, 33, 12, 13, 23), alpha.
       END DO
       TAU = BULK*TR + RATIO*S
       CALL SPATIAL(TAU, EPS, D, RATIO, G, V, DET, NTENS, STRESS, DDSDDE)
-C     The elastic strain, and what is kept of it.
+C     The elastic strain, and b_e - 1.
       EPS = TR/3D0 + RATIO*S/(2D0*G)
       STATEV(7) = STATEV(7) + GAMMA
       W = EXP(2D0*EPS) - 1D0
