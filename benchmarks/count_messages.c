@@ -6,10 +6,10 @@
      mpicc -shared -fPIC -O2 benchmarks/count_messages.c -o build/count_messages.so
      mpirun -np 4 -x LD_PRELOAD=build/count_messages.so build/greville FILE.prm
 
-   For the process that sends most bytes, MPI_Finalize() then prints the messages
-   to others and their bytes, and the collective calls with their bytes of input.
-   scripts/performance takes the difference of two runs of different length to
-   find the values of a step. */
+   For the process that sends most bytes, MPI_Finalize() then prints the
+   messages to others and their bytes, and the collective calls with their
+   bytes of input. scripts/performance takes the difference of two runs of
+   different length to find the values of a step. */
 
 #include <mpi.h>
 #include <stdio.h>

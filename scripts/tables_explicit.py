@@ -188,7 +188,7 @@ def cost_of_rows(_):
 def cost_of_domains(_):
     """what B-splines averaged over domains cost
 
-    The CPU time of steps with 'Scheme/Functions' = domains over that of as many steps of the same length with points, both
+    The ratio of CPU times of steps with 'Scheme/Functions' = domains and of as many equal steps with points, both
     less the time of a run of one step, which is the set-up time. Medians of five pairs, one process.
     """
     print_head("", "mass", "step with domains / with points")

@@ -110,7 +110,7 @@ def stiffness_growth(given):
     save(figure)
 
 
-# The exact force, N / m; the displacement at the end, m; what it is; the body.
+# The exact force, N / m; the displacement at the end, m; its description; the body.
 LIMITS = {"footing": (-25.70797e3, -6e-5, "strip on clay", "soil"), "notched_plate": (1.48425e6, 3e-4, "notched plate", "plate")}
 # File, cells, cells in half of the strip or ligament, order, projection, points per direction.
 LIMIT_RUNS = [("footing", "30, 15", 7.5, 1, "order p-1", 2),
@@ -186,8 +186,8 @@ def cooks_membrane(_):
     Ten shifts of the grid of prm/simulation/cooks_membrane.prm for p = 2 and 3, then three grids with 2, 3 and 4 points
     per cell and direction. Takes some minutes.
 
-    In x, where the wall at x = 0 has to stay, a shift changes the size of the cells: n + shift of them are 48 mm wide. In
-    y it moves the lines of the grid. The displacement of the tip (48, 52) mm is that of a quadratic polynomial through
+    In x, a shift must keep the wall at x = 0, so it changes the size of the cells: n + shift of them are 48 mm wide. In
+    y it moves the lines of the grid. The displacement of the tip (48, 52) mm comes from a quadratic polynomial through
     points within 2.5 mm of it (three spacings of points, if that is more). Needs python3-numpy.
     """
     need_numpy()
@@ -276,8 +276,8 @@ def projection_tables(_):
 
     Cook's membrane and a soil below a strip, with jittered points. Takes some minutes; existing runs are kept.
 
-    Body forces are smooth. The displacement is the work over that of a fine run, i.e. the mean displacement, weighted by
-    the force. The pressure is compared with that of the fine run at the points which are farther than an eighth of the
+    Body forces are smooth. The displacement is the work relative to a fine run, i.e. the mean displacement, weighted by
+    the force. The pressure is compared with the fine run at points that are farther than an eighth of the
     width from the ends of the clamped side: the root of the mean square of the error, and the largest error, over the same
     of the pressure. The fine run has order 2, 64 cells, the coarse mesh and points at Gauss positions. Needs python3-numpy
     and python3-vtk9.

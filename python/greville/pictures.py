@@ -143,7 +143,7 @@ def draw_series(axes, simulation, series):
 
 
 def draw_energies(axes, simulation):
-    """Draw energies, and the work of everything else."""
+    """Draw energies, and the columns of work."""
     statistics = simulation.statistics
     time, lowest = statistics["time"], statistics["gravitational"].min()
     for k, name in enumerate(("kinetic", "strain", "gravitational", "dissipation", "total")):

@@ -159,7 +159,7 @@ def body_data(run):
 
 
 def scheme_facts(run):
-    """Mass, integrator and formulation, or those of each stage."""
+    """Return mass, integrator and formulation, or a list of them per stage."""
     def of(section, mass):
         mass = run.parameters.get(section + "Scheme/Mass", "") if mass is None else mass
         return [["mass", mass], ["steps in time", run.parameters.get(section + "Scheme/Stress update", "")],

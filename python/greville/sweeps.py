@@ -104,7 +104,7 @@ def rows_of(parameters):
 
 
 def name_folders(rows, parameters):
-    """Name the folders of the runs by what the sweep varies."""
+    """Name the run folders by the varied parameters."""
     names, word = {}, parameters["Sweep/Parameter"].rsplit("/", 1)[-1]
     is_alone = word and not any(parameters[f"Sweep/{name}"] for name in LISTS if name != "Values")
     for row in rows:
@@ -222,7 +222,7 @@ class Runs:
             interrupt(process, self.each)
 
     def run_all(self, place, processes, progress):
-        """Run one after the other, or side by side. No run follows one that a signal ends."""
+        """Run one after the other, or side by side. A signal ends the sequence."""
         given, waiting = int(self.parameters["Sweep/Processes per run"]), list(range(len(self.rows)))
         self.each = min(processes, given) or processes
         is_shown = not progress and not given

@@ -43,7 +43,7 @@ namespace greville
       struct Side
       {
         std::size_t begin;
-        bool        is_compared; // with what is in front
+        bool        is_compared; // with the side before it
       };
       std::vector<std::string> result;
       std::vector<Side>        open = {{0, false}}; // for each parenthesis

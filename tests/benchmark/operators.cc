@@ -3,8 +3,8 @@
 // All: 2
 // Debug: no
 
-// All operators on boxes and on bodies of points: iterations that do not
-// depend on the number of processes by much, and what the columns say.
+// Checks all operators on boxes and on bodies of points: the iterations depend
+// little on the number of processes, and the columns have the expected values.
 
 #include <greville/benchmark/benchmark.h>
 

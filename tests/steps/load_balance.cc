@@ -2,8 +2,8 @@
 // Processes: 1 2
 
 // Checks the redistribution of cells among processes while points move: work
-// stays balanced, results agree with runs without it for the main code paths,
-// and saved states can be restored and continued with the same bits.
+// stays balanced, results of the main code paths are the same without it, and
+// runs from saved states continue with the same bits.
 #include <greville/run/simulation_run.h>
 #include <greville/steps/coupled_simulations.h>
 #include <greville/steps/load_balance.h>

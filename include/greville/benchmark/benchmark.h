@@ -157,7 +157,7 @@ namespace greville
     MassSolverParameters       solver_parameters;
     PaperMultigridParameters   multigrid_parameters;
     PaperSmootherParameters    smoother_parameters;
-    TangentParameters          implicit; // those of elasticity
+    TangentParameters          implicit; // of elasticity
     const std::string          program;
     dealii::ConditionalOStream out;
     std::string                output_directory;

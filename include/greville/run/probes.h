@@ -26,10 +26,10 @@ namespace greville
   {
   public:
     /**
-     * Collective. Take the points of @p bodies that are nearest to the
-     * positions in @p text ("x, y; SHAPE; ..."), and the shapes in it, with the
-     * output @p fields of these names. Throws for other text, if no point is
-     * nearer than the length of a cell, and if a shape has no point.
+     * Collective. Read positions and shapes from @p text ("x, y; SHAPE; ..."),
+     * take the nearest point of @p bodies for each position, and write the
+     * named output @p fields. Throws if an entry is neither, if no point is
+     * within a cell's length of a position, or if a shape has no point.
      */
     Probes(const std::string              &text,
            const std::vector<std::string> &fields,
