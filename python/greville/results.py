@@ -406,7 +406,7 @@ class Run:
     @property
     def parameter_lines(self):
         def read():
-            # Those of the run, or of the sweep that it belongs to.
+            # Files of the run, or of its sweep.
             paths = (self.folder / "parameters.prm", self.folder.resolve().parent / "parameters.prm")
             path = next((path for path in paths if path.exists()), None)
             if path is None:

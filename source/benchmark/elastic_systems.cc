@@ -170,7 +170,7 @@ namespace greville
             make_points(placement);
           }
 
-        // The functions, as TangentSystem takes them.
+        // The functions that TangentSystem takes.
         const double        filling_threshold = threshold();
         std::vector<double> parts(space.owned_cells().size(), 0.);
         body.points.for_each(

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// Checks the energy balance of damped bodies: the work of damping agrees with
-// the steps, so that the balance closes and the guard detects spurious energy
-// even if damping removes it again.
+// Checks the energy balance of damped bodies: the counted work of damping
+// equals its effect in a step. The balance therefore closes, and the guard
+// detects spurious energy even if damping removes it again.
 #include "simulation.h"
 
 namespace

@@ -24,8 +24,8 @@ namespace greville
 
   /**
    * Collective. Begin with x = 0, call @p run, which finds x and fills in the
-   * iterations and the reason of a failure, and compute the residual. A
-   * right-hand side that is not finite is a failure without a call.
+   * iterations and the reason of a failure, and compute the residual. Fails
+   * without a call if the right-hand side is not finite.
    */
   template <int dim>
   SolveResult

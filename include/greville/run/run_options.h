@@ -36,8 +36,8 @@ namespace greville
   struct RunSummary
   {
     double wall_time = 0.; // s
-    double runout    = 0.; // the largest, m
-    double runout_99 = 0.; // likewise
+    double runout    = 0.; // largest run-out, m
+    double runout_99 = 0.; // largest Statistics::runout_99, m
     /// EnergyBalance::loss() of all parts, J (2D: J / m), and its ratio to the
     /// largest energy or work so far.
     double numerical_loss = 0., relative_loss = 0.;
