@@ -62,7 +62,7 @@ namespace greville
       void
       setup() override
       {
-        // For p = 1, the coarse solver solves alone, to full accuracy.
+        // For p = 1, the coarse solver alone must reach the tolerance.
         if (solver.has_preconditioner)
           preconditioner = std::make_unique<PMultigrid<dim>>(
             operators,

@@ -121,7 +121,7 @@ namespace greville
     AssembledMassLevel<dim> &finest = hierarchy.finest();
     if (uses_multigrid(name))
       {
-        // For p = 1, the coarse solver solves alone, to full accuracy.
+        // For p = 1, the coarse solver alone must reach the tolerance.
         preconditioner = std::make_unique<PMultigrid<dim>>(
           hierarchy.operators(),
           multigrid_parameters,

@@ -225,7 +225,7 @@ namespace greville
             << '\n';
         for (const Body<dim> &body : bodies)
           {
-            // Another material of a stage has no name.
+            // A body without a name is another material of a stage.
             if (body.name.empty())
               continue;
             double mass = 0., volume = 0.;
