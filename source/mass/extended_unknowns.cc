@@ -5,7 +5,6 @@
 #include <greville/mass/extended_unknowns.h>
 
 #include <algorithm>
-#include <map>
 
 namespace greville
 {
@@ -125,45 +124,55 @@ namespace greville
 
 
 
+  namespace
+  {
+    /**
+     * Collective. Ask the owners for the numbers of the unknowns at positions,
+     * and return pairs of a number and its position, ascending. The unknowns of
+     * this process are @p functions, numbered from @p first_unknown on.
+     */
+    template <int dim>
+    std::vector<std::pair<types::global_dof_index, std::uint64_t>>
+    find_unknowns(const SplineSpace<dim>           &space,
+                  const std::vector<unsigned int>  &functions,
+                  const types::global_dof_index     first_unknown,
+                  const std::vector<std::uint64_t> &positions)
+    {
+      const auto dofs   = space.global_numbers(positions);
+      auto       sorted = dofs;
+      std::sort(sorted.begin(), sorted.end());
+      IndexSet ghosts(space.n_dofs());
+      ghosts.add_indices(sorted.begin(), sorted.end());
+      VectorType numbers_of(space.locally_owned_dofs(),
+                            ghosts,
+                            space.communicator());
+      for (unsigned int u = 0; u < functions.size(); ++u)
+        numbers_of.local_element(functions[u]) = first_unknown + u;
+      numbers_of.update_ghost_values();
+
+      std::vector<std::pair<types::global_dof_index, std::uint64_t>> result;
+      for (unsigned int k = 0; k < positions.size(); ++k)
+        result.emplace_back(numbers_of(dofs[k]), positions[k]);
+      std::sort(result.begin(), result.end());
+      return result;
+    }
+  } // namespace
+
+
+
   template <int dim>
   void
   ExtendedUnknowns<dim>::number_unknowns()
   {
-    using Kind                          = Extension<dim>;
-    const SplineSpace<dim> &space       = stencil->space();
-    const unsigned int      n_functions = space.owned_functions().size();
-    const unsigned int n_all = n_functions + space.ghost_functions().size();
-    const MPI_Comm     comm  = communicator();
-    const bool         is_parallel = Utilities::MPI::n_mpi_processes(comm) > 1;
-
     for (const auto *old : {&unknowns, &extended})
       for (const unsigned int place : *old)
         if (place != numbers::invalid_unsigned_int)
           signed_numbers[place] = 0;
-    unknowns.clear();
-    owned_unknown_functions.clear();
-    lumped.clear();
-    extended.clear();
-    extended_functions = extension->extended_functions();
-    std::vector<types::global_dof_index> ghost_unknowns;
-    types::global_dof_index              first_unknown = 0;
-
-    for (unsigned int f = 0; f < n_functions; ++f)
-      if ((*extension)[f] == Kind::stable || (*extension)[f] == Kind::lumped)
-        {
-          unknowns.push_back(stencil->place(f));
-          owned_unknown_functions.push_back(f);
-        }
-    n_owned = unknowns.size();
-    for (unsigned int f = 0; f < n_all; ++f)
-      if ((*extension)[f] == Kind::lumped)
-        lumped.push_back(stencil->place(f));
-    for_each_active_image([&](const unsigned int f, const std::size_t place) {
-      if ((*extension)[f] == Kind::lumped)
-        lumped.push_back(place);
-    });
+    choose_unknowns();
 
     // Rows of E for the extended functions, with positions instead of numbers.
+    extended.clear();
+    extended_functions = extension->extended_functions();
     std::vector<std::uint64_t> all_positions, positions;
     std::vector<double>        all_weights, weights;
     extended_begin.assign(1, 0);
@@ -178,10 +187,75 @@ namespace greville
         extended_begin.push_back(all_positions.size());
       }
 
-    // Unknowns of other processes: functions of owned cells, followed by the
-    // others that occur in E. Only the former have places.
-    std::map<std::uint64_t, unsigned int> ghost_of; // by position
-    if (is_parallel)
+    const auto ghost_of = number_ghost_unknowns(all_positions);
+    for (unsigned int u = 0; u < unknowns.size(); ++u)
+      if (unknowns[u] != numbers::invalid_unsigned_int)
+        signed_numbers[unknowns[u]] = 1 + int(u);
+    for (unsigned int k = 0; k < extended.size(); ++k)
+      signed_numbers[extended[k]] = -1 - int(k);
+
+    extended_entries.clear();
+    const auto &owned = stencil->space().owned_functions();
+    for (std::size_t e = 0; e < all_positions.size(); ++e)
+      {
+        const auto place =
+          std::lower_bound(owned.begin(), owned.end(), all_positions[e]);
+        const bool is_owned =
+          place != owned.end() && *place == all_positions[e];
+        const unsigned int unknown =
+          is_owned ? signed_numbers[stencil->place(place - owned.begin())] - 1
+                   : ghost_of.at(all_positions[e]);
+        extended_entries.push_back({unknown, all_weights[e]});
+      }
+
+    add_rows_of_images();
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::choose_unknowns()
+  {
+    using Kind                          = Extension<dim>;
+    const SplineSpace<dim> &space       = stencil->space();
+    const unsigned int      n_functions = space.owned_functions().size();
+    const unsigned int n_all = n_functions + space.ghost_functions().size();
+    unknowns.clear();
+    owned_unknown_functions.clear();
+    lumped.clear();
+    for (unsigned int f = 0; f < n_functions; ++f)
+      if ((*extension)[f] == Kind::stable || (*extension)[f] == Kind::lumped)
+        {
+          unknowns.push_back(stencil->place(f));
+          owned_unknown_functions.push_back(f);
+        }
+    n_owned = unknowns.size();
+    for (unsigned int f = 0; f < n_all; ++f)
+      if ((*extension)[f] == Kind::lumped)
+        lumped.push_back(stencil->place(f));
+    for_each_active_image([&](const unsigned int f, const std::size_t place) {
+      if ((*extension)[f] == Kind::lumped)
+        lumped.push_back(place);
+    });
+  }
+
+
+
+  template <int dim>
+  std::map<std::uint64_t, unsigned int>
+  ExtendedUnknowns<dim>::number_ghost_unknowns(
+    const std::vector<std::uint64_t> &positions_in_E)
+  {
+    using Kind                          = Extension<dim>;
+    const SplineSpace<dim> &space       = stencil->space();
+    const unsigned int      n_functions = space.owned_functions().size();
+    const unsigned int n_all = n_functions + space.ghost_functions().size();
+    const MPI_Comm     comm  = communicator();
+    std::map<std::uint64_t, unsigned int> ghost_of;
+    std::vector<types::global_dof_index>  ghost_unknowns;
+    types::global_dof_index               first_unknown = 0;
+    if (Utilities::MPI::n_mpi_processes(comm) > 1)
       {
         first_unknown = sum_before(n_owned, comm);
 
@@ -190,31 +264,15 @@ namespace greville
           if ((*extension)[f] == Kind::stable ||
               (*extension)[f] == Kind::lumped)
             ghost_of[space.function_position(f)] = f;
-        for (const std::uint64_t position : all_positions)
+        for (const std::uint64_t position : positions_in_E)
           if (!std::binary_search(owned.begin(), owned.end(), position))
             ghost_of.emplace(position, numbers::invalid_unsigned_int);
 
-        // Ask the owners for the numbers of the unknowns.
         std::vector<std::uint64_t> wanted;
         for (const auto &entry : ghost_of)
           wanted.push_back(entry.first);
-        const auto dofs = space.global_numbers(wanted);
-        IndexSet   ghosts(space.n_dofs());
-        {
-          auto sorted = dofs;
-          std::sort(sorted.begin(), sorted.end());
-          ghosts.add_indices(sorted.begin(), sorted.end());
-        }
-        VectorType numbers_of(space.locally_owned_dofs(), ghosts, comm);
-        for (unsigned int u = 0; u < n_owned; ++u)
-          numbers_of.local_element(owned_unknown_functions[u]) =
-            first_unknown + u;
-        numbers_of.update_ghost_values();
-
-        std::vector<std::pair<types::global_dof_index, std::uint64_t>> order;
-        for (unsigned int k = 0; k < wanted.size(); ++k)
-          order.emplace_back(numbers_of(dofs[k]), wanted[k]);
-        std::sort(order.begin(), order.end());
+        const auto order =
+          find_unknowns(space, owned_unknown_functions, first_unknown, wanted);
         for (const auto &entry : order)
           {
             auto              &found = ghost_of.at(entry.second);
@@ -230,27 +288,15 @@ namespace greville
                                                        n_owned,
                                                        ghost_unknowns,
                                                        comm);
-    for (unsigned int u = 0; u < unknowns.size(); ++u)
-      if (unknowns[u] != numbers::invalid_unsigned_int)
-        signed_numbers[unknowns[u]] = 1 + int(u);
+    return ghost_of;
+  }
 
-    for (unsigned int k = 0; k < extended.size(); ++k)
-      signed_numbers[extended[k]] = -1 - int(k);
-    extended_entries.clear();
-    const auto &owned = space.owned_functions();
-    for (std::size_t e = 0; e < all_positions.size(); ++e)
-      {
-        const auto place =
-          std::lower_bound(owned.begin(), owned.end(), all_positions[e]);
-        const bool is_owned =
-          place != owned.end() && *place == all_positions[e];
-        const unsigned int unknown =
-          is_owned ? signed_numbers[stencil->place(place - owned.begin())] - 1
-                   : ghost_of.at(all_positions[e]);
-        extended_entries.push_back({unknown, all_weights[e]});
-      }
 
-    // Images have the rows of E of their functions.
+
+  template <int dim>
+  void
+  ExtendedUnknowns<dim>::add_rows_of_images()
+  {
     for_each_active_image([&](const unsigned int f, const std::size_t place) {
       const int signed_number = signed_numbers[stencil->place(f)];
       if (signed_number > 0)

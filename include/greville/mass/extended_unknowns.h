@@ -10,6 +10,7 @@
 
 #include <array>
 #include <functional>
+#include <map>
 
 namespace greville
 {
@@ -271,8 +272,25 @@ namespace greville
     mutable ZeroedArray<double> place_x, place_y;
     mutable VectorType          column; // of unknowns
 
+    /// Collective. Number the unknowns and set E.
     void
     number_unknowns();
+
+    /// Set the owned unknowns and the lumped places.
+    void
+    choose_unknowns();
+
+    /**
+     * Collective. Append the unknowns of other processes: functions of owned
+     * cells, and others, without places, that occur in E. Sets the layout, and
+     * returns their numbers by position.
+     */
+    std::map<std::uint64_t, unsigned int>
+    number_ghost_unknowns(const std::vector<std::uint64_t> &positions_in_E);
+
+    /// Give images the rows of E of their functions.
+    void
+    add_rows_of_images();
 
     /// Return the components (bits) in which a constrained extended function
     /// depends on functions that are not constrained.
