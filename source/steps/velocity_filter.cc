@@ -55,6 +55,70 @@ namespace greville
         }
       return result;
     }
+
+
+
+    /**
+     * Functions counted without periods, which go from -reach to n + reach in
+     * periodic directions. The shift makes their indices nonnegative.
+     */
+    template <int dim>
+    struct UnwrappedFunctions
+    {
+      MultiIndex<dim> extents, shift, all;
+
+      /// Return the position in the space.
+      std::uint64_t
+      position(MultiIndex<dim> i) const
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          i[d] = (i[d] + extents[d] - shift[d]) % extents[d];
+        return lexicographic<dim>(i, extents);
+      }
+
+      bool
+      is_image(const unsigned int k, const unsigned int direction) const
+      {
+        return k < shift[direction] ||
+               k >= shift[direction] + extents[direction];
+      }
+    };
+
+
+
+    /**
+     * Append the other functions in the runs of the given owned ones: images
+     * and functions of other processes.
+     */
+    template <int dim>
+    void
+    append_rest_of_runs(std::vector<MultiIndex<dim>>     &functions,
+                        const std::vector<std::uint64_t> &owned,
+                        const UnwrappedFunctions<dim>    &unwrapped,
+                        const int                         reach)
+    {
+      const auto                &all = unwrapped.all;
+      std::vector<std::uint64_t> near;
+      for (const auto &i : functions)
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            auto      j    = i;
+            const int last = std::min(int(i[d]) + reach, int(all[d]) - 1);
+            for (int k = std::max(int(i[d]) - reach, 0); k <= last; ++k)
+              {
+                j[d] = k;
+                if (unwrapped.is_image(k, d) ||
+                    !std::binary_search(owned.begin(),
+                                        owned.end(),
+                                        unwrapped.position(j)))
+                  near.push_back(lexicographic<dim>(j, all));
+              }
+          }
+      std::sort(near.begin(), near.end());
+      near.erase(std::unique(near.begin(), near.end()), near.end());
+      for (const std::uint64_t k : near)
+        functions.push_back(multi_index<dim>(k, all));
+    }
   } // namespace
 
 
@@ -68,9 +132,10 @@ namespace greville
     const auto &extents = space->n_functions();
     const auto &owned   = space->owned_functions();
 
-    // In periodic directions, unwrapped indices of functions go from -reach to
-    // n + reach. The shift makes them nonnegative.
-    MultiIndex<dim> shift, all;
+    UnwrappedFunctions<dim> unwrapped;
+    unwrapped.extents = extents;
+    auto &shift       = unwrapped.shift;
+    auto &all         = unwrapped.all;
     for (unsigned int d = 0; d < dim; ++d)
       {
         shift[d]       = space->is_periodic(d) ? reach : 0;
@@ -82,18 +147,7 @@ namespace greville
           all[d]);
       }
 
-    const auto position_of = [&](MultiIndex<dim> i) {
-      for (unsigned int d = 0; d < dim; ++d)
-        i[d] = (i[d] + extents[d] - shift[d]) % extents[d];
-      return lexicographic<dim>(i, extents);
-    };
-    const auto is_owned = [&](const std::uint64_t position) {
-      return std::binary_search(owned.begin(), owned.end(), position);
-    };
-
-    // Functions of this process, and other functions in their runs.
     std::vector<MultiIndex<dim>> functions;
-    std::vector<std::uint64_t>   near, others;
     for (const std::uint64_t position : owned)
       {
         auto i = multi_index<dim>(position, extents);
@@ -101,55 +155,51 @@ namespace greville
           i[d] += shift[d];
         functions.push_back(i);
       }
-    for (const auto &i : functions)
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          auto      j    = i;
-          const int last = std::min(int(i[d]) + reach, int(all[d]) - 1);
-          for (int k = std::max(int(i[d]) - reach, 0); k <= last; ++k)
-            {
-              j[d]                         = k;
-              const std::uint64_t position = position_of(j);
-              const bool          is_mine  = is_owned(position);
-              if (!is_mine)
-                others.push_back(position);
-              if (!is_mine || unsigned(k) < shift[d] ||
-                  unsigned(k) >= shift[d] + extents[d])
-                near.push_back(lexicographic<dim>(j, all));
-            }
-        }
-    std::sort(near.begin(), near.end());
-    near.erase(std::unique(near.begin(), near.end()), near.end());
-    std::sort(others.begin(), others.end());
-    others.erase(std::unique(others.begin(), others.end()), others.end());
-    const auto numbers = space->global_numbers(others);
+    append_rest_of_runs<dim>(functions, owned, unwrapped, reach);
+
+    std::vector<std::uint64_t> positions;
+    for (std::size_t k = owned.size(); k < functions.size(); ++k)
+      positions.push_back(unwrapped.position(functions[k]));
+    const auto numbers = space->global_numbers(positions);
     auto       ghosts  = numbers;
     std::sort(ghosts.begin(), ghosts.end());
+    ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
     IndexSet ghost_set(space->n_dofs());
     ghost_set.add_indices(ghosts.begin(), ghosts.end());
     partitioner = std::make_shared<const Utilities::MPI::Partitioner>(
       space->locally_owned_dofs(), ghost_set, space->communicator());
     exchanged.reinit(partitioner);
 
-    std::vector<unsigned int> sources;
-    for (const std::uint64_t k : near)
+    set_lines(functions);
+    function_places.clear();
+    copies.clear();
+    for (std::size_t k = 0; k < functions.size(); ++k)
       {
-        const auto          i        = multi_index<dim>(k, all);
-        const std::uint64_t position = position_of(i);
-        functions.push_back(i);
-        if (is_owned(position))
-          sources.push_back(
-            std::lower_bound(owned.begin(), owned.end(), position) -
-            owned.begin());
+        const auto        &i     = functions[k];
+        const unsigned int place = line_of(i).place + int(i[0]);
+        if (k < owned.size())
+          function_places.push_back(place);
         else
-          {
-            const auto number =
-              numbers[std::lower_bound(others.begin(), others.end(), position) -
-                      others.begin()];
-            sources.push_back(partitioner->global_to_local(number));
-          }
+          copies.emplace_back(
+            place, partitioner->global_to_local(numbers[k - owned.size()]));
       }
 
+    inverse_mass = ZeroedArray<double>(n_places);
+    crossings    = ZeroedArray<double>(n_places);
+    for (unsigned int d = 0; d < dim; ++d)
+      for (auto *values : {&run_mass[d], &velocities[d], &results[d]})
+        *values = ZeroedArray<double>(n_places);
+    jumps.resize(all[0]);
+    strengths.resize(all[0]);
+  }
+
+
+
+  template <int dim>
+  void
+  VelocityFilter<dim>::set_lines(const std::vector<MultiIndex<dim>> &functions)
+  {
+    const int reach = space->degree() + 1;
     // The box of lines around the functions, with room for runs that leave it.
     std::array<int, dim> low, high;
     low.fill(std::numeric_limits<int>::max());
@@ -161,7 +211,6 @@ namespace greville
           high[d] = std::max(high[d], int(i[d]));
         }
     lines.clear();
-    function_places.clear();
     if (!functions.empty())
       {
         low_y         = low[1];
@@ -170,10 +219,6 @@ namespace greville
         const int n_z = dim == 3 ? high[dim - 1] - low_z + 1 + reach : 1;
         lines.resize(std::size_t(n_lines_y) * n_z);
       }
-    const auto line_of = [&](const MultiIndex<dim> &i) -> Line & {
-      return lines[int(i[1]) - low_y +
-                   (dim == 3 ? (int(i[dim - 1]) - low_z) * n_lines_y : 0)];
-    };
     for (const auto &i : functions)
       {
         Line &line = line_of(i);
@@ -191,24 +236,6 @@ namespace greville
                     ExcMessage("A process has more coefficients than an "
                                "integer can count."));
       }
-    copies.clear();
-    for (std::size_t k = 0; k < functions.size(); ++k)
-      {
-        const auto        &i     = functions[k];
-        const unsigned int place = line_of(i).place + int(i[0]);
-        if (k < owned.size())
-          function_places.push_back(place);
-        else
-          copies.emplace_back(place, sources[k - owned.size()]);
-      }
-
-    inverse_mass = ZeroedArray<double>(n_places);
-    crossings    = ZeroedArray<double>(n_places);
-    for (unsigned int d = 0; d < dim; ++d)
-      for (auto *values : {&run_mass[d], &velocities[d], &results[d]})
-        *values = ZeroedArray<double>(n_places);
-    jumps.resize(all[0]);
-    strengths.resize(all[0]);
   }
 
 

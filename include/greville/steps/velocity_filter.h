@@ -89,6 +89,17 @@ namespace greville
       std::array<int, dim> first_run{}, end_of_runs{};
     };
 
+    /// Set the lines through @p functions and number their places.
+    void
+    set_lines(const std::vector<MultiIndex<dim>> &functions);
+
+    Line &
+    line_of(const MultiIndex<dim> &i)
+    {
+      return lines[int(i[1]) - low_y +
+                   (dim == 3 ? (int(i[dim - 1]) - low_z) * n_lines_y : 0)];
+    }
+
     /// Copy a vector to the places, including entries of other processes.
     void
     to_places(const ZeroedArray<double> &values,
