@@ -372,140 +372,166 @@ namespace greville
 
 
 
+    /// The initial values of the points of a body.
     template <int dim>
-    void
-    insert_points(Body<dim>                           &body,
-                  const std::vector<PlacedPoint<dim>> &new_points,
-                  const PointsOfFile<dim>             &file,
-                  const std::string                   &section,
-                  const Tensor<1, dim>                &gravity,
-                  const std::vector<SoilLayer>        &layers,
-                  const WaterTable<dim>               &table)
+    struct InitialPoints
     {
+      const Body<dim>              &body;
+      const PointsOfFile<dim>      &file;
+      const std::string            &section;
+      const Tensor<1, dim>         &gravity;
+      const std::vector<SoilLayer> &layers;
+      const WaterTable<dim>        &table;
+
       const BodyParameters    &parameters = *body.parameters;
       const Material          &material   = *body.material;
       const PointLayout<dim>  &layout     = body.points.layout();
       const PointField        *affine     = layout.find("affine");
       const PointField        *pressure   = layout.find("pore_pressure");
       const SplineSpace<dim>  &space      = body.points.space();
-      const InitialStress<dim> stress(
-        parameters, section, gravity, space, material.density, layers, table);
-      const auto displacement =
+      const InitialStress<dim> stress{
+        parameters, section, gravity, space, material.density, layers, table};
+      const VectorExpression<dim> displacement =
         initial_formulas<dim>(parameters.displacement,
                               section + "/Displacement");
-      const auto velocity =
+      const VectorExpression<dim> velocity =
         initial_formulas<dim>(parameters.velocity, section + "/Velocity");
-
-      // Avoid steep gradients if the velocity jumps.
-      std::array<double, dim>       steps;
       const std::array<double, dim> difference_steps =
         displacement_steps<dim>(space);
-      for (unsigned int d = 0; d < dim; ++d)
-        steps[d] = 0.1 * space.cell_size(d);
 
       const double strength_reduction = material.strength_reduction(0.);
       const bool has_stress = !parameters.stress.empty() || parameters.K0 >= 0.;
       const int  file_velocity  = file.find("velocity_x");
       const int  file_mass      = file.find("mass");
       const int  file_reference = file.find("reference_x");
-      std::vector<double> values(layout.size);
-      const PointRef<dim> p(values.data());
-      for (std::size_t k = 0; k < new_points.size(); ++k)
-        {
-          const PlacedPoint<dim> &point = new_points[k];
-          std::fill(values.begin(), values.end(), 0.);
-          // Volumes in files are per radian, and placed points have areas.
-          const double volume =
-            point.volume *
-            (file.names.empty() ? layout.thickness(point.image) : 1.);
-          MaterialPoint state;
-          Point<dim>    x          = point.image;
-          double        J_of_shape = 1.;
-          state.F                  = unit_symmetric_tensor<3>();
-          state.increment          = state.F;
-          state.strength_reduction = strength_reduction;
-          state.dim                = dim;
+
+      /// Write a point, number @p k of the file, to @p p, which is zero.
+      void
+      write(const PointRef<dim>     p,
+            const PlacedPoint<dim> &point,
+            const std::size_t       k) const
+      {
+        // Volumes in files are per radian, and placed points have areas.
+        const double volume =
+          point.volume *
+          (file.names.empty() ? layout.thickness(point.image) : 1.);
+        MaterialPoint state;
+        state.F                  = unit_symmetric_tensor<3>();
+        state.increment          = state.F;
+        state.strength_reduction = strength_reduction;
+        state.dim                = dim;
+        for (unsigned int d = 0; d < dim; ++d)
+          state.position[d] = point.image[d];
+        state.state.resize(layout.n_state);
+        Point<dim> x          = point.image;
+        double     J_of_shape = 1.;
+        try
+          {
+            J_of_shape = initialize(p, x, state, point, k);
+          }
+        catch (const std::exception &error)
+          {
+            AssertThrow(false,
+                        ExcMessage(
+                          (parameters.points_file.empty()
+                             ? ""
+                             : find_in_points_file<dim>(
+                                 parameters.points_file, section, point.image)
+                                 .at(0)) +
+                          "'" + section + "'" +
+                          (parameters.material.empty()
+                             ? ""
+                             : " of 'Material " + parameters.material + "'") +
+                          " at (" + text_of(point.image) +
+                          ") m: " + message_of(error)));
+          }
+        write_motion(p, x, state, point, k);
+        p.mass() =
+          file_mass >= 0 ? file.value(k, file_mass) : material.density * volume;
+        p.volume0() = volume / J_of_shape;
+        p.J()       = state.J;
+        p.id()      = double(point.id);
+        p.set_F(state.F);
+        if (layout.is_axisymmetric())
+          p[layout.radius0] = p.position(0) / p.F(2, 2);
+        if (layout.projected_J != 0)
+          p[layout.projected_J] = state.J;
+        if (layout.domain != 0)
+          set_domain(p,
+                     layout,
+                     space.box(point.cell),
+                     parameters,
+                     volume / layout.thickness(point.image));
+        store_material_point<dim>(state, p, layout);
+      }
+
+      /**
+       * Initialize the material and displace the point. Returns J of the
+       * initial stress.
+       */
+      double
+      initialize(const PointRef<dim>     p,
+                 Point<dim>             &x,
+                 MaterialPoint          &state,
+                 const PlacedPoint<dim> &point,
+                 const std::size_t       k) const
+      {
+        if (file.names.empty() || has_stress)
+          material.initialize(state, stress(point.image));
+        else
+          initialize_from_file<dim>(state, file, k, material);
+        if (pressure)
+          p[pressure->first] = table(point.image);
+        const double J_of_shape = state.J;
+        if (layout.initial_F != 0)
           for (unsigned int d = 0; d < dim; ++d)
-            state.position[d] = point.image[d];
-          state.state.resize(layout.n_state);
-          try
-            {
-              if (file.names.empty() || has_stress)
-                material.initialize(state, stress(point.image));
-              else
-                initialize_from_file<dim>(state, file, k, material);
-              if (pressure)
-                p[pressure->first] = table(point.image);
-              J_of_shape = state.J;
-              if (layout.initial_F != 0)
-                for (unsigned int d = 0; d < dim; ++d)
-                  for (unsigned int e = 0; e < dim; ++e)
-                    p[layout.initial_F + d * dim + e] = state.F[d][e];
-              displace<dim>(x,
-                            state,
-                            material,
-                            displacement,
-                            difference_steps,
-                            layout.is_axisymmetric());
-            }
-          catch (const std::exception &error)
-            {
-              AssertThrow(false,
-                          ExcMessage(
-                            (parameters.points_file.empty()
-                               ? ""
-                               : find_in_points_file<dim>(
-                                   parameters.points_file, section, point.image)
-                                   .at(0)) +
-                            "'" + section + "'" +
-                            (parameters.material.empty()
-                               ? ""
-                               : " of 'Material " + parameters.material + "'") +
-                            " at (" + text_of(point.image) +
-                            ") m: " + message_of(error)));
-            }
-          Tensor<1, dim> v = velocity(point.image);
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              if (file_velocity >= 0 && parameters.velocity.empty())
-                v[d] = file.value(k, file_velocity + d);
-              p.position(d)  = x[d] + (point.x[d] - point.image[d]);
-              p.reference(d) = file_reference >= 0
-                                 ? file.value(k, file_reference + d)
-                                 : point.x[d];
-              p.velocity(d)  = v[d];
-            }
-          // APIC's matrix is the gradient of the velocity at the displaced
-          // position of the point.
-          if (affine && !velocity.is_zero())
-            {
-              const Tensor<2, 3> C =
-                gradient_of<dim>(velocity, point.image, steps) *
-                invert(state.increment);
-              for (unsigned int d = 0; d < dim; ++d)
-                for (unsigned int e = 0; e < dim; ++e)
-                  p[affine->first + d * dim + e] = C[d][e];
-            }
-          p.mass()    = file_mass >= 0 ? file.value(k, file_mass)
-                                       : material.density * volume;
-          p.volume0() = volume / J_of_shape;
-          p.J()       = state.J;
-          p.id()      = double(point.id);
-          p.set_F(state.F);
-          if (layout.is_axisymmetric())
-            p[layout.radius0] = p.position(0) / p.F(2, 2);
-          if (layout.projected_J != 0)
-            p[layout.projected_J] = state.J;
-          if (layout.domain != 0)
-            set_domain(p,
-                       layout,
-                       space.box(point.cell),
-                       parameters,
-                       volume / layout.thickness(point.image));
-          store_material_point<dim>(state, p, layout);
-          body.points.insert(point.cell, make_array_view(values));
-        }
-    }
+            for (unsigned int e = 0; e < dim; ++e)
+              p[layout.initial_F + d * dim + e] = state.F[d][e];
+        displace<dim>(x,
+                      state,
+                      material,
+                      displacement,
+                      difference_steps,
+                      layout.is_axisymmetric());
+        return J_of_shape;
+      }
+
+      /// Write positions, velocity, and APIC's matrix.
+      void
+      write_motion(const PointRef<dim>     p,
+                   const Point<dim>       &x,
+                   const MaterialPoint    &state,
+                   const PlacedPoint<dim> &point,
+                   const std::size_t       k) const
+      {
+        Tensor<1, dim> v = velocity(point.image);
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            if (file_velocity >= 0 && parameters.velocity.empty())
+              v[d] = file.value(k, file_velocity + d);
+            p.position(d)  = x[d] + (point.x[d] - point.image[d]);
+            p.reference(d) = file_reference >= 0
+                               ? file.value(k, file_reference + d)
+                               : point.x[d];
+            p.velocity(d)  = v[d];
+          }
+        // APIC's matrix is the gradient of the velocity at the displaced
+        // position of the point.
+        if (affine && !velocity.is_zero())
+          {
+            // Avoid steep gradients if the velocity jumps.
+            std::array<double, dim> steps;
+            for (unsigned int d = 0; d < dim; ++d)
+              steps[d] = 0.1 * space.cell_size(d);
+            const Tensor<2, 3> C =
+              gradient_of<dim>(velocity, point.image, steps) *
+              invert(state.increment);
+            for (unsigned int d = 0; d < dim; ++d)
+              for (unsigned int e = 0; e < dim; ++e)
+                p[affine->first + d * dim + e] = C[d][e];
+          }
+      }
+    };
   } // namespace
 
 
@@ -548,7 +574,15 @@ namespace greville
                                      layout.is_total_lagrangian(),
                                      layout.is_axisymmetric(),
                                      space);
-        insert_points(body, file.points, file, section, gravity, layers, table);
+        const InitialPoints<dim> initial{
+          body, file, section, gravity, layers, table};
+        std::vector<double> values(layout.size);
+        for (std::size_t k = 0; k < file.points.size(); ++k)
+          {
+            std::fill(values.begin(), values.end(), 0.);
+            initial.write(PointRef<dim>(values.data()), file.points[k], k);
+            body.points.insert(file.points[k].cell, make_array_view(values));
+          }
       },
       space.communicator());
 
