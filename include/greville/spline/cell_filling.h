@@ -153,6 +153,8 @@ namespace greville
       beyond
     };
 
+    struct HostSearch;
+
     void
     find_hosts(const bool with_outer_hosts);
 
