@@ -45,6 +45,72 @@ namespace greville
         sum += a[u] * b[u];
       return Utilities::MPI::sum(sum, comm);
     }
+
+
+
+    /**
+     * Collective. Return the critical step, and set @p start to its
+     * eigenvector. multiply(y, x, elastic, viscous) computes y = (elastic K +
+     * viscous C) x. Begin with @p step if it is positive, otherwise with the
+     * step of the first vector; without viscosity, any step will do. The result
+     * is negative if this vector is zero.
+     */
+    template <typename Multiply>
+    double
+    find_critical_step(double               step,
+                       std::vector<double> &start,
+                       const bool           is_viscous,
+                       const LinearAction  &B,
+                       const Multiply      &multiply,
+                       const MPI_Comm       comm)
+    {
+      // Return the dt with dt^2 a + dt b = 1.
+      const auto root = [](const double a, const double b) {
+        return a > 0. || b > 0. ? 2. / (b + std::sqrt(b * b + 4. * a))
+                                : std::numeric_limits<double>::infinity();
+      };
+
+      // A vector x with x^T B^-1 x = x^T (dt^2 / 4 K + dt / 2 C) x has the step
+      // dt; the critical step is the smallest of all.
+      std::vector<double> x(start.size()), y(start.size());
+      if (!(step > 0.))
+        {
+          B(x, start);
+          const double square = dot(x, start, comm);
+          multiply(y, x, 0.25, 0.);
+          const double a = dot(x, y, comm);
+          multiply(y, x, 0., 0.5);
+          const double b = dot(x, y, comm);
+          if (!(square > 0.))
+            return -1.;
+          step = root(a / square, b / square);
+        }
+      for (unsigned int repeat = 0; repeat < 5; ++repeat)
+        {
+          if (!std::isfinite(step))
+            break;
+          const LinearAction S = [&](std::vector<double>       &y,
+                                     const std::vector<double> &x) {
+            multiply(y, x, 0.25 * step * step, 0.5 * step);
+          };
+          LargestEigenvalue result =
+            largest_eigenvalue(S, B, start, tolerance, max_products, comm);
+          start = result.b;
+          if (!is_viscous)
+            {
+              step = root(result.value, 0.);
+              break;
+            }
+          multiply(y, result.x, 0.25, 0.);
+          const double a      = dot(result.x, y, comm);
+          const double b      = result.value / step - a * step;
+          const double before = step;
+          step                = root(a, std::max(b, 0.));
+          if (std::abs(step - before) <= tolerance * step)
+            break;
+        }
+      return step;
+    }
   } // namespace
 
 
@@ -171,6 +237,53 @@ namespace greville
 
 
   template <int dim>
+  void
+  CriticalStep<dim>::multiply_by_stiffness(
+    std::vector<double>                  &y,
+    const std::vector<double>            &x,
+    const double                          elastic,
+    const double                          viscous,
+    const double                          factor,
+    GridMass<dim>                        &mass,
+    PointTransfer<dim>                   &transfer,
+    const std::vector<const Body<dim> *> &bodies,
+    const std::vector<Surface<dim>>      &surfaces)
+  {
+    write_field(source, x);
+    for (const Body<dim> *body : bodies)
+      {
+        const Moduli m = body->material->moduli();
+        Stiffness    stiffness;
+        stiffness.lambda         = m.bulk - 2. / 3. * m.shear;
+        stiffness.shear          = m.shear;
+        stiffness.elastic_factor = factor * elastic;
+        stiffness.viscous_shear  = factor * viscous * m.viscosity;
+        stiffness.viscous_lambda =
+          factor * viscous * (m.bulk_viscosity - 2. / 3. * m.viscosity);
+        transfer.add_stiffness(
+          body->points, stiffness, source, target, body == bodies[0]);
+      }
+    // Dashpots act on an extrapolated velocity and count twice.
+    for (const Surface<dim> &surface : surfaces)
+      {
+        const double k = factor * (elastic * surface.stiffness +
+                                   2. * viscous * surface.damping);
+        if (k == 0.)
+          continue;
+        for (unsigned int d = 0; d < dim; ++d)
+          extended[d] = source[d];
+        mass.distribute(extended);
+        transfer.multiply_mass({&surface.points}, extended, product);
+        mass.condense(product);
+        for (unsigned int d = 0; d < dim; ++d)
+          target[d].add(k, product[d]);
+      }
+    read_field(y, target);
+  }
+
+
+
+  template <int dim>
   double
   CriticalStep<dim>::estimate(
     GridMass<dim>                                  &mass,
@@ -199,103 +312,24 @@ namespace greville
 
     const MPI_Comm comm = mass.space().communicator();
     choose_unknowns(mass, mode);
-    const std::size_t  n      = start.size();
     const double       factor = mass.is_diagonal() ? 1. + scheme.damping
                                                    : std::pow(1. + scheme.damping, 2);
     const LinearAction B      = [&](std::vector<double>       &x,
                                const std::vector<double> &b) {
       multiply_by_B(x, b, mass, transfer, mass_points, scheme);
     };
-    // y = (elastic K + viscous C) x.
     const auto multiply = [&](std::vector<double>       &y,
                               const std::vector<double> &x,
                               const double               elastic,
                               const double               viscous) {
-      write_field(source, x);
-      for (const Body<dim> *body : bodies)
-        {
-          const Moduli m = body->material->moduli();
-          Stiffness    stiffness;
-          stiffness.lambda         = m.bulk - 2. / 3. * m.shear;
-          stiffness.shear          = m.shear;
-          stiffness.elastic_factor = factor * elastic;
-          stiffness.viscous_shear  = factor * viscous * m.viscosity;
-          stiffness.viscous_lambda =
-            factor * viscous * (m.bulk_viscosity - 2. / 3. * m.viscosity);
-          transfer.add_stiffness(
-            body->points, stiffness, source, target, body == bodies[0]);
-        }
-      // Dashpots act on an extrapolated velocity and count twice.
-      for (const Surface<dim> &surface : surfaces)
-        {
-          const double k = factor * (elastic * surface.stiffness +
-                                     2. * viscous * surface.damping);
-          if (k == 0.)
-            continue;
-          for (unsigned int d = 0; d < dim; ++d)
-            extended[d] = source[d];
-          mass.distribute(extended);
-          transfer.multiply_mass({&surface.points}, extended, product);
-          mass.condense(product);
-          for (unsigned int d = 0; d < dim; ++d)
-            target[d].add(k, product[d]);
-        }
-      read_field(y, target);
+      multiply_by_stiffness(
+        y, x, elastic, viscous, factor, mass, transfer, bodies, surfaces);
     };
 
-    // Return the dt with dt^2 a + dt b = 1.
-    const auto root = [](const double a, const double b) {
-      return a > 0. || b > 0. ? 2. / (b + std::sqrt(b * b + 4. * a))
-                              : std::numeric_limits<double>::infinity();
-    };
-
-    // A vector x with x^T B^-1 x = x^T (dt^2 / 4 K + dt / 2 C) x has the step
-    // dt; the critical step is the smallest of all. Begin with the step of the
-    // first vector and repeat with the eigenvector. Without viscosity any dt
-    // will do.
-    double              step = 1.;
-    std::vector<double> x(n), y(n);
-    if (is_viscous)
-      {
-        step = mode.step;
-        if (!(mode.step > 0.))
-          {
-            B(x, start);
-            const double square = dot(x, start, comm);
-            multiply(y, x, 0.25, 0.);
-            const double a = dot(x, y, comm);
-            multiply(y, x, 0., 0.5);
-            const double b = dot(x, y, comm);
-            if (!(square > 0.))
-              return std::numeric_limits<double>::infinity();
-            step = root(a / square, b / square);
-          }
-      }
-    for (unsigned int repeat = 0; repeat < 5; ++repeat)
-      {
-        if (!std::isfinite(step))
-          break;
-        const LinearAction S = [&](std::vector<double>       &y,
-                                   const std::vector<double> &x) {
-          multiply(y, x, 0.25 * step * step, 0.5 * step);
-        };
-        LargestEigenvalue result =
-          largest_eigenvalue(S, B, start, tolerance, max_products, comm);
-        start = result.b;
-        if (!is_viscous)
-          {
-            step = root(result.value, 0.);
-            break;
-          }
-        multiply(y, result.x, 0.25, 0.);
-        const double a      = dot(result.x, y, comm);
-        const double b      = result.value / step - a * step;
-        const double before = step;
-        step                = root(a, std::max(b, 0.));
-        if (std::abs(step - before) <= tolerance * step)
-          break;
-      }
-
+    const double step = find_critical_step(
+      is_viscous ? mode.step : 1., start, is_viscous, B, multiply, comm);
+    if (step < 0.)
+      return std::numeric_limits<double>::infinity();
     mode.is_known = std::isfinite(step);
     mode.step     = mode.is_known ? step : 0.;
     if (mode.is_known)

@@ -113,6 +113,18 @@ namespace greville
                   const std::vector<const MaterialPoints<dim> *> &mass_points,
                   const StepScheme                               &scheme);
 
+    /// Compute y = factor (elastic K + viscous C) x.
+    void
+    multiply_by_stiffness(std::vector<double>                  &y,
+                          const std::vector<double>            &x,
+                          const double                          elastic,
+                          const double                          viscous,
+                          const double                          factor,
+                          GridMass<dim>                        &mass,
+                          PointTransfer<dim>                   &transfer,
+                          const std::vector<const Body<dim> *> &bodies,
+                          const std::vector<Surface<dim>>      &surfaces);
+
     // The unknowns: owned functions by component; and fields and arrays of
     // their values, component by component.
     std::array<std::vector<unsigned int>, dim> unknowns;
