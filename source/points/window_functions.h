@@ -36,7 +36,7 @@ namespace greville
                       (with_slopes || windows->averages_values()))
       {}
 
-      void
+      __attribute__((noinline)) void
       begin(const CellGeometry<dim, n> &cell_geometry, const unsigned int cell)
       {
         geometry = &cell_geometry;
