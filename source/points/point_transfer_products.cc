@@ -9,6 +9,22 @@ namespace greville
 
   namespace
   {
+    /// Evaluate the functions of a window at a group of points.
+    template <int dim, int n>
+    __attribute__((noinline)) void
+    evaluate_window(const MaterialPoints<dim>    &points,
+                    const double                 *group,
+                    const WindowGeometry<dim, n> &geometry,
+                    WindowShape<dim, n>          &shape)
+    {
+      Simd x[dim], s[dim];
+      load_basis_positions(points, group, x);
+      load_domains(points, group, s);
+      shape.evaluate(geometry, x, s);
+    }
+
+
+
     /**
      * y += K x on this process, where values lie function by function and
      * product(group, shape, u, sums) adds what a group of points has of K x for
@@ -89,12 +105,9 @@ namespace greville
                  g != MaterialPoints<dim>::none;
                  g = points.next_group(g))
               {
-                const double *group = points.group(g);
-                Simd          x[dim], s[dim];
-                load_basis_positions(points, group, x);
-                load_domains(points, group, s);
+                const double       *group = points.group(g);
                 WindowShape<dim, n> shape;
-                shape.evaluate(geometry, x, s);
+                evaluate_window(points, group, geometry, shape);
                 product(group, shape, u, sums);
               }
             for (int k = 0; k < n_values; ++k)
@@ -105,60 +118,85 @@ namespace greville
 
 
 
-    template <int dim, int n>
-    void
-    multiply_stiffness(const MaterialPoints<dim>   &points,
-                       const SpacePolynomials<dim> &tables,
-                       const Stiffness             &stiffness,
-                       const CellWindows<dim>      *windows,
-                       const double                *source,
-                       double                      *target,
-                       const double                *window_source,
-                       double                      *window_target)
+    /**
+     * The stress, times the volume, that a Stiffness gives for gradients of
+     * displacements.
+     */
+    template <int dim>
+    class StiffnessStress
     {
-      using Layout             = PointLayout<dim>;
-      constexpr int      n_z   = dim == 3 ? n : 1;
-      const bool         total = points.layout().is_total_lagrangian();
-      const bool         is_axisymmetric = points.layout().is_axisymmetric();
-      const unsigned int initial_F       = points.layout().initial_F;
-      const double       wave_modulus = stiffness.lambda + 2. * stiffness.shear;
-      const double       inverse =
-        wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
-      // The stress, times the volume, of a gradient, and of the radial value
-      // the force on values.
-      const auto stress_of = [&](const double *group,
-                                 Simd(&H)[dim][dim],
-                                 Simd &hoop,
-                                 Simd(&stress)[dim][dim]) {
-        const Simd volume = load(group + Layout::volume0 * simd_width) *
-                            load(group + Layout::J * simd_width);
-        const Simd scale =
-          load(group + Layout::wave_modulus * simd_width) * inverse;
-        const Simd lambda =
-          volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
-        const Simd shear =
-          volume * (scale * stiffness.shear + stiffness.viscous_shear);
+    public:
+      StiffnessStress(const PointLayout<dim> &layout,
+                      const Stiffness        &stiffness)
+        : layout(layout)
+        , stiffness(stiffness)
+      {
+        const double wave_modulus = stiffness.lambda + 2. * stiffness.shear;
+        inverse_modulus =
+          wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
+      }
 
-        // An axisymmetric point has the further strain u_r / r, whose stress
-        // acts on values.
-        Simd radius = 1.;
-        if (is_axisymmetric)
+      /**
+       * Compute the stress for the gradient @p H, which is transformed to
+       * current positions. Axisymmetric points also have the strain u_r / r:
+       * @p hoop is u_r and then the force of its stress on values.
+       */
+      inline __attribute__((always_inline)) void
+      evaluate(const double *group,
+               Simd (&H)[dim][dim],
+               Simd &hoop,
+               Simd (&stress)[dim][dim]) const
+      {
+        Simd lambda, shear, radius = 1., inverse[dim][dim];
+        load_moduli(group, lambda, shear);
+        if (layout.is_axisymmetric())
           {
-            radius = load(group + Layout::position * simd_width);
+            radius = load(group + PointLayout<dim>::position * simd_width);
             hoop   = hoop / radius;
           }
-        Simd inverse[dim][dim];
-        if (total)
+        if (layout.is_total_lagrangian())
           {
             Simd reference[dim][dim];
             std::copy_n(H[0], dim * dim, reference[0]);
-            load_inverse_F<dim>(group, initial_F, inverse);
+            load_inverse_F<dim>(group, layout.initial_F, inverse);
             multiply<dim>(reference, inverse, H);
           }
+        multiply_gradient(lambda, shear, radius, H, hoop, stress);
+        if (layout.is_total_lagrangian())
+          {
+            Simd sigma[dim][dim];
+            std::copy_n(stress[0], dim * dim, sigma[0]);
+            multiply_transposed<dim>(sigma, inverse, stress);
+          }
+      }
+
+    private:
+      /// Load Lame's parameters, times the volume.
+      inline __attribute__((always_inline)) void
+      load_moduli(const double *group, Simd &lambda, Simd &shear) const
+      {
+        using Layout      = PointLayout<dim>;
+        const Simd volume = load(group + Layout::volume0 * simd_width) *
+                            load(group + Layout::J * simd_width);
+        const Simd scale =
+          load(group + Layout::wave_modulus * simd_width) * inverse_modulus;
+        lambda = volume * (scale * stiffness.lambda + stiffness.viscous_lambda);
+        shear  = volume * (scale * stiffness.shear + stiffness.viscous_shear);
+      }
+
+      /// Compute the stress, and of the strain @p hoop the force on values.
+      inline __attribute__((always_inline)) void
+      multiply_gradient(const Simd lambda,
+                        const Simd shear,
+                        const Simd radius,
+                        const Simd (&H)[dim][dim],
+                        Simd &hoop,
+                        Simd (&stress)[dim][dim]) const
+      {
         Simd trace = H[0][0];
         for (int i = 1; i < dim; ++i)
           trace += H[i][i];
-        if (is_axisymmetric)
+        if (layout.is_axisymmetric())
           {
             trace += hoop;
             hoop = (2. * shear * hoop + lambda * trace) / radius;
@@ -170,42 +208,93 @@ namespace greville
               if (i == j)
                 stress[i][j] += lambda * trace;
             }
-        if (total)
-          {
-            Simd sigma[dim][dim];
-            std::copy_n(stress[0], dim * dim, sigma[0]);
-            multiply_transposed<dim>(sigma, inverse, stress);
-          }
-      };
-      const auto product = [&](const double              *group,
-                               const ShapeValues<dim, n> &shape,
-                               const double              *u,
-                               Simd                      *sums) {
-        // A row of functions along x has the factors of y and z, and
-        // their derivatives, in common.
-        const auto for_each_row = [&](const auto &action) {
-          int first = 0;
-          for (int a_z = 0; a_z < n_z; ++a_z)
-            for (int a_y = 0; a_y < n; ++a_y, first += n * dim)
-              {
-                Simd factors[dim];
-                factors[0] = shape.N[1][a_y];
-                factors[1] = shape.dN[1][a_y];
-                if constexpr (dim == 3)
-                  {
-                    factors[2] = factors[0] * shape.dN[2][a_z];
-                    factors[0] *= shape.N[2][a_z];
-                    factors[1] *= shape.N[2][a_z];
-                  }
-                action(first, factors);
-              }
-        };
+      }
 
-        Simd H[dim][dim], hoop = 0.; // u_r, and then the force on values
+      const PointLayout<dim> &layout;
+      const Stiffness        &stiffness;
+      double                  inverse_modulus;
+    };
+
+
+
+    /**
+     * Call action(first value of a row of functions along x, factors of the row
+     * for derivatives in each direction) for all rows of a cell.
+     */
+    template <int dim, int n, typename Action>
+    inline __attribute__((always_inline)) void
+    for_each_row(const ShapeValues<dim, n> &shape, const Action &action)
+    {
+      int first = 0;
+      for (int a_z = 0; a_z < (dim == 3 ? n : 1); ++a_z)
+        for (int a_y = 0; a_y < n; ++a_y, first += n * dim)
+          {
+            Simd factors[dim];
+            factors[0] = shape.N[1][a_y];
+            factors[1] = shape.dN[1][a_y];
+            if constexpr (dim == 3)
+              {
+                factors[2] = factors[0] * shape.dN[2][a_z];
+                factors[0] *= shape.N[2][a_z];
+                factors[1] *= shape.N[2][a_z];
+              }
+            action(first, factors);
+          }
+    }
+
+
+
+    /// The product of a stiffness with the values of a cell at a group.
+    template <int dim, int n>
+    class StiffnessProduct
+    {
+    public:
+      StiffnessProduct(const PointLayout<dim> &layout,
+                       const Stiffness        &stiffness)
+        : layout(layout)
+        , stress_of(layout, stiffness)
+      {}
+
+      inline __attribute__((always_inline)) void
+      operator()(const double              *group,
+                 const ShapeValues<dim, n> &shape,
+                 const double              *u,
+                 Simd                      *sums) const
+      {
+        Simd H[dim][dim], stress[dim][dim], hoop;
+        gradient(shape, u, H, hoop);
+        stress_of.evaluate(group, H, hoop, stress);
+        add_force(shape, stress, hoop, sums);
+      }
+
+      void
+      operator()(const double              *group,
+                 const WindowShape<dim, n> &shape,
+                 const double              *u,
+                 Simd                      *sums) const
+      {
+        Simd H[dim][dim], stress[dim][dim], values[dim];
+        shape.template evaluate_field<true>(u, values, H);
+        Simd hoop[dim] = {values[0]};
+        stress_of.evaluate(group, H, hoop[0], stress);
+        shape.add_divergence(stress, sums);
+        if (layout.is_axisymmetric())
+          shape.add_values(hoop, sums);
+      }
+
+    private:
+      /// Compute the gradient, and u_r of axisymmetric points.
+      inline __attribute__((always_inline)) void
+      gradient(const ShapeValues<dim, n> &shape,
+               const double              *u,
+               Simd (&H)[dim][dim],
+               Simd &u_r) const
+      {
+        u_r = 0.;
         for (auto &row : H)
           for (Simd &entry : row)
             entry = 0.;
-        for_each_row([&](const int first, const Simd *factors) {
+        for_each_row(shape, [&](const int first, const Simd *factors) {
           Simd values[dim], slopes[dim];
           for (int i = 0; i < dim; ++i)
             {
@@ -224,49 +313,56 @@ namespace greville
               for (int j = 1; j < dim; ++j)
                 H[i][j] += factors[j] * values[i];
             }
-          if (is_axisymmetric)
-            hoop += factors[0] * values[0];
+          if (layout.is_axisymmetric())
+            u_r += factors[0] * values[0];
         });
-        Simd stress[dim][dim];
-        stress_of(group, H, hoop, stress);
-        for_each_row([&](const int first, const Simd *factors) {
+      }
+
+      /// Add the force of the stress and, for axisymmetric points, of @p hoop.
+      inline __attribute__((always_inline)) void
+      add_force(const ShapeValues<dim, n> &shape,
+                const Simd (&stress)[dim][dim],
+                const Simd hoop,
+                Simd      *sums) const
+      {
+        for_each_row(shape, [&](const int first, const Simd *factors) {
           for (int i = 0; i < dim; ++i)
             {
               const Simd along  = factors[0] * stress[i][0];
               Simd       across = factors[1] * stress[i][1];
               if constexpr (dim == 3)
                 across += factors[2] * stress[i][2];
-              if (is_axisymmetric && i == 0)
+              if (layout.is_axisymmetric() && i == 0)
                 across += factors[0] * hoop;
               for (int a = 0; a < n; ++a)
                 sums[first + a * dim + i] +=
                   shape.dN[0][a] * along + shape.N[0][a] * across;
             }
         });
-      };
+      }
+
+      const PointLayout<dim>    &layout;
+      const StiffnessStress<dim> stress_of;
+    };
+
+
+
+    template <int dim, int n>
+    void
+    multiply_stiffness(const MaterialPoints<dim>   &points,
+                       const SpacePolynomials<dim> &tables,
+                       const Stiffness             &stiffness,
+                       const CellWindows<dim>      *windows,
+                       const double                *source,
+                       double                      *target,
+                       const double                *window_source,
+                       double                      *window_target)
+    {
+      const StiffnessProduct<dim, n> product(points.layout(), stiffness);
       multiply_cells<dim, n, true>(
         points, tables, source, target, product, windows);
-
-      multiply_windows<dim, n>(points,
-                               tables,
-                               windows,
-                               window_source,
-                               window_target,
-                               [&](const double              *group,
-                                   const WindowShape<dim, n> &shape,
-                                   const double              *u,
-                                   Simd                      *sums) {
-                                 Simd H[dim][dim], stress[dim][dim];
-                                 Simd values[dim];
-                                 shape.template evaluate_field<true>(u,
-                                                                     values,
-                                                                     H);
-                                 Simd hoop[dim] = {values[0]};
-                                 stress_of(group, H, hoop[0], stress);
-                                 shape.add_divergence(stress, sums);
-                                 if (is_axisymmetric)
-                                   shape.add_values(hoop, sums);
-                               });
+      multiply_windows<dim, n>(
+        points, tables, windows, window_source, window_target, product);
     }
 
 
