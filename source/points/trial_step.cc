@@ -238,155 +238,286 @@ namespace greville
 
 
 
+    /// The arguments of TrialStep::evaluate() that all points share.
+    template <int dim>
+    struct TrialArguments
+    {
+      const MaterialPoints<dim> &points;
+      const Material            &material;
+      double                     dt, time, strength_reduction;
+      StepStress                 stress;
+      bool                       with_tangents;
+    };
+
+
+
+    /**
+     * The increments f of the points of a cell by a displacement of the grid,
+     * at the points or as means over their domains.
+     */
     template <int dim, int n>
-    void
+    class CellIncrements
+    {
+    public:
+      inline __attribute__((always_inline))
+      CellIncrements(const MaterialPoints<dim>   &points,
+                     const SpacePolynomials<dim> &tables,
+                     const CellWindows<dim>      *windows,
+                     const double                *u,
+                     const double                *window_u,
+                     const unsigned int           cell)
+        : points(points)
+        , layout(points.layout())
+        , geometry(tables, cell)
+      {
+        for (int a = 0; a < n_functions; ++a)
+          for (int i = 0; i < dim; ++i)
+            coefficients[i][a] =
+              u[std::size_t(geometry.functions[a]) * dim + i];
+        if (windows && windows->reaches(cell))
+          {
+            window.emplace(tables, *windows, cell);
+            read_window(*window, window_u, in_window);
+          }
+      }
+
+      /// Return a point's increment, and set its position, domain and f_zz.
+      inline __attribute__((always_inline)) Tensor<2, dim>
+      evaluate(const ConstPointRef<dim> p, TrialPoint<dim> &trial) const
+      {
+        double radial = 0.; // displacement of axisymmetric points
+        trial.x       = p.basis_position(layout);
+        const Tensor<2, dim> f =
+          window ? mean(p, trial, radial) : value(p, trial, radial);
+        if (layout.is_axisymmetric())
+          {
+            trial.hoop.radius = radius_of_F<dim>(p, layout);
+            trial.hoop.f      = (p.position(0) + radial) / trial.hoop.radius;
+          }
+        return f;
+      }
+
+    private:
+      /// Return the increment at a point.
+      inline __attribute__((always_inline)) Tensor<2, dim>
+      value(const ConstPointRef<dim> p,
+            const TrialPoint<dim>   &trial,
+            double                  &radial) const
+      {
+        const auto shape = evaluated(geometry, trial.x);
+        if (layout.is_axisymmetric())
+          radial = value_of_component(shape, coefficients[0]);
+        return increment_of_point<dim, n>(
+          p, layout, Gradients<dim, n>(shape), coefficients, 1.);
+      }
+
+      /// Return the mean of the increment over the domain of a point.
+      inline __attribute__((always_inline)) Tensor<2, dim>
+      mean(const ConstPointRef<dim> p,
+           TrialPoint<dim>         &trial,
+           double                  &radial) const
+      {
+        trial.domain     = domain_of_point(points, p);
+        const auto shape = evaluated(*window, trial.x, trial.domain);
+        double     values[dim], H[dim][dim];
+        shape.template evaluate_field<true>(in_window, values, H);
+        radial = values[0];
+        return unit_symmetric_tensor<dim>() + Tensor<2, dim>(H);
+      }
+
+      static constexpr int n_functions = power(n, dim);
+
+      const MaterialPoints<dim>            &points;
+      const PointLayout<dim>               &layout;
+      const CellGeometry<dim, n>            geometry;
+      double                                coefficients[dim][n_functions];
+      std::optional<WindowGeometry<dim, n>> window;
+      double in_window[WindowShape<dim, n>::n_functions * dim];
+    };
+
+
+
+    /// The points of a cell in a trial step, and their materials.
+    template <int dim>
+    class TrialCell
+    {
+    public:
+      TrialCell(const TrialArguments<dim> &arguments,
+                const double              *J_hat,
+                PointReport               &report)
+        : arguments(arguments)
+        , points(arguments.points)
+        , layout(points.layout())
+        , J_hat(J_hat)
+        , report(report)
+      {}
+
+      void
+      begin()
+      {
+        n_points = 0;
+      }
+
+      /// Add a point, with its increment.
+      template <int n>
+      inline __attribute__((always_inline)) void
+      add(const ConstPointRef<dim> p, const CellIncrements<dim, n> &increments)
+      {
+        if (trials.size() == n_points)
+          trials.emplace_back();
+        if (states.size() == n_points)
+          {
+            states.emplace_back();
+            all_increments.emplace_back();
+          }
+        TrialPoint<dim> &trial = trials[n_points];
+        trial.volume           = p.volume();
+        const Tensor<2, dim> f = increments.evaluate(p, trial);
+        set_state(p, f, trial.hoop.f, states[n_points]);
+        all_increments[n_points] = f;
+        ++n_points;
+      }
+
+      /// Update the materials and stresses of the points that have been added.
+      __attribute__((noinline)) std::vector<TrialPoint<dim>> &
+      evaluate(const unsigned int cell)
+      {
+        trials.resize(n_points);
+        states.resize(n_points);
+        update_materials();
+        unsigned int k = 0;
+        points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+          set_stress(p, k++);
+        });
+        return trials;
+      }
+
+    private:
+      /// Set the state that the material updates, for the increment f.
+      inline __attribute__((always_inline)) void
+      set_state(const ConstPointRef<dim> p,
+                const Tensor<2, dim>    &f,
+                const double             f_zz,
+                MaterialPoint           &state)
+      {
+        const double theta = determinant(f) * f_zz;
+        state              = MaterialPoint();
+        load_material_point<dim>(p, layout, state);
+        state.dt                 = arguments.dt;
+        state.time               = arguments.time;
+        state.strength_reduction = arguments.strength_reduction;
+        for (int i = 0; i < dim; ++i)
+          for (int j = 0; j < dim; ++j)
+            state.increment[i][j] = f[i][j];
+        if (layout.is_axisymmetric())
+          state.increment[2][2] = f_zz;
+        const double J_before = state.J;
+        state.J               = p.J() * theta;
+        if (layout.projected_J != 0)
+          {
+            if (J_hat)
+              state.J = *J_hat++;
+            scale_volume<dim>(state.increment,
+                              state.J / J_before / theta,
+                              layout);
+          }
+        state.F = state.increment * state.F;
+      }
+
+      void
+      update_materials()
+      {
+        // Tangents need the states at the start, too.
+        if (arguments.with_tangents)
+          ends = states;
+        arguments.material.update(make_array_view(updated()));
+        if (arguments.with_tangents)
+          {
+            tangents.resize(n_points);
+            arguments.material.tangents(
+              ArrayView<const MaterialPoint>(states.data(), states.size()),
+              make_array_view(tangents),
+              layout.is_axisymmetric() ? 3 : dim);
+          }
+      }
+
+      /// Set the stress of point number @p k.
+      void
+      set_stress(const ConstPointRef<dim> p, const unsigned int k)
+      {
+        const bool       with_tangents = arguments.with_tangents;
+        TrialPoint<dim> &trial         = trials[k];
+        set_end_stress<dim>(trial,
+                            all_increments[k],
+                            updated()[k],
+                            with_tangents ? &tangents[k] : nullptr);
+        if (arguments.stress == StepStress::energy_consistent)
+          {
+            MaterialPoint before;
+            load_material_point<dim>(p, layout, before);
+            make_energy_consistent<dim>(trial,
+                                        all_increments[k],
+                                        in_plane<dim>(before.stress),
+                                        before.stress[2][2],
+                                        change_of_energy(updated()[k], before) /
+                                          p.J(),
+                                        with_tangents);
+          }
+        if (layout.is_total_lagrangian())
+          pull_back<dim>(trial, inverse_F<dim>(p, layout), with_tangents);
+        const double J = p.J() * determinant(all_increments[k]) * trial.hoop.f;
+        if (!(J > 0.) || !is_finite(trial, with_tangents))
+          report_bad_point<dim>(p, J, report);
+      }
+
+      double
+      change_of_energy(const MaterialPoint &end,
+                       const MaterialPoint &before) const
+      {
+        const Material &material = arguments.material;
+        return material.strain_energy(end) + material.dissipation(end) -
+               material.strain_energy(before) - material.dissipation(before);
+      }
+
+      std::vector<MaterialPoint> &
+      updated()
+      {
+        return arguments.with_tangents ? ends : states;
+      }
+
+      const TrialArguments<dim>    arguments;
+      const MaterialPoints<dim>   &points;
+      const PointLayout<dim>      &layout;
+      const double                *J_hat;
+      PointReport                 &report;
+      unsigned int                 n_points = 0;
+      std::vector<TrialPoint<dim>> trials;
+      std::vector<Tensor<2, dim>>  all_increments;
+      std::vector<MaterialPoint>   states, ends;
+      std::vector<MaterialTangent> tangents;
+    };
+
+
+
+    template <int dim, int n>
+    __attribute__((noinline)) void
     evaluate_points(const MaterialPoints<dim>             &points,
-                    const Material                        &material,
                     const SpacePolynomials<dim>           &tables,
                     const CellWindows<dim>                *windows,
                     const double                          *u,
                     const double                          *window_u,
-                    const double                           dt,
-                    const double                           time,
-                    const double                           strength_reduction,
-                    const StepStress                       stress,
-                    const bool                             with_tangents,
-                    const double                          *J_hat,
-                    PointReport                           &report,
+                    TrialCell<dim>                        &trial,
                     const typename TrialStep<dim>::Action &action)
     {
-      const PointLayout<dim>      &layout      = points.layout();
-      constexpr int                n_functions = power(n, dim);
-      std::vector<TrialPoint<dim>> trials;
-      std::vector<Tensor<2, dim>>  increments;
-      std::vector<MaterialPoint>   states, ends;
-      std::vector<MaterialTangent> tangents;
       for (const unsigned int cell : points.cells())
         {
-          const CellGeometry<dim, n> geometry(tables, cell);
-          double                     coefficients[dim][n_functions];
-          for (int a = 0; a < n_functions; ++a)
-            for (int i = 0; i < dim; ++i)
-              coefficients[i][a] =
-                u[std::size_t(geometry.functions[a]) * dim + i];
-
-          std::optional<WindowGeometry<dim, n>> window;
-          double in_window[WindowShape<dim, n>::n_functions * dim];
-          if (windows && windows->reaches(cell))
-            {
-              window.emplace(tables, *windows, cell);
-              read_window(*window, window_u, in_window);
-            }
-
-          unsigned int n_points = 0;
+          const CellIncrements<dim, n> increments(
+            points, tables, windows, u, window_u, cell);
+          trial.begin();
           points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-            if (trials.size() == n_points)
-              trials.emplace_back();
-            if (states.size() == n_points)
-              {
-                states.emplace_back();
-                increments.emplace_back();
-              }
-            TrialPoint<dim> &trial = trials[n_points];
-            MaterialPoint   &state = states[n_points];
-            trial.x                = p.basis_position(layout);
-            trial.volume           = p.volume();
-            Tensor<2, dim> f;
-            double         radial = 0.; // displacement of axisymmetric points
-            if (window)
-              {
-                trial.domain     = domain_of_point(points, p);
-                const auto shape = evaluated(*window, trial.x, trial.domain);
-                double     values[dim], H[dim][dim];
-                shape.template evaluate_field<true>(in_window, values, H);
-                f      = unit_symmetric_tensor<dim>() + Tensor<2, dim>(H);
-                radial = values[0];
-              }
-            else
-              {
-                const auto shape = evaluated(geometry, trial.x);
-                f                = increment_of_point<dim, n>(
-                  p, layout, Gradients<dim, n>(shape), coefficients, 1.);
-                if (layout.is_axisymmetric())
-                  radial = value_of_component(shape, coefficients[0]);
-              }
-            if (layout.is_axisymmetric())
-              {
-                trial.hoop.radius = radius_of_F<dim>(p, layout);
-                trial.hoop.f = (p.position(0) + radial) / trial.hoop.radius;
-              }
-            const double theta = determinant(f) * trial.hoop.f;
-            state              = MaterialPoint();
-            load_material_point<dim>(p, layout, state);
-            state.dt                 = dt;
-            state.time               = time;
-            state.strength_reduction = strength_reduction;
-            for (int i = 0; i < dim; ++i)
-              for (int j = 0; j < dim; ++j)
-                state.increment[i][j] = f[i][j];
-            if (layout.is_axisymmetric())
-              state.increment[2][2] = trial.hoop.f;
-            const double J_before = state.J;
-            state.J               = p.J() * theta;
-            if (layout.projected_J != 0)
-              {
-                if (J_hat)
-                  state.J = *J_hat++;
-                scale_volume<dim>(state.increment,
-                                  state.J / J_before / theta,
-                                  layout);
-              }
-            state.F              = state.increment * state.F;
-            increments[n_points] = f;
-            ++n_points;
+            trial.add(p, increments);
           });
-          trials.resize(n_points);
-          states.resize(n_points);
-
-          // Tangents need the states at the start, too.
-          if (with_tangents)
-            ends = states;
-          std::vector<MaterialPoint> &updated = with_tangents ? ends : states;
-          material.update(make_array_view(updated));
-          if (with_tangents)
-            {
-              tangents.resize(n_points);
-              material.tangents(ArrayView<const MaterialPoint>(states.data(),
-                                                               states.size()),
-                                make_array_view(tangents),
-                                layout.is_axisymmetric() ? 3 : dim);
-            }
-          unsigned int k = 0;
-          points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-            TrialPoint<dim> &trial = trials[k];
-            set_end_stress<dim>(trial,
-                                increments[k],
-                                updated[k],
-                                with_tangents ? &tangents[k] : nullptr);
-            if (stress == StepStress::energy_consistent)
-              {
-                MaterialPoint before;
-                load_material_point<dim>(p, layout, before);
-                const double change = (material.strain_energy(updated[k]) +
-                                       material.dissipation(updated[k]) -
-                                       material.strain_energy(before) -
-                                       material.dissipation(before)) /
-                                      p.J();
-                make_energy_consistent<dim>(trial,
-                                            increments[k],
-                                            in_plane<dim>(before.stress),
-                                            before.stress[2][2],
-                                            change,
-                                            with_tangents);
-              }
-            if (layout.is_total_lagrangian())
-              pull_back<dim>(trial, inverse_F<dim>(p, layout), with_tangents);
-            const double J = p.J() * determinant(increments[k]) * trial.hoop.f;
-            if (!(J > 0.) || !is_finite(trial, with_tangents))
-              report_bad_point<dim>(p, J, report);
-            ++k;
-          });
-          action(cell, trials);
+          action(cell, trial.evaluate(cell));
         }
     }
   } // namespace
@@ -425,21 +556,18 @@ namespace greville
     const CellWindows<dim> *used_windows = windows_of(points, windows);
     if (used_windows)
       used_windows->read(u, window_buffer);
-    PointReport report;
+    PointReport    report;
+    TrialCell<dim> trial(
+      {points, material, dt, time, strength_reduction, stress, with_tangents},
+      J_hat,
+      report);
     with_order(space.degree(), [&](const auto size) {
       evaluate_points<dim, decltype(size)::value>(points,
-                                                  material,
                                                   tables,
                                                   used_windows,
                                                   buffer.data(),
                                                   window_buffer.data(),
-                                                  dt,
-                                                  time,
-                                                  strength_reduction,
-                                                  stress,
-                                                  with_tangents,
-                                                  J_hat,
-                                                  report,
+                                                  trial,
                                                   action);
     });
     return report;
