@@ -60,7 +60,7 @@ namespace
 
   // MATSEQAIJ with all entries, or MATSEQSBAIJ with the upper triangle.
   PetscMatrix
-  petsc_matrix(const LowerTriangle &entries, const bool symmetric)
+  petsc_matrix(const UpperTriangle &entries, const bool symmetric)
   {
     const PetscInt        n = entries.size();
     std::vector<PetscInt> counts(n, 0);
@@ -69,9 +69,9 @@ namespace
            ++e)
         {
           const PetscInt j = entries.columns[e];
-          ++counts[j];
+          ++counts[i];
           if (j != i && !symmetric)
-            ++counts[i];
+            ++counts[j];
         }
     Mat matrix;
     if (symmetric)
@@ -87,10 +87,10 @@ namespace
         {
           const PetscInt j = entries.columns[e];
           check_petsc(
-            MatSetValue(matrix, j, i, entries.values[e], INSERT_VALUES));
+            MatSetValue(matrix, i, j, entries.values[e], INSERT_VALUES));
           if (j != i && !symmetric)
             check_petsc(
-              MatSetValue(matrix, i, j, entries.values[e], INSERT_VALUES));
+              MatSetValue(matrix, j, i, entries.values[e], INSERT_VALUES));
         }
     check_petsc(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
     check_petsc(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
@@ -145,7 +145,7 @@ namespace
     mass.finish();
     mass.unknowns().constrain(std::vector<unsigned char>(
       space.owned_functions().size() + space.ghost_functions().size(), 0));
-    const LowerTriangle entries = mass.local_entries((1 << dim) - 1);
+    const UpperTriangle entries = mass.local_entries((1 << dim) - 1);
     const unsigned int  n       = entries.size();
 
     std::mt19937                     engine;
@@ -165,11 +165,8 @@ namespace
 
     std::vector<Method> methods;
 
-    IncompleteCholesky       cholesky;
-    const SmootherParameters smoother_parameters;
-    ExtendedMassSolver<dim>  solver(mass,
-                                   parameters.solver,
-                                   smoother_parameters);
+    IncompleteCholesky      cholesky;
+    ExtendedMassSolver<dim> solver(mass, parameters.solver);
     solver.update(true, 0.);
     methods.push_back(
       {"own",

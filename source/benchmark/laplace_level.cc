@@ -121,10 +121,10 @@ namespace greville
       if (constrained[f] != 0)
         constrained_functions.push_back(f);
 
-    const LowerTriangle local   = stencil.local_entries(1);
+    const UpperTriangle local   = stencil.local_entries(1);
     double              largest = 0.;
     for (unsigned int u = 0; u < local.size(); ++u)
-      largest = std::max(largest, local.values[local.row_begin[u + 1] - 1]);
+      largest = std::max(largest, local.diagonal(u));
     largest = Utilities::MPI::max(largest, space.communicator());
     entries = std::make_unique<MassMatrix<dim>>(stencil,
                                                 local,

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <string>
 
 namespace greville
@@ -34,131 +35,140 @@ namespace greville
 
 
 
-  void
-  IncompleteCholesky::factorize(const LowerTriangle &matrix, const double shift)
+  namespace
   {
-    LowerTriangle none;
-    factorize(matrix, shift, matrix.size(), none);
-  }
+    /**
+     * The finished columns of a factor, found by the row of their next entry.
+     */
+    class ColumnsByRow
+    {
+    public:
+      ColumnsByRow(const unsigned int n)
+        : head(n, none)
+        , link(n, none)
+        , next_entry(n)
+      {}
+
+      /// Insert a column whose next @p entry is in a row.
+      void
+      insert(const unsigned int column,
+             const unsigned int row,
+             const std::size_t  entry)
+      {
+        next_entry[column] = entry;
+        link[column]       = head[row];
+        head[row]          = column;
+      }
+
+      /// Call visit(column, entry) for the columns of a row, which they leave.
+      template <typename Visit>
+      void
+      take(const unsigned int row, const Visit &visit)
+      {
+        for (unsigned int column = head[row]; column != none;)
+          {
+            const unsigned int next = link[column];
+            visit(column, next_entry[column]);
+            column = next;
+          }
+      }
+
+    private:
+      static constexpr unsigned int none = static_cast<unsigned int>(-1);
+
+      std::vector<unsigned int> head, link;
+      std::vector<std::size_t>  next_entry;
+    };
+  } // namespace
 
 
 
   void
-  IncompleteCholesky::factorize(const LowerTriangle &matrix,
-                                const double         shift,
-                                const unsigned int   n_eliminated,
-                                LowerTriangle       &schur)
+  IncompleteCholesky::factorize(const UpperTriangle      &matrix,
+                                const CholeskyParameters &parameters)
   {
     const unsigned int  n = matrix.size();
     std::vector<double> scaling(n);
     largest_diagonal = 0.;
     for (unsigned int i = 0; i < n; ++i)
       {
-        const double diagonal = matrix.values[matrix.row_begin[i + 1] - 1];
-        AssertThrow(i >= n_eliminated ||
-                      (diagonal > 0. && std::isfinite(diagonal)),
-                    ExcMessage("IC(0) needs a positive diagonal, but entry " +
+        const double diagonal = matrix.diagonal(i);
+        AssertThrow(diagonal > 0. && std::isfinite(diagonal),
+                    ExcMessage("A Cholesky factorization needs a positive "
+                               "diagonal, but entry " +
                                std::to_string(i) + " is " +
                                std::to_string(diagonal) + "."));
-        scaling[i]       = diagonal > 0. ? 1. / std::sqrt(diagonal) : 1.;
+        scaling[i]       = 1. / std::sqrt(diagonal);
         largest_diagonal = std::max(largest_diagonal, diagonal);
       }
     if (!(largest_diagonal > 0.))
       largest_diagonal = 1.;
-
-    // The strictly lower rows, in eliminated columns.
-    row_begin.resize(n + 1);
-    row_begin[0] = 0;
-    columns.clear();
-    columns.reserve(matrix.columns.size());
-    for (unsigned int i = 0; i < n; ++i)
-      {
-        const auto begin = matrix.columns.begin() + matrix.row_begin[i];
-        auto       end   = matrix.columns.begin() + matrix.row_begin[i + 1] - 1;
-        if (i > n_eliminated)
-          end = std::lower_bound(begin, end, n_eliminated);
-        columns.insert(columns.end(), begin, end);
-        row_begin[i + 1] = columns.size();
-      }
-    entries.resize(columns.size());
-    inverse_pivots.resize(n_eliminated);
-    work.assign(n, 0.);
-
-    used_shift = shift;
-    while (!try_shift(matrix, scaling, used_shift, schur) ||
-           (used_shift < largest_remedy &&
-            largest_eigenvalue(matrix) > largest_tolerable))
+    used_shift       = parameters.shift;
+    const auto fails = [&]() {
+      if (!factorize_columns(matrix, scaling, parameters.drop_tolerance))
+        return true;
+      undo_scaling(scaling);
+      return parameters.drop_tolerance == 0. && used_shift < largest_remedy &&
+             largest_eigenvalue(matrix) > largest_tolerable;
+    };
+    while (fails())
       {
         used_shift = std::max(2. * used_shift, first_shift);
         AssertThrow(used_shift < 10.,
-                    ExcMessage("IC(0) fails with all shifts: the matrix is not "
-                               "positive definite."));
+                    ExcMessage("An incomplete Cholesky factorization fails "
+                               "with all shifts: the matrix is not positive "
+                               "definite."));
       }
   }
 
 
 
   bool
-  IncompleteCholesky::try_shift(const LowerTriangle       &matrix,
-                                const std::vector<double> &scaling,
-                                const double               shift,
-                                LowerTriangle             &schur)
+  IncompleteCholesky::factorize_columns(const UpperTriangle       &matrix,
+                                        const std::vector<double> &scaling,
+                                        const double drop_tolerance)
   {
-    // Factorize row by row, for the scaled matrix A: with u_j = L_ij D_j,
-    //   u_k = A_ik - sum_(j<k) u_j L_kj,   D_i = A_ii - sum_j u_j L_ij.
-    const unsigned int n_eliminated = inverse_pivots.size();
-    n_raised_pivots                 = 0;
-    schur                           = LowerTriangle();
-    std::vector<double> pivots(n_eliminated);
-    for (unsigned int i = 0; i < matrix.size(); ++i)
+    // Column k of the factor C of the scaled matrix A = S M S = C C^T:
+    //   C_ik = (A_ik - sum_(j<k) C_ij C_kj) / C_kk.
+    const unsigned int n = matrix.size();
+    n_raised_pivots      = 0;
+    column_begin.assign(1, 0);
+    rows.clear();
+    entries.clear();
+    inverse_pivots.assign(n, 0.f);
+    ColumnsByRow              finished(n);
+    std::vector<double>       column(n);
+    std::vector<unsigned int> last_column_with(n,
+                                               static_cast<unsigned int>(-1));
+    std::vector<unsigned int> touched;
+    for (unsigned int k = 0; k < n; ++k)
       {
-        const std::size_t  begin = row_begin[i], end = row_begin[i + 1];
-        const double      *row   = matrix.values.data() + matrix.row_begin[i];
-        const unsigned int first = begin < end ? columns[begin] : 0;
-        const auto reduced = [&](const double value, const unsigned int k) {
-          double u[4] = {value * scaling[i] * scaling[k], 0., 0., 0.};
-          const std::size_t begin_k = row_begin[k];
-          std::size_t       f       = row_begin[k + 1];
-          // Four independent sums.
-          for (; f >= begin_k + 4 && columns[f - 4] >= first; f -= 4)
-            for (unsigned int lane = 0; lane < 4; ++lane)
-              u[lane] -= work[columns[f - 1 - lane]] * entries[f - 1 - lane];
-          for (; f > begin_k && columns[f - 1] >= first; --f)
-            u[0] -= work[columns[f - 1]] * entries[f - 1];
-          return (u[0] + u[1]) + (u[2] + u[3]);
+        touched.clear();
+        const auto touch = [&](const unsigned int i, const double value) {
+          last_column_with[i] = k;
+          column[i]           = value;
+          touched.push_back(i);
         };
-        double sum = 0.;
-        for (std::size_t e = begin; e < end; ++e)
+        for (std::size_t e = matrix.row_begin[k] + 1;
+             e < matrix.row_begin[k + 1];
+             ++e)
           {
-            const unsigned int k = columns[e];
-            const double       u = reduced(row[e - begin], k);
-            const double       l = u / pivots[k];
-            work[k]              = u;
-            entries[e]           = l;
-            sum += u * l;
+            const unsigned int i = matrix.columns[e];
+            touch(i, matrix.values[e] * scaling[k] * scaling[i]);
           }
-        if (i >= n_eliminated)
-          {
-            // The Schur complement of the other rows.
-            for (std::size_t e = matrix.row_begin[i] + (end - begin);
-                 e + 1 < matrix.row_begin[i + 1];
-                 ++e)
-              {
-                const unsigned int k = matrix.columns[e];
-                schur.columns.push_back(k - n_eliminated);
-                schur.values.push_back(reduced(matrix.values[e], k) /
-                                       (scaling[i] * scaling[k]));
-              }
-            schur.columns.push_back(i - n_eliminated);
-            schur.values.push_back(matrix.values[matrix.row_begin[i + 1] - 1] -
-                                   sum / (scaling[i] * scaling[i]));
-            schur.row_begin.push_back(schur.columns.size());
-          }
-        for (std::size_t e = begin; e < end; ++e)
-          work[columns[e]] = 0.;
-        if (i >= n_eliminated)
-          continue;
-        double pivot = 1. + shift - sum;
+        double pivot = 1. + used_shift;
+        finished.take(k, [&](const unsigned int j, const std::size_t entry) {
+          const double factor = entries[entry];
+          pivot -= factor * factor;
+          const std::size_t end = column_begin[j + 1];
+          for (std::size_t e = entry + 1; e < end; ++e)
+            if (last_column_with[rows[e]] == k)
+              column[rows[e]] -= factor * entries[e];
+            else if (drop_tolerance > 0.)
+              touch(rows[e], -factor * entries[e]);
+          if (entry + 1 < end)
+            finished.insert(j, rows[entry + 1], entry + 1);
+        });
         if (!(pivot > lowest_pivot))
           return false;
         if (pivot < smallest_pivot)
@@ -166,38 +176,63 @@ namespace greville
             pivot = smallest_pivot;
             ++n_raised_pivots;
           }
-        pivots[i] = pivot;
-      }
-
-    // Undo the scaling: L <- S^-1 L S, D <- S^-1 D S^-1.
-    for (unsigned int i = 0; i < matrix.size(); ++i)
-      {
-        for (std::size_t e = row_begin[i]; e < row_begin[i + 1]; ++e)
-          entries[e] *= scaling[columns[e]] / scaling[i];
-        if (i < n_eliminated)
-          inverse_pivots[i] =
-            largest_diagonal * scaling[i] * scaling[i] / pivots[i];
+        const double inverse_root = 1. / std::sqrt(pivot);
+        if (drop_tolerance > 0.)
+          {
+            touched.erase(std::remove_if(touched.begin(),
+                                         touched.end(),
+                                         [&](const unsigned int i) {
+                                           return std::abs(column[i] *
+                                                           inverse_root) <
+                                                  drop_tolerance;
+                                         }),
+                          touched.end());
+            std::sort(touched.begin(), touched.end());
+          }
+        for (const unsigned int i : touched)
+          {
+            rows.push_back(i);
+            entries.push_back(column[i] * inverse_root);
+          }
+        if (!touched.empty())
+          finished.insert(k, touched.front(), column_begin.back());
+        column_begin.push_back(rows.size());
+        inverse_pivots[k] = inverse_root;
       }
     return true;
   }
 
 
 
+  void
+  IncompleteCholesky::undo_scaling(const std::vector<double> &scaling)
+  {
+    // With A = S M S: 1 + L = S^-1 C diag(C)^-1 S, D = S^-2 diag(C)^2.
+    for (unsigned int k = 0; k < size(); ++k)
+      {
+        const double scale = inverse_pivots[k] * scaling[k];
+        for (std::size_t e = column_begin[k]; e < column_begin[k + 1]; ++e)
+          entries[e] *= scale / scaling[rows[e]];
+        inverse_pivots[k] = largest_diagonal * scale * scale;
+      }
+  }
+
+
+
   double
-  IncompleteCholesky::largest_eigenvalue(const LowerTriangle &matrix) const
+  IncompleteCholesky::largest_eigenvalue(const UpperTriangle &matrix) const
   {
     constexpr unsigned int max_products = 5;
     using Vector                        = std::vector<double>;
     const unsigned int n                = size();
-    const unsigned int n_eliminated     = inverse_pivots.size();
 
     const auto multiply = [&](Vector &y, const Vector &x) {
       y.assign(n, 0.);
-      for (unsigned int i = 0; i < n_eliminated; ++i)
+      for (unsigned int i = 0; i < n; ++i)
         {
-          const std::size_t end = matrix.row_begin[i + 1] - 1;
-          double            sum = matrix.values[end] * x[i];
-          for (std::size_t e = matrix.row_begin[i]; e < end; ++e)
+          const std::size_t begin = matrix.row_begin[i];
+          double            sum   = matrix.values[begin] * x[i];
+          for (std::size_t e = begin + 1; e < matrix.row_begin[i + 1]; ++e)
             {
               const unsigned int j = matrix.columns[e];
               sum += matrix.values[e] * x[j];
@@ -207,31 +242,18 @@ namespace greville
         }
     };
     const auto precondition = [&](Vector &y, const Vector &x) {
-      y.assign(n, 0.);
-      double largest = 0.;
-      for (const double value : x)
-        largest = std::max(largest, std::abs(value));
-      if (!(largest > 0.))
-        return;
-      single.assign(n, 0.f);
-      for (unsigned int i = 0; i < n_eliminated; ++i)
-        single[i] = x[i] / largest;
-      forward(single.data(), 1);
-      std::fill(single.begin() + n_eliminated, single.end(), 0.f);
-      backward(single.data(), 1);
-      for (unsigned int i = 0; i < n_eliminated; ++i)
-        y[i] = largest / largest_diagonal * single[i];
+      y = x;
+      solve(y.data(), 1);
     };
 
     // Random signs, the same in each run.
     Vector        start(n, 0.);
     std::uint64_t bits = 1;
-    for (unsigned int i = 0; i < n_eliminated; ++i)
+    for (unsigned int i = 0; i < n; ++i)
       {
-        bits = bits * 6364136223846793005u + 1442695040888963407u;
-        start[i] =
-          std::copysign(std::sqrt(matrix.values[matrix.row_begin[i + 1] - 1]),
-                        static_cast<std::int64_t>(bits));
+        bits     = bits * 6364136223846793005u + 1442695040888963407u;
+        start[i] = std::copysign(std::sqrt(matrix.diagonal(i)),
+                                 static_cast<std::int64_t>(bits));
       }
     return greville::largest_eigenvalue(
              multiply, precondition, start, 0.1, max_products, MPI_COMM_SELF)
@@ -241,11 +263,8 @@ namespace greville
 
 
   void
-  IncompleteCholesky::solve(double                *x,
-                            const unsigned int     width,
-                            const ConstrainedRows &constrained) const
+  IncompleteCholesky::solve(double *x, const unsigned int width) const
   {
-    // Solve in single precision, with numbers of order 1.
     const std::size_t n       = std::size_t(size()) * width;
     double            largest = 0.;
     for (std::size_t k = 0; k < n; ++k)
@@ -256,136 +275,45 @@ namespace greville
     const double scale = 1. / largest;
     for (std::size_t k = 0; k < n; ++k)
       single[k] = scale * x[k];
-    forward(single.data(), width, constrained);
-    backward(single.data(), width, constrained);
+    solve(single.data(), width);
     for (std::size_t k = 0; k < n; ++k)
       x[k] = largest / largest_diagonal * single[k];
   }
 
 
 
-  namespace
-  {
-    template <int width>
-    using Columns = FixedSimd<float, width>;
-
-    template <int width>
-    Columns<width>
-    at(const float *x, const std::size_t i)
-    {
-      return load<Columns<width>>(x + i * width);
-    }
-
-    template <int width>
-    void
-    put(float *x, const std::size_t i, const Columns<width> &value)
-    {
-      store(value, x + i * width);
-    }
-
-    /// Return one for the vectors that contain the row, zero for the others.
-    template <int width>
-    Columns<width>
-    mask(const unsigned int bits, const unsigned int n_components)
-    {
-      return Columns<width>([&](const unsigned int c) {
-        return (bits >> (c % n_components)) & 1 ? 0.f : 1.f;
-      });
-    }
-  } // namespace
-
-
-
   void
-  IncompleteCholesky::forward(float                 *x,
-                              const unsigned int     width,
-                              const ConstrainedRows &constrained) const
+  IncompleteCholesky::solve(float *x, const unsigned int width) const
   {
     with_width(width, [&](const auto w) {
-      forward_interleaved<decltype(w)::value>(x, constrained);
-    });
-  }
-
-
-
-  void
-  IncompleteCholesky::backward(float                 *x,
-                               const unsigned int     width,
-                               const ConstrainedRows &constrained) const
-  {
-    with_width(width, [&](const auto w) {
-      backward_interleaved<decltype(w)::value>(x, constrained);
-    });
-  }
-
-
-
-  template <int width>
-  void
-  IncompleteCholesky::forward_interleaved(
-    float *x, const ConstrainedRows &constrained) const
-  {
-    const unsigned int *c      = columns.data();
-    const float        *l      = entries.data();
-    const auto          reduce = [&](const std::size_t i) {
-      // Two sums, since the last entries of a row wait for the rows just
-      // before.
-      Columns<width>    sum = at<width>(x, i), other_sum = 0.f;
-      std::size_t       e   = row_begin[i];
-      const std::size_t end = row_begin[i + 1];
-      for (; e + 1 < end; e += 2)
+      constexpr unsigned int n_columns = decltype(w)::value;
+      using Columns                    = FixedSimd<float, n_columns>;
+      const unsigned int *r            = rows.data();
+      const float        *l            = entries.data();
+      const auto          at           = [&](const std::size_t i) {
+        return load<Columns>(x + i * n_columns);
+      };
+      for (std::size_t k = 0; k < size(); ++k)
         {
-          sum -= l[e] * at<width>(x, c[e]);
-          other_sum -= l[e + 1] * at<width>(x, c[e + 1]);
+          const Columns value = at(k);
+          for (std::size_t e = column_begin[k]; e < column_begin[k + 1]; ++e)
+            store(at(r[e]) - l[e] * value, x + r[e] * n_columns);
         }
-      if (e < end)
-        sum -= l[e] * at<width>(x, c[e]);
-      return sum + other_sum;
-    };
-    std::size_t i = 0;
-    for (const auto &row : constrained.rows)
-      {
-        for (; i < row.first; ++i)
-          put<width>(x, i, reduce(i));
-        put<width>(
-          x, i, mask<width>(row.second, constrained.n_components) * reduce(i));
-        ++i;
-      }
-    for (; i < size(); ++i)
-      put<width>(x, i, reduce(i));
+      for (std::size_t k = size(); k-- > 0;)
+        {
+          // Two sums, since the first entries wait for the rows just before.
+          Columns           sum = inverse_pivots[k] * at(k), other_sum = 0.f;
+          std::size_t       e   = column_begin[k];
+          const std::size_t end = column_begin[k + 1];
+          for (; e + 1 < end; e += 2)
+            {
+              sum -= l[e] * at(r[e]);
+              other_sum -= l[e + 1] * at(r[e + 1]);
+            }
+          if (e < end)
+            sum -= l[e] * at(r[e]);
+          store(sum + other_sum, x + k * n_columns);
+        }
+    });
   }
-
-
-
-  template <int width>
-  void
-  IncompleteCholesky::backward_interleaved(
-    float *x, const ConstrainedRows &constrained) const
-  {
-    const unsigned int *c          = columns.data();
-    const float        *l          = entries.data();
-    const auto          substitute = [&](const std::size_t     i,
-                                const Columns<width> &value) {
-      for (std::size_t e = row_begin[i]; e < row_begin[i + 1]; ++e)
-        put<width>(x, c[e], at<width>(x, c[e]) - l[e] * value);
-    };
-    for (std::size_t i = 0; i < inverse_pivots.size(); ++i)
-      put<width>(x, i, at<width>(x, i) * inverse_pivots[i]);
-    std::size_t i = size();
-    for (auto row = constrained.rows.rbegin(); row != constrained.rows.rend();
-         ++row)
-      {
-        while (--i > row->first)
-          substitute(i, at<width>(x, i));
-        const Columns<width> value =
-          mask<width>(row->second, constrained.n_components) * at<width>(x, i);
-        put<width>(x, i, value);
-        substitute(i, value);
-      }
-    while (i-- > 0)
-      substitute(i, at<width>(x, i));
-  }
-
-
-
 } // namespace greville

@@ -11,24 +11,6 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  const std::array<unsigned int, dim> &
-  ExtendedUnknowns<dim>::first_equal_components() const
-  {
-    return first_equal;
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  ExtendedUnknowns<dim>::n_constrain_calls() const
-  {
-    return constrain_counter;
-  }
-
-
-
-  template <int dim>
   const std::array<bool, dim> &
   ExtendedUnknowns<dim>::has_constrained() const
   {
@@ -328,63 +310,18 @@ namespace greville
       if (constrained[f] != 0 && (*extension)[f] != Extension<dim>::inactive)
         constrained_places.emplace_back(stencil->place(f), constrained[f]);
 
-    const std::size_t n_constrained =
-      constrained_places.size(); // without images
     for_each_active_image([&](const unsigned int f, const std::size_t place) {
       if (constrained[f] != 0)
         constrained_places.emplace_back(place, constrained[f]);
     });
 
-    // Components with constraints, and pairs of components that differ in E.
-    std::vector<unsigned int> found(dim * dim);
-    for (std::size_t k = 0; k < n_constrained; ++k)
-      {
-        const auto        &entry = constrained_places[k];
-        const unsigned int changes =
-          changes_extension(entry.first, entry.second);
-        for (unsigned int c = 0; c < dim; ++c)
-          {
-            found[c * dim + c] |= (entry.second >> c) & 1;
-            for (unsigned int d = 0; d < c; ++d)
-              found[c * dim + d] |= ((changes >> c) ^ (changes >> d)) & 1;
-          }
-      }
+    std::vector<unsigned int> found(dim);
+    for (const auto &entry : constrained_places)
+      for (unsigned int c = 0; c < dim; ++c)
+        found[c] |= (entry.second >> c) & 1;
     Utilities::MPI::max(found, communicator(), found);
     for (unsigned int c = 0; c < dim; ++c)
-      {
-        component_has_constrained[c] = found[c * dim + c] != 0;
-        first_equal[c]               = 0;
-        while (first_equal[c] < c && found[c * dim + first_equal[c]] != 0)
-          ++first_equal[c];
-      }
-    ++constrain_counter;
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  ExtendedUnknowns<dim>::changes_extension(const unsigned int  place,
-                                           const unsigned char components) const
-  {
-    // Weights below this are round-off.
-    constexpr double negligible    = 1e-10;
-    const int        signed_number = signed_numbers[place];
-    if (signed_number >= 0)
-      return 0;
-    unsigned int result = 0;
-    for (std::size_t e = extended_begin[-signed_number - 1];
-         e < extended_begin[-signed_number];
-         ++e)
-      if (std::abs(extended_entries[e].weight) > negligible)
-        {
-          const unsigned int u = extended_entries[e].unknown;
-          result |=
-            u < n_owned
-              ? components & ~constrained_functions[owned_unknown_functions[u]]
-              : components;
-        }
-    return result;
+      component_has_constrained[c] = found[c] != 0;
   }
 
 

@@ -166,29 +166,19 @@ namespace greville
   ExtendedLevel<dim>::factorize(const ExtendedMass<dim> &matrix,
                                 const double             shift,
                                 const unsigned int       of_components,
-                                PartitionedCholesky     &factors) const
+                                OverlappingCholesky     &factors) const
   {
-    const auto        of_unknowns = matrix.unknowns().constrained_unknowns();
-    std::vector<bool> is_constrained_in_some(of_unknowns.size());
-    for (unsigned int u = 0; u < of_unknowns.size(); ++u)
-      is_constrained_in_some[u] =
-        (of_unknowns[u] & of_components) != 0 &&
-        (of_unknowns[u] & of_components) != of_components;
     factors.factorize(matrix.local_entries(of_components),
                       matrix.unknowns().unknown_layout(),
                       matrix.unknowns().unknown_positions(),
-                      is_constrained_in_some,
-                      spline_space.degree(),
-                      shift);
-    if (of_components == all_components(components))
-      factors.constrain(of_unknowns, factor_width(components));
+                      {shift, 0.});
   }
 
 
 
   template <int dim>
   void
-  ExtendedLevel<dim>::solve(const PartitionedCholesky &factors,
+  ExtendedLevel<dim>::solve(const OverlappingCholesky &factors,
                             VectorType                &dst,
                             const VectorType          &src,
                             const unsigned int         component,
@@ -253,7 +243,7 @@ namespace greville
 
     private:
       const ExtendedLevel<dim>        &level;
-      std::vector<PartitionedCholesky> factors;
+      std::vector<OverlappingCholesky> factors;
     };
     return std::make_unique<Factorization>(*this, shift, by_components);
   }
@@ -266,7 +256,7 @@ namespace greville
   {
     if (!mass_factors)
       {
-        auto factors = std::make_unique<PartitionedCholesky>();
+        auto factors = std::make_unique<OverlappingCholesky>();
         factorize(extended_mass, 0., all_components(components), *factors);
         mass_factors = std::move(factors);
       }

@@ -28,11 +28,9 @@ namespace greville
   ExtendedMassSolver<dim>::ExtendedMassSolver(
     ExtendedMass<dim>          &mass,
     const SolverParameters     &parameters,
-    const SmootherParameters   &smoother_parameters,
     const ColumnPreconditioner &preconditioner)
     : mass(mass)
     , parameters(parameters)
-    , smoother_parameters(smoother_parameters)
     , other_preconditioner(preconditioner)
   {}
 
@@ -44,116 +42,39 @@ namespace greville
                                   const double new_total_mass)
   {
     total_mass = new_total_mass;
-    if (other_preconditioner)
-      return;
-    const auto &first_equal = mass.unknowns().first_equal_components();
-    if (is_due || smoother_parameters.reuse == 0 ||
-        !std::equal(first_equal.begin(),
-                    first_equal.end(),
-                    factor_components.begin(),
-                    factor_components.end()))
-      factorize();
-    else if (unknowns_changed)
-      {
-        match_unknowns();
-        if (is_due)
-          factorize();
-      }
+    age        = unknowns_changed ? max_age : age + 1;
   }
+
+
+
+  namespace
+  {
+    /**
+     * Return parameters with which conjugate gradients need the least time
+     * (doc/results/mass_solvers.md).
+     */
+    CholeskyParameters
+    parameters_for(const int dim, const unsigned int degree)
+    {
+      if (dim == 2)
+        return {0.005, degree <= 2 ? 0.02 : degree == 3 ? 0.01 : 0.005};
+      return degree <= 2 ? CholeskyParameters{0.003, 0.003}
+                         : CholeskyParameters{0.001, 0.001};
+    }
+  } // namespace
 
 
 
   template <int dim>
   void
-  ExtendedMassSolver<dim>::factorize()
+  ExtendedMassSolver<dim>::factorize() const
   {
-    factor_places.assign(mass.unknowns().unknown_places().begin(),
-                         mass.unknowns().unknown_places().begin() +
-                           mass.unknowns().n_owned_unknowns());
-    factor_rows.clear();
-    factor_components.assign(mass.unknowns().first_equal_components().begin(),
-                             mass.unknowns().first_equal_components().end());
-    factors.clear();
-    const auto constrained = mass.unknowns().constrained_unknowns();
-    const auto positions   = mass.unknowns().unknown_positions();
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        if (factor_components[c] < c)
-          continue;
-        Factors     &part       = factors.emplace_back();
-        unsigned int components = 0;
-        for (unsigned int d = c; d < dim; ++d)
-          if (factor_components[d] == c)
-            {
-              part.components.push_back(d);
-              components |= 1 << d;
-            }
-        std::vector<bool> is_constrained_in_some(constrained.size());
-        for (unsigned int u = 0; u < constrained.size(); ++u)
-          is_constrained_in_some[u] =
-            (constrained[u] & components) != 0 &&
-            (constrained[u] & components) != components;
-        part.cholesky.factorize(mass.local_entries(components),
-                                mass.unknowns().unknown_layout(),
-                                positions,
-                                is_constrained_in_some,
-                                mass.matrix().space().degree(),
-                                smoother_parameters.shift);
-      }
-    constrain();
+    factors.factorize(mass.local_entries((1u << dim) - 1),
+                      mass.unknowns().unknown_layout(),
+                      mass.unknowns().unknown_positions(),
+                      parameters_for(dim, mass.matrix().space().degree()));
     ++factorizations;
-    is_due   = false;
-    is_fresh = true;
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMassSolver<dim>::match_unknowns()
-  {
-    const auto        &now = mass.unknowns().unknown_places();
-    const unsigned int n   = mass.unknowns().n_owned_unknowns();
-    mass.approximate_diagonal(diagonal);
-    factor_rows.assign(n, -1);
-    unsigned int k = 0, n_matches = 0;
-    for (unsigned int u = 0; u < n; ++u)
-      {
-        while (k < factor_places.size() && factor_places[k] < now[u])
-          ++k;
-        if (k < factor_places.size() && factor_places[k] == now[u])
-          {
-            factor_rows[u] = k;
-            ++n_matches;
-          }
-      }
-    const unsigned int n_changes = n + factor_places.size() - 2 * n_matches;
-    is_due = Utilities::MPI::sum(n_changes, mass.unknowns().communicator()) >
-             smoother_parameters.reuse;
-    n_constrain_calls = 0;
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMassSolver<dim>::constrain()
-  {
-    n_constrain_calls      = mass.unknowns().n_constrain_calls();
-    const auto constrained = mass.unknowns().constrained_unknowns();
-    for (Factors &part : factors)
-      {
-        const unsigned int         n = part.components.size();
-        std::vector<unsigned char> of_factors(factor_places.size(), 0);
-        for (unsigned int u = 0; u < constrained.size(); ++u)
-          {
-            const int row = factor_rows.empty() ? int(u) : factor_rows[u];
-            for (unsigned int k = 0; k < n && row >= 0; ++k)
-              of_factors[row] |= ((constrained[u] >> part.components[k]) & 1)
-                                 << k;
-          }
-        part.cholesky.constrain(of_factors, n);
-      }
+    age = 0;
   }
 
 
@@ -166,63 +87,15 @@ namespace greville
                                         const unsigned int n_columns) const
   {
     if (other_preconditioner)
+      other_preconditioner(z, r, width, n_columns);
+    else
       {
-        other_preconditioner(z, r, width, n_columns);
-        mass.unknowns().zero_constrained_unknowns(z, width);
-        return;
-      }
-    if (factors.size() == 1 && factor_rows.empty())
-      {
+        if (age >= max_age)
+          factorize();
         std::copy_n(r.begin(), r.locally_owned_size(), z.begin());
-        factors[0].cholesky.solve(z.begin(), width);
-        return;
+        factors.solve(z.begin(), width);
       }
-    for (const Factors &part : factors)
-      {
-        std::vector<unsigned int> columns;
-        for (unsigned int first = 0; first < n_columns; first += dim)
-          for (const unsigned int c : part.components)
-            columns.push_back(first + c);
-        precondition(part, z, r, width, columns);
-      }
-    for (unsigned int u = 0; u < factor_rows.size(); ++u)
-      if (factor_rows[u] < 0)
-        for (unsigned int c = 0; c < width; ++c)
-          z.local_element(u * width + c) =
-            r.local_element(u * width + c) / diagonal.local_element(u);
     mass.unknowns().zero_constrained_unknowns(z, width);
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedMassSolver<dim>::precondition(
-    const Factors                   &part,
-    VectorType                      &z,
-    const VectorType                &r,
-    const unsigned int               width,
-    const std::vector<unsigned int> &columns) const
-  {
-    const unsigned int n = columns.size(), part_width = width_for(n);
-    work.assign(factor_places.size() * part_width, 0.);
-    const unsigned int n_unknowns = mass.unknowns().n_owned_unknowns();
-    const auto         for_each   = [&](const auto &visit) {
-      for (unsigned int u = 0; u < n_unknowns; ++u)
-        {
-          const int row = factor_rows.empty() ? int(u) : factor_rows[u];
-          if (row >= 0)
-            for (unsigned int k = 0; k < n; ++k)
-              visit(std::size_t(row) * part_width + k, u * width + columns[k]);
-        }
-    };
-    for_each([&](const std::size_t to, const unsigned int from) {
-      work[to] = r.local_element(from);
-    });
-    part.cholesky.solve(work.data(), part_width);
-    for_each([&](const std::size_t from, const unsigned int to) {
-      z.local_element(to) = work[from];
-    });
   }
 
 
@@ -298,24 +171,20 @@ namespace greville
                                 std::vector<const VectorField<dim> *>(x.begin(),
                                                                       x.end()),
                                 width);
-    if (n_constrain_calls != mass.unknowns().n_constrain_calls() &&
-        !other_preconditioner)
-      constrain();
-    const bool  was_fresh = is_fresh || other_preconditioner;
+    // Old factors may be useless after a sudden change of the mass.
+    const bool  is_old = !other_preconditioner && age > 0 && age < max_age;
     SolveResult result =
-      run(was_fresh ? parameters.max_iterations
-                    : std::min(parameters.max_iterations,
-                               most_iterations_with_old_factors()));
-    unsigned int n_wasted = 0;
-    if (!result.converged && !was_fresh)
+      run(is_old ? std::min(parameters.max_iterations, 2 * fresh_iterations + 5)
+                 : parameters.max_iterations);
+    if (!result.converged && is_old)
       {
-        // The factorization is too old: continue with a new one.
-        n_wasted = *result.iterations;
-        factorize();
+        const unsigned int n_wasted = *result.iterations;
+        forget();
         result = run(parameters.max_iterations);
+        *result.iterations += n_wasted;
       }
-    judge_factorization(*result.iterations);
-    *result.iterations += n_wasted;
+    else if (age == 0)
+      fresh_iterations = *result.iterations;
     mass.unknowns().write_fields(x, unknowns, width);
     return result;
   }

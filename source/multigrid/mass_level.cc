@@ -18,7 +18,7 @@ namespace greville
         return;
       }
     fill_entries();
-    lower_entries = entries->local_entries(1);
+    upper_entries = entries->local_entries(1);
     if (is_extended())
       find_extended_diagonal();
   }
@@ -65,9 +65,8 @@ namespace greville
   MassLevel<dim>::find_extended_diagonal()
   {
     unknown_result = 0.;
-    for (unsigned int u = 0; u < lower_entries.size(); ++u)
-      unknown_result.local_element(u) =
-        lower_entries.values[lower_entries.row_begin[u + 1] - 1];
+    for (unsigned int u = 0; u < upper_entries.size(); ++u)
+      unknown_result.local_element(u) = upper_entries.diagonal(u);
     unknown_result.compress(VectorOperation::add);
     spline_space->initialize_vector(extended_diagonal);
     entries->unknowns().write(extended_diagonal, unknown_result, 1);
@@ -146,13 +145,10 @@ namespace greville
         : level(level)
       {
         const ExtendedMass<dim> &entries = *level.entries;
-        factors.factorize(
-          level.lower_entries,
-          entries.unknowns().unknown_layout(),
-          entries.unknowns().unknown_positions(),
-          std::vector<bool>(entries.unknowns().n_owned_unknowns(), false),
-          level.space().degree(),
-          shift);
+        factors.factorize(level.upper_entries,
+                          entries.unknowns().unknown_layout(),
+                          entries.unknowns().unknown_positions(),
+                          {shift, 0.});
       }
 
       void
@@ -168,7 +164,7 @@ namespace greville
 
     private:
       const MassLevel<dim> &level;
-      PartitionedCholesky   factors;
+      OverlappingCholesky   factors;
     };
     if (!entries)
       return nullptr;

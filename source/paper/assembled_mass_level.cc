@@ -14,10 +14,10 @@ namespace greville
     if (with_matrix || apply)
       mass_matrix =
         std::make_unique<MassMatrix<dim>>(*this->entries,
-                                          this->lower_entries,
+                                          this->upper_entries,
                                           this->inactive(),
                                           this->diagonal().linfty_norm());
-    this->lower_entries = LowerTriangle();
+    this->upper_entries = UpperTriangle();
   }
 
 

@@ -12,7 +12,7 @@ namespace greville
 
   template <int dim>
   MassMatrix<dim>::MassMatrix(const ExtendedMass<dim>         &mass,
-                              const LowerTriangle             &entries,
+                              const UpperTriangle             &entries,
                               const std::vector<unsigned int> &inactive,
                               const double inactive_diagonal)
   {

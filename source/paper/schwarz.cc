@@ -273,7 +273,7 @@ namespace greville
   make_ic0(const Mat matrix, const double shift)
   {
     const auto factors = std::make_shared<IncompleteCholesky>();
-    factors->factorize(lower_triangle(matrix), shift);
+    factors->factorize(upper_triangle(matrix), {shift, 0.});
     return [factors](double *x, const bool) { factors->solve(x, 1); };
   }
 
@@ -342,8 +342,8 @@ namespace greville
 
 
 
-  LowerTriangle
-  lower_triangle(const Mat matrix)
+  UpperTriangle
+  upper_triangle(const Mat matrix)
   {
     PetscInt           n;
     const PetscInt    *begin, *columns;
@@ -353,15 +353,16 @@ namespace greville
       matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &begin, &columns, &is_done));
     AssertThrow(is_done, ExcInternalError());
     check_petsc(MatSeqAIJGetArrayRead(matrix, &values));
-    LowerTriangle result;
+    UpperTriangle result;
     result.row_begin.reserve(n + 1);
     for (PetscInt i = 0; i < n; ++i)
       {
-        for (PetscInt e = begin[i]; e < begin[i + 1] && columns[e] <= i; ++e)
-          {
-            result.columns.push_back(columns[e]);
-            result.values.push_back(values[e]);
-          }
+        for (PetscInt e = begin[i]; e < begin[i + 1]; ++e)
+          if (columns[e] >= i)
+            {
+              result.columns.push_back(columns[e]);
+              result.values.push_back(values[e]);
+            }
         result.row_begin.push_back(result.columns.size());
       }
     check_petsc(MatSeqAIJRestoreArrayRead(matrix, &values));

@@ -22,7 +22,6 @@ namespace greville
     mass_solver =
       std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
                                                 parameters.solver,
-                                                parameters.smoother,
                                                 make_preconditioner());
   }
 

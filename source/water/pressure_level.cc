@@ -63,8 +63,7 @@ namespace greville
     entries      = matrix.local_entries(1);
     this->result = 0.;
     for (unsigned int u = 0; u < entries.size(); ++u)
-      this->result.local_element(u) =
-        entries.values[entries.row_begin[u + 1] - 1];
+      this->result.local_element(u) = entries.diagonal(u);
     this->set_diagonal();
   }
 

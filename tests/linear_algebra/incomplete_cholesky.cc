@@ -10,13 +10,13 @@
 
 #include <tests.h>
 
-LowerTriangle
-lower_part(const std::vector<std::vector<double>> &rows)
+UpperTriangle
+upper_part(const std::vector<std::vector<double>> &rows)
 {
-  LowerTriangle result;
+  UpperTriangle result;
   for (unsigned int i = 0; i < rows.size(); ++i)
     {
-      for (unsigned int j = 0; j <= i; ++j)
+      for (unsigned int j = i; j < rows.size(); ++j)
         if (rows[i][j] != 0. || i == j)
           {
             result.columns.push_back(j);
@@ -30,7 +30,7 @@ lower_part(const std::vector<std::vector<double>> &rows)
 
 
 std::vector<double>
-multiply(const LowerTriangle &matrix, const std::vector<double> &x)
+multiply(const UpperTriangle &matrix, const std::vector<double> &x)
 {
   std::vector<double> y(x.size(), 0.);
   for (unsigned int i = 0; i < matrix.size(); ++i)
@@ -48,7 +48,7 @@ multiply(const LowerTriangle &matrix, const std::vector<double> &x)
 
 // The residual |b - M x| / |b| of one solve.
 double
-residual(const LowerTriangle &matrix, const IncompleteCholesky &factors)
+residual(const UpperTriangle &matrix, const IncompleteCholesky &factors)
 {
   std::vector<double> x(matrix.size());
   for (unsigned int i = 0; i < x.size(); ++i)
@@ -81,7 +81,7 @@ test_kronecker(const unsigned int n_cells, const unsigned int p)
   mass.assemble(true, true);
   Mat matrix;
   check_petsc(MatGetDiagonalBlock(mass.matrix(), &matrix));
-  const LowerTriangle lower = lower_triangle(matrix);
+  const UpperTriangle lower = upper_triangle(matrix);
   IncompleteCholesky  factors;
   factors.factorize(lower);
   // L is kept in single precision.
@@ -119,7 +119,7 @@ test_kronecker(const unsigned int n_cells, const unsigned int p)
 
 
 void
-test_fails(const std::string &name, const LowerTriangle &matrix)
+test_fails(const std::string &name, const UpperTriangle &matrix)
 {
   IncompleteCholesky factors;
   try
@@ -148,74 +148,38 @@ full_matrix(const unsigned int n)
 
 
 
-// Solve by elimination of the first rows, then of their Schur complement.
+// ICT: fill is kept, and small entries are dropped, which the error follows.
 void
-test_schur_complement()
+test_drop_tolerance()
 {
-  constexpr unsigned int n = 7, n_first = 4, width = 2;
-  const LowerTriangle    matrix = lower_part(full_matrix(n));
-  IncompleteCholesky     whole, first, second;
-  LowerTriangle          schur;
-  whole.factorize(matrix);
-  first.factorize(matrix, 0., n_first, schur);
-  second.factorize(schur);
-  check("size of the Schur complement", schur.size() == n - n_first);
-
-  std::vector<double> x(n * width), rest((n - n_first) * width);
-  std::vector<float>  y(n * width);
-  for (unsigned int i = 0; i < n * width; ++i)
-    y[i] = x[i] = pseudo_random(i);
-  whole.solve(x.data(), width);
-  first.forward(y.data(), width);
-  std::copy(y.begin() + n_first * width, y.end(), rest.begin());
-  second.solve(rest.data(), width);
-  for (unsigned int i = 0; i < rest.size(); ++i)
-    y[n_first * width + i] = first.unit() * rest[i];
-  first.backward(y.data(), width);
-  double error = 0.;
-  for (unsigned int i = 0; i < n * width; ++i)
-    error = std::max(error, std::abs(y[i] / first.unit() - x[i]));
-  check("solve with the Schur complement", error, 1e-5);
-}
-
-
-
-// The last rows constrained in one of two components: the factors without them.
-void
-test_constrained_rows()
-{
-  constexpr unsigned int n = 6, n_free = 4, width = 4;
-  auto                   rows = full_matrix(n);
-  IncompleteCholesky     whole, part;
-  whole.factorize(lower_part(rows));
-  rows.resize(n_free);
-  for (auto &row : rows)
-    row.resize(n_free);
-  part.factorize(lower_part(rows));
-  ConstrainedRows constrained;
-  constrained.n_components = 2;
-  for (unsigned int i = n_free; i < n; ++i)
-    constrained.rows.emplace_back(i, 2);
-
-  std::vector<double> x(n * width), with_all(n * width),
-    with_some(n_free * width);
-  for (unsigned int i = 0; i < x.size(); ++i)
-    x[i] = pseudo_random(i);
-  with_all = x;
-  std::copy_n(x.begin(), with_some.size(), with_some.begin());
-  whole.solve(x.data(), width, constrained);
-  whole.solve(with_all.data(), width);
-  part.solve(with_some.data(), width);
-  double error = 0.;
-  for (unsigned int i = 0; i < n; ++i)
-    for (unsigned int c = 0; c < width; ++c)
-      {
-        const double wanted = c % 2 == 0   ? with_all[i * width + c]
-                              : i < n_free ? with_some[i * width + c]
-                                           : 0.;
-        error = std::max(error, std::abs(x[i * width + c] - wanted));
-      }
-  check("held rows", error, 1e-5);
+  // A Laplacian on a grid, whose factors have fill between the bands.
+  constexpr unsigned int           n = 12;
+  std::vector<std::vector<double>> rows(n * n, std::vector<double>(n * n));
+  for (unsigned int i = 0; i < n * n; ++i)
+    {
+      rows[i][i] = 4.;
+      if (i % n > 0)
+        rows[i][i - 1] = rows[i - 1][i] = -1.;
+      if (i >= n)
+        rows[i][i - n] = rows[i - n][i] = -1.;
+    }
+  const UpperTriangle matrix = upper_part(rows);
+  IncompleteCholesky  factors;
+  factors.factorize(matrix);
+  const std::size_t n_of_ic0 = factors.n_entries();
+  check("entries of IC(0)", n_of_ic0 == 2 * n * (n - 1));
+  std::size_t last = n_of_ic0;
+  for (const double tolerance : {0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-8})
+    {
+      factors.factorize(matrix, {0., tolerance});
+      check("ICT: residual / tolerance",
+            residual(matrix, factors) / std::max(tolerance, 2e-7),
+            5.);
+      check("  more entries", factors.n_entries() > last || tolerance == 0.3);
+      check("  no shift", factors.shift() == 0.);
+      last = factors.n_entries();
+    }
+  check("entries of the whole factor", last > 5 * n_of_ic0);
 }
 
 
@@ -230,8 +194,8 @@ test_main()
 
   {
     // Scaled, the second pivot is 1e-7, the others are 1.
-    const LowerTriangle matrix =
-      lower_part({{4., 2., 0.}, {2., 1. + 1e-7, 0.}, {0., 0., 9.}});
+    const UpperTriangle matrix =
+      upper_part({{4., 2., 0.}, {2., 1. + 1e-7, 0.}, {0., 0., 9.}});
     IncompleteCholesky factors;
     factors.factorize(matrix);
     print() << "Raised pivots: " << factors.n_raised() << ", shift "
@@ -244,7 +208,7 @@ test_main()
   {
     // D. Kershaw's matrix (1978): positive definite, but the last pivot of
     // IC(0) is -5 / 3 of its diagonal entry.
-    const LowerTriangle matrix = lower_part({{3., -2., 0., 2.},
+    const UpperTriangle matrix = upper_part({{3., -2., 0., 2.},
                                              {-2., 3., -2., 0.},
                                              {0., -2., 3., -2.},
                                              {2., 0., -2., 3.}});
@@ -268,7 +232,7 @@ test_main()
       }
     check("  positive", least > 0.);
     const double found = factors.shift();
-    factors.factorize(matrix, 2. * found);
+    factors.factorize(matrix, {2. * found, 0.});
     check("  a shift that is asked for", factors.shift() == 2. * found);
   }
   {
@@ -285,7 +249,7 @@ test_main()
           for (double &entry : row)
             entry *= unit;
         IncompleteCholesky factors;
-        factors.factorize(lower_part(scaled));
+        factors.factorize(upper_part(scaled));
         std::vector<double> x{unit, -unit, 1e-4 * unit};
         factors.solve(x.data(), 1);
         if (first.empty())
@@ -300,9 +264,8 @@ test_main()
       }
     check("the unit of mass does not matter", error, 1e-5);
   }
-  test_schur_complement();
-  test_constrained_rows();
-  test_fails("Not definite", lower_part({{1., 100.}, {100., 1.}}));
-  test_fails("Negative diagonal", lower_part({{1., 0.}, {0., -1.}}));
-  test_fails("Zero diagonal", lower_part({{0.}}));
+  test_drop_tolerance();
+  test_fails("Not definite", upper_part({{1., 100.}, {100., 1.}}));
+  test_fails("Negative diagonal", upper_part({{1., 0.}, {0., -1.}}));
+  test_fails("Zero diagonal", upper_part({{0.}}));
 }

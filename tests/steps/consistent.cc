@@ -52,15 +52,6 @@ test_main()
             run->mass().n_factorizations() < run->state().n_steps);
     }
 
-  {
-    Simulated<2> run(disks(2, "0.1"), [](SimulationParameters &parameters) {
-      parameters.smoother.reuse = 0;
-    });
-    run.run();
-    check("each step factorizes where it is asked for",
-          run->mass().n_factorizations() >= run->state().n_steps);
-  }
-
   // The same by the cycle over all orders.
   {
     const Text   text = disks(2, "1.7").with("Time", {"Step = 0.005"});

@@ -52,13 +52,6 @@ test_main()
         std::abs(tiny->statistics().center[1] - start + 0.5 * 0.2 * 0.2),
         1e-10);
 
-  Simulated<2> each(text, [](SimulationParameters &parameters) {
-    parameters.smoother.reuse = 0;
-  });
-  each.run();
-  check("each step factorizes where it is asked for",
-        each->mass().n_factorizations() >= each->state().n_steps);
-
   // A strip of a fifth of a cell: the run says that it is too thin.
   for (const bool is_thin : {false, true})
     {

@@ -3,48 +3,49 @@
 #ifndef greville_linear_algebra_incomplete_cholesky_h
 #define greville_linear_algebra_incomplete_cholesky_h
 
-#include <greville/linear_algebra/lower_triangle.h>
+#include <greville/linear_algebra/upper_triangle.h>
 
-#include <utility>
 #include <vector>
 
 namespace greville
 {
   /**
-   * Rows that are left out of some of the vectors of a solve. The solve then
-   * uses the factors of the other rows; it is the solve with the matrix of the
-   * other rows if the omitted rows are the last ones.
+   * Parameters of an IncompleteCholesky factorization.
    */
-  struct ConstrainedRows
+  struct CholeskyParameters
   {
-    // The rows, ascending, with bits: bit c % n_components leaves the row out
-    // of vector c.
-    std::vector<std::pair<unsigned int, unsigned char>> rows;
-    unsigned int                                        n_components = 1;
+    /// Added to the unit diagonal of the scaled matrix.
+    double shift = 0.;
+    /**
+     * Entries of the factor of the scaled matrix below this value are dropped;
+     * 0: IC(0), which keeps the entries that the matrix has.
+     */
+    double drop_tolerance = 0.;
   };
 
 
 
   /**
-   * The incomplete Cholesky factorization IC(0),
-   * @f[ M \approx (1 + L) D (1 + L)^T, @f]
-   * where L has entries only where M has (@ref Meijerink1977 "Meijerink and van
-   * der Vorst, 1977"). The factorized matrix is scaled to a unit diagonal, to
-   * which a shift is added on request. A pivot that is not safely positive is
-   * raised to a small number (3e-5), a shift of this row only, which costs
-   * fewer iterations than a shift of all rows. If a pivot is far below zero,
-   * all rows are shifted, first by 1e-3, then by twice as much until the
-   * factorization succeeds (@ref Manteuffel1980 "Manteuffel, 1980"). If the
-   * pattern contains the fill, as for a Kronecker product in lexicographic
-   * order, the factorization is exact.
+   * An incomplete Cholesky factorization
+   * @f[ M \approx (1 + L) D (1 + L)^T. @f]
+   * The factorized matrix is scaled to a unit diagonal, to which a shift is
+   * added on request. IC(0) keeps entries of L only where M has entries (@ref
+   * Meijerink1977 "Meijerink and van der Vorst, 1977"). ICT keeps fill, too,
+   * but drops entries of @f$ L D^{1/2} @f$ below a tolerance as each column is
+   * completed (@ref Saad2003 "Saad, 2003", section 10.4, in its symmetric
+   * form).
    *
-   * Positive pivots do not suffice: dropped entries can make the factors nearly
-   * singular although M is not, so that a few eigenvalues of the preconditioned
-   * matrix are large. If an estimate of the largest eigenvalue exceeds 2, all
-   * rows are shifted as well, by 4e-3 at most.
+   * A pivot that is not safely positive is raised to a small number (3e-5), a
+   * shift of this row only, which costs fewer iterations than a shift of all
+   * rows. If a pivot is far below zero, all rows are shifted, first by 1e-3,
+   * then by twice as much until the factorization succeeds (@ref Manteuffel1980
+   * "Manteuffel, 1980"). If the pattern of IC(0) contains the fill, as for a
+   * Kronecker product in lexicographic order, the factorization is exact.
    *
-   * Optionally, only the first rows are eliminated, which leaves an incomplete
-   * Schur complement of the other rows.
+   * Positive pivots do not suffice for IC(0): dropped entries can make the
+   * factors nearly singular although M is not, so that a few eigenvalues of the
+   * preconditioned matrix are large. If an estimate of the largest eigenvalue
+   * exceeds 2, all rows are shifted as well, by 4e-3 at most.
    *
    * Factors and solves use single precision: half the memory traffic, at an
    * error (1e-7) that is negligible in a preconditioner. The matrix is first
@@ -62,18 +63,8 @@ namespace greville
      * positive or no shift helps.
      */
     void
-    factorize(const LowerTriangle &matrix, const double shift = 0.);
-
-    /**
-     * Eliminate the first @p n_eliminated rows. The Schur complement of the
-     * other rows, with the pattern of their block of the matrix, is written to
-     * @p schur, whose rows are counted from zero. Its diagonal may be zero.
-     */
-    void
-    factorize(const LowerTriangle &matrix,
-              const double         shift,
-              const unsigned int   n_eliminated,
-              LowerTriangle       &schur);
+    factorize(const UpperTriangle      &matrix,
+              const CholeskyParameters &parameters = CholeskyParameters());
 
     /// Return the shift that was used.
     double
@@ -92,8 +83,26 @@ namespace greville
     unsigned int
     size() const
     {
-      return row_begin.size() - 1;
+      return inverse_pivots.size();
     }
+
+    /// Return the number of entries of L.
+    std::size_t
+    n_entries() const
+    {
+      return rows.size();
+    }
+
+    /// Solve in place.
+    void
+    solve(double *x, const unsigned int width) const;
+
+    /**
+     * Solve in place, in single precision: the entries should be of order 1.
+     * The solution is multiplied by unit().
+     */
+    void
+    solve(float *x, const unsigned int width) const;
 
     /// Return the divisor of the matrix.
     double
@@ -102,62 +111,35 @@ namespace greville
       return largest_diagonal;
     }
 
-    /**
-     * Solve in place.
-     */
-    void
-    solve(double                *x,
-          const unsigned int     width,
-          const ConstrainedRows &constrained = ConstrainedRows()) const;
-
-    /**
-     * x <- (1 + L)^-1 x. Rows that are not eliminated receive the right-hand
-     * side of the Schur complement.
-     */
-    void
-    forward(float                 *x,
-            const unsigned int     width,
-            const ConstrainedRows &constrained = ConstrainedRows()) const;
-
-    /**
-     * x <- (1 + L)^-T (D / unit())^-1 x; rows that are not eliminated contain
-     * the solution.
-     */
-    void
-    backward(float                 *x,
-             const unsigned int     width,
-             const ConstrainedRows &constrained = ConstrainedRows()) const;
-
   private:
     /**
      * Return an estimate from below of the largest eigenvalue of the
-     * preconditioned matrix of the eliminated rows.
+     * preconditioned matrix.
      */
     double
-    largest_eigenvalue(const LowerTriangle &matrix) const;
+    largest_eigenvalue(const UpperTriangle &matrix) const;
 
+    /**
+     * Factorize the matrix, scaled by @p scaling from both sides, with
+     * used_shift. Returns false if a pivot is far below zero.
+     */
     bool
-    try_shift(const LowerTriangle       &matrix,
-              const std::vector<double> &scaling,
-              const double               shift,
-              LowerTriangle             &schur);
+    factorize_columns(const UpperTriangle       &matrix,
+                      const std::vector<double> &scaling,
+                      const double               drop_tolerance);
 
-    template <int width>
     void
-    forward_interleaved(float *x, const ConstrainedRows &constrained) const;
+    undo_scaling(const std::vector<double> &scaling);
 
-    template <int width>
-    void
-    backward_interleaved(float *x, const ConstrainedRows &constrained) const;
+    double       used_shift       = 0.;
+    double       largest_diagonal = 1.;
+    unsigned int n_raised_pivots  = 0;
 
-    double                     used_shift       = 0.;
-    double                     largest_diagonal = 1.;
-    unsigned int               n_raised_pivots  = 0;
-    std::vector<std::size_t>   row_begin        = {0};
-    std::vector<unsigned int>  columns;
+    // L by columns, with ascending rows.
+    std::vector<std::size_t>   column_begin = {0};
+    std::vector<unsigned int>  rows;
     std::vector<float>         entries;
-    std::vector<float>         inverse_pivots; // of eliminated rows
-    std::vector<double>        work;
+    std::vector<float>         inverse_pivots;
     mutable std::vector<float> single;
   };
 } // namespace greville

@@ -3,7 +3,7 @@
 #ifndef greville_mass_extended_mass_h
 #define greville_mass_extended_mass_h
 
-#include <greville/linear_algebra/lower_triangle.h>
+#include <greville/linear_algebra/upper_triangle.h>
 #include <greville/mass/extended_unknowns.h>
 
 #include <memory>
@@ -142,7 +142,7 @@ namespace greville
      * a diagonal entry only; unknowns constrained in some components are kept.
      * On one process, the result is A.
      */
-    LowerTriangle
+    UpperTriangle
     local_entries(const unsigned int components) const;
 
     /**
@@ -154,6 +154,8 @@ namespace greville
     approximate_diagonal(VectorType &diagonal) const;
 
   private:
+    class EntrySums;
+
     /// Return the entry of M~ place_x at a place.
     double
     row(const std::size_t place) const;

@@ -52,18 +52,6 @@ namespace greville
     void
     constrain(const std::vector<unsigned char> &constrained);
 
-    /**
-     * Return, for each component, the first component with the same E.
-     * Components differ if constrained functions depend on functions that are
-     * not constrained. The result is the same on all processes.
-     */
-    const std::array<unsigned int, dim> &
-    first_equal_components() const;
-
-    /// Return the number of calls of constrain() so far.
-    unsigned int
-    n_constrain_calls() const;
-
     /// Return the components with a constrained function of mass anywhere.
     const std::array<bool, dim> &
     has_constrained() const;
@@ -292,21 +280,13 @@ namespace greville
     void
     add_rows_of_images();
 
-    /// Return the components (bits) in which a constrained extended function
-    /// depends on functions that are not constrained.
-    unsigned int
-    changes_extension(const unsigned int  place,
-                      const unsigned char components) const;
-
     const StencilMatrix<dim> *stencil   = nullptr;
     const Extension<dim>     *extension = nullptr;
 
     // True if the unknowns have been numbered on all processes; this process
     // may have no unknowns.
-    bool                          is_numbered = false;
-    std::vector<unsigned int>     extended_functions; // local numbers
-    std::array<unsigned int, dim> first_equal{};
-    unsigned int                  constrain_counter = 0;
+    bool                      is_numbered = false;
+    std::vector<unsigned int> extended_functions; // local numbers
 
     std::shared_ptr<const InterleavedLayout> layout;
   };

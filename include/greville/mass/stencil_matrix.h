@@ -147,10 +147,10 @@ namespace greville
     void
     for_each_entry(const unsigned int i, const Visit &visit) const;
 
-    /// Call visit(j, M_ij) for the places j <= i only.
+    /// Call visit(j, M_ij) for the places j >= i only, ascending.
     template <typename Visit>
     void
-    for_each_lower_entry(const unsigned int i, const Visit &visit) const;
+    for_each_upper_entry(const unsigned int i, const Visit &visit) const;
 
     /**
      * Call visit(j, e) for all places j of the full stencil of row @p i, where

@@ -53,22 +53,20 @@ namespace greville
   template <int dim>
   template <typename Visit>
   void
-  StencilMatrix<dim>::for_each_lower_entry(const unsigned int i,
+  StencilMatrix<dim>::for_each_upper_entry(const unsigned int i,
                                            const Visit       &visit) const
   {
     const int          p      = spline_space->degree();
     const unsigned int line   = line_of[i];
-    std::size_t        mirror = half - 1;
-    for (unsigned int k = 0; k <= neighbor_lines.size() / 2; ++k)
+    const double      *entry  = values.data() + std::size_t(i) * half;
+    const unsigned int center = neighbor_lines.size() / 2;
+    for (unsigned int k = center; k < neighbor_lines.size(); ++k)
       {
         const unsigned int first = int(i) + distance(line, k) - p;
-        const unsigned int end   = std::min(first + 2 * p + 1, i + 1);
-        for (unsigned int j = first; j < end; ++j, --mirror)
-          {
-            const double value = values[std::size_t(j) * half + mirror];
-            if (value != 0.)
-              visit(j, value);
-          }
+        for (unsigned int j = k == center ? i : first; j <= first + 2 * p;
+             ++j, ++entry)
+          if (*entry != 0.)
+            visit(j, *entry);
       }
   }
 } // namespace greville

@@ -3,7 +3,7 @@
 #ifndef greville_multigrid_extended_level_h
 #define greville_multigrid_extended_level_h
 
-#include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/mass/extended_mass.h>
 #include <greville/multigrid/level_operator.h>
 
@@ -173,11 +173,11 @@ namespace greville
     factorize(const ExtendedMass<dim> &matrix,
               const double             shift,
               const unsigned int       of_components,
-              PartitionedCholesky     &factors) const;
+              OverlappingCholesky     &factors) const;
 
     /// Solve for @p n components from the given one on; @p dst may be @p src.
     void
-    solve(const PartitionedCholesky &factors,
+    solve(const OverlappingCholesky &factors,
           VectorType                &dst,
           const VectorType          &src,
           const unsigned int         component,
@@ -185,7 +185,7 @@ namespace greville
 
     // The factors of the mass, computed by the first call of
     // apply_inverse_mass() for it.
-    mutable std::unique_ptr<PartitionedCholesky> mass_factors;
+    mutable std::unique_ptr<OverlappingCholesky> mass_factors;
 
     double                      largest = 0.;
     std::vector<unsigned int>   inactive_functions;

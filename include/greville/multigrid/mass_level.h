@@ -3,7 +3,7 @@
 #ifndef greville_multigrid_mass_level_h
 #define greville_multigrid_mass_level_h
 
-#include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/mass/extended_mass.h>
 #include <greville/mass/mass_operator.h>
 #include <greville/multigrid/level_operator.h>
@@ -77,7 +77,7 @@ namespace greville
     {
       mass_operator.reset();
       entries.reset();
-      lower_entries = LowerTriangle();
+      upper_entries = UpperTriangle();
     }
 
     const SplineSpace<dim> &
@@ -142,7 +142,7 @@ namespace greville
     // The matrix with extended B-splines, or if entries are needed; all
     // functions with mass are then unknowns unless an extension is given.
     std::unique_ptr<ExtendedMass<dim>> entries;
-    LowerTriangle                      lower_entries;
+    UpperTriangle                      upper_entries;
 
   private:
     /// Collective. Assemble M on the places of unknowns.

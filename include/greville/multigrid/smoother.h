@@ -29,10 +29,6 @@ namespace greville
 
     // Incomplete factorizations
     double shift = 0.;
-    /// A factorization of ExtendedMassSolver serves following steps until the
-    /// iterations that they need beyond those of the first solve, or the
-    /// unknowns that have come and gone, add up to this number.
-    unsigned int reuse = 10;
 
     // Parameters of Schwarz methods, which add_paper_parts() adds to the list
     double       drop_tolerance = 1e-12;

@@ -22,7 +22,7 @@ namespace greville
      * unknowns; they have the diagonal entry @p inactive_diagonal.
      */
     MassMatrix(const ExtendedMass<dim>         &mass,
-               const LowerTriangle             &entries,
+               const UpperTriangle             &entries,
                const std::vector<unsigned int> &inactive,
                const double                     inactive_diagonal);
 

@@ -40,10 +40,10 @@ namespace greville
   make_ic0(const Mat matrix, const double shift);
 
   /**
-   * Return the lower triangle of a sequential matrix (SeqAIJ).
+   * Return the upper triangle of a sequential matrix (SeqAIJ).
    */
-  LowerTriangle
-  lower_triangle(const Mat matrix);
+  UpperTriangle
+  upper_triangle(const Mat matrix);
 
 
 

@@ -55,7 +55,7 @@ namespace greville
     petsc_matrix() const override;
 
     ExtendedMass<dim> matrix; // with the unknowns of the mass
-    LowerTriangle     entries;
+    UpperTriangle     entries;
   };
 } // namespace greville
 

@@ -2,11 +2,13 @@
 // Processes: 1 2
 // All: 3 4
 
-// Checks PartitionedCholesky with mass matrices of full and jagged bodies: it
-// is symmetric, leaves out constrained functions, and conjugate gradients need
-// about as many iterations on several processes as on one.
+// Checks OverlappingCholesky with mass matrices of full and jagged bodies: it is
+// symmetric, and conjugate gradients need about as many iterations on several
+// processes as on one. With constraints, E differs between components, since
+// functions at the wall are extended, and the factorization is made for the
+// component without constraints: iterations rise.
 
-#include <greville/linear_algebra/partitioned_cholesky.h>
+#include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/mass/extended_mass.h>
 #include <greville/points/point_transfer.h>
 
@@ -56,19 +58,12 @@ test(const MultiIndex<dim> &cells,
         0)
       constrained[f] = 2;
   mass.unknowns().constrain(constrained);
-  std::vector<bool> may_leave_out;
-  const auto        bits = mass.unknowns().constrained_unknowns();
-  for (const unsigned char b : bits)
-    may_leave_out.push_back(b != 0);
 
-  PartitionedCholesky cholesky;
+  OverlappingCholesky cholesky;
   cholesky.factorize(mass.local_entries((1 << dim) - 1),
                      mass.unknowns().unknown_layout(),
                      mass.unknowns().unknown_positions(),
-                     may_leave_out,
-                     p,
-                     0.);
-  cholesky.constrain(bits, dim);
+                     {0.003, dim == 2 ? 0.01 : 0.003});
 
   const auto positions  = mass.unknowns().unknown_positions();
   const auto new_vector = [&](const double frequency) {
@@ -85,6 +80,7 @@ test(const MultiIndex<dim> &cells,
   const auto solve = [&](const VectorType &r) {
     VectorType z(r);
     cholesky.solve(z.begin(), width);
+    mass.unknowns().zero_constrained_unknowns(z, width);
     return z;
   };
   const VectorType a = new_vector(1.3), b = new_vector(2.7);
@@ -92,11 +88,6 @@ test(const MultiIndex<dim> &cells,
   check("  symmetric",
         std::abs(a * Pb - b * Pa) / (Pa.l2_norm() * b.l2_norm()),
         1e-5);
-  double left_out = 0.;
-  for (unsigned int u = 0; u < bits.size(); ++u)
-    if (bits[u] != 0)
-      left_out = std::max(left_out, std::abs(Pa.local_element(u * width + 1)));
-  check("  left out", max_all(left_out), 0.);
 
   // Conjugate gradients for all columns as one vector.
   VectorType   x(a), r(a), z(solve(a)), d(z), q(a);
@@ -129,31 +120,31 @@ test_main()
               1,
               full<2>(),
               is_constrained,
-              is_constrained ? 22 : 12,
+              is_constrained ? 30 : 12,
               "full");
       test<2>({{32, 24}},
               2,
               full<2>(),
               is_constrained,
-              is_constrained ? 25 : 14,
+              is_constrained ? 36 : 14,
               "full");
       test<2>({{32, 24}},
               3,
               full<2>(),
               is_constrained,
-              is_constrained ? 29 : 18,
+              is_constrained ? 46 : 18,
               "full");
       test<3>(cube<3>(10),
               1,
               full<3>(),
               is_constrained,
-              is_constrained ? 22 : 12,
+              is_constrained ? 25 : 12,
               "full");
       test<3>(cube<3>(10),
               2,
               full<3>(),
               is_constrained,
-              is_constrained ? 25 : 14,
+              is_constrained ? 33 : 14,
               "full");
     }
   test<3>(cube<3>(12), 2, ball<3>(12, 4., 5.3), false, 25, "ball");

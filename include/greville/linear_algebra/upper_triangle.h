@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_linear_algebra_upper_triangle_h
+#define greville_linear_algebra_upper_triangle_h
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The upper triangle of a symmetric matrix, by rows: the columns of each row
+   * begin with the diagonal and ascend. These rows are also the columns of the
+   * lower triangle.
+   */
+  struct UpperTriangle
+  {
+    std::vector<std::size_t>  row_begin = {0};
+    std::vector<unsigned int> columns;
+    std::vector<double>       values;
+
+    unsigned int
+    size() const
+    {
+      return row_begin.size() - 1;
+    }
+
+    double
+    diagonal(const unsigned int row) const
+    {
+      return values[row_begin[row]];
+    }
+  };
+
+
+
+  /**
+   * Append a row with the sums of the entries (column, value), which may be in
+   * any order and are sorted. There must be an entry on the diagonal.
+   */
+  void
+  append_row(UpperTriangle                                &matrix,
+             std::vector<std::pair<unsigned int, double>> &row);
+
+  /**
+   * Return the matrix with rows and columns in another order: row k of the
+   * result is row order[k].
+   */
+  UpperTriangle
+  reorder(const UpperTriangle &matrix, const std::vector<unsigned int> &order);
+} // namespace greville
+
+#endif

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/mass/extended_mass.h>
+
+#include <algorithm>
+#include <numeric>
+
+// The entries of E^T M~ E.
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /// A sparse matrix by rows.
+    template <typename Entry>
+    struct SparseRows
+    {
+      std::vector<std::size_t> begin = {0};
+      std::vector<Entry>       entries;
+
+      void
+      end_row()
+      {
+        begin.push_back(entries.size());
+      }
+
+      template <typename Visit>
+      void
+      for_each(const unsigned int row, const Visit &visit) const
+      {
+        for (std::size_t e = begin[row]; e < begin[row + 1]; ++e)
+          visit(entries[e].unknown, entries[e].weight);
+      }
+
+      /// Return the transpose, which has @p n rows.
+      SparseRows
+      transpose(const unsigned int n) const
+      {
+        SparseRows result;
+        result.begin.assign(n + 1, 0);
+        for (const Entry &entry : entries)
+          ++result.begin[entry.unknown + 1];
+        std::partial_sum(result.begin.begin(),
+                         result.begin.end(),
+                         result.begin.begin());
+        result.entries.resize(entries.size());
+        std::vector<std::size_t> next(result.begin);
+        for (unsigned int k = 0; k + 1 < begin.size(); ++k)
+          for_each(k, [&](const unsigned int u, const double weight) {
+            result.entries[next[u]++] = {k, weight};
+          });
+        return result;
+      }
+    };
+
+
+
+    /**
+     * A row that is being summed up: its values, and bits that mark its
+     * entries.
+     */
+    class RowSum
+    {
+    public:
+      explicit RowSum(const unsigned int n)
+        : sums(n, 0.)
+        , touched(n / n_bits + 1, 0)
+      {}
+
+      void
+      add(const unsigned int column, const double value)
+      {
+        const unsigned int word = column / n_bits;
+        touched[word] |= std::uint64_t(1) << (column % n_bits);
+        lowest  = std::min(lowest, word);
+        highest = std::max(highest, word);
+        sums[column] += value;
+      }
+
+      /// Call visit(column, sum) for the entries, ascending, and clear the row.
+      template <typename Visit>
+      void
+      take(const Visit &visit)
+      {
+        for (std::size_t word = lowest; word <= highest; ++word)
+          for (; touched[word] != 0; touched[word] &= touched[word] - 1)
+            {
+              const unsigned int column =
+                word * n_bits + __builtin_ctzll(touched[word]);
+              visit(column, sums[column]);
+              sums[column] = 0.;
+            }
+        lowest  = static_cast<unsigned int>(-1);
+        highest = 0;
+      }
+
+    private:
+      static constexpr unsigned int n_bits = 64;
+
+      std::vector<double>        sums;
+      std::vector<std::uint64_t> touched;
+      unsigned int               lowest  = static_cast<unsigned int>(-1);
+      unsigned int               highest = 0;
+    };
+  } // namespace
+
+
+
+  /**
+   * With the unknowns u, the extended functions x and E = (1, W):
+   * @f[
+   *   A = M_{uu} + W^T C + C^T W, \qquad C = M_{xu} + M_{xx} W / 2.
+   * @f]
+   */
+  template <int dim>
+  class ExtendedMass<dim>::EntrySums
+  {
+  public:
+    EntrySums(const ExtendedMass<dim> &mass, const unsigned int components)
+      : M(mass.points_mass)
+      , E(*mass.E)
+      , n(E.unknowns.size())
+      , is_constrained(n, 0)
+      , is_near_ghost(n, 0)
+      , image_diagonal(n, 0.)
+      , sum(n)
+    {
+      E.for_each_image_of_unknown(
+        [&](const unsigned int u, const std::size_t place) {
+          image_diagonal[u] += M.diagonal(place);
+        });
+      find_constrained(components);
+      copy_weights();
+      make_C();
+      W_columns = W.transpose(n);
+      C_columns = C.transpose(n);
+      for (unsigned int u = E.n_owned; u < n; ++u)
+        if (has_place(u))
+          M.for_each_entry(E.unknowns[u],
+                           [&](const unsigned int j, const double) {
+                             if (E.signed_numbers[j] > 0)
+                               is_near_ghost[E.signed_numbers[j] - 1] = 1;
+                           });
+    }
+
+    UpperTriangle
+    run()
+    {
+      UpperTriangle     result;
+      const std::size_t n_entries =
+        std::size_t(n) *
+        (Utilities::fixed_power<dim>(2 * M.space().degree() + 1) / 2 + 1);
+      result.row_begin.reserve(n + 1);
+      result.columns.reserve(n_entries);
+      result.values.reserve(n_entries);
+      for (unsigned int i = 0; i < n; ++i)
+        {
+          if (is_plain(i))
+            add_plain_row(result, i);
+          else
+            {
+              sum_row(i);
+              sum.take([&](const unsigned int j, const double value) {
+                result.columns.push_back(j);
+                result.values.push_back(value);
+              });
+            }
+          result.row_begin.push_back(result.columns.size());
+        }
+      return result;
+    }
+
+  private:
+    using Entry = typename ExtendedUnknowns<dim>::Entry;
+
+    bool
+    has_place(const unsigned int unknown) const
+    {
+      return E.unknowns[unknown] != numbers::invalid_unsigned_int;
+    }
+
+    /// Find unknowns that are constrained in all components.
+    void
+    find_constrained(const unsigned int components)
+    {
+      is_constrained_extended.assign(E.extended.size(), 0);
+      for (const auto &entry : E.constrained_places)
+        if ((entry.second & components) == components)
+          {
+            const int number = E.signed_numbers[entry.first];
+            if (number > 0)
+              is_constrained[number - 1] = 1;
+            else if (number < 0)
+              is_constrained_extended[-number - 1] = 1;
+          }
+    }
+
+    /// W: the rows of E of extended functions, without constraints.
+    void
+    copy_weights()
+    {
+      for (unsigned int k = 0; k < E.extended.size(); ++k)
+        {
+          for (std::size_t e = E.extended_begin[k]; e < E.extended_begin[k + 1];
+               ++e)
+            if (!is_constrained_extended[k] &&
+                !is_constrained[E.extended_entries[e].unknown])
+              W.entries.push_back(E.extended_entries[e]);
+          W.end_row();
+        }
+    }
+
+    void
+    make_C()
+    {
+      for (unsigned int k = 0; k < E.extended.size(); ++k)
+        {
+          if (W.begin[k] < W.begin[k + 1])
+            M.for_each_entry(E.extended[k],
+                             [&](const unsigned int j, const double value) {
+                               const int number = E.signed_numbers[j];
+                               if (number > 0)
+                                 {
+                                   if (!is_constrained[number - 1])
+                                     sum.add(number - 1, value);
+                                 }
+                               else if (number < 0)
+                                 W.for_each(-number - 1,
+                                            [&](const unsigned int u,
+                                                const double       weight) {
+                                              sum.add(u, 0.5 * weight * value);
+                                            });
+                             });
+          sum.take([&](const unsigned int u, const double value) {
+            C.entries.push_back({u, value});
+          });
+          C.end_row();
+        }
+    }
+
+    /// Return whether a row has the entries of M at later places only.
+    bool
+    is_plain(const unsigned int i) const
+    {
+      return i < E.n_owned && !is_near_ghost[i] && !is_constrained[i] &&
+             W_columns.begin[i] == W_columns.begin[i + 1] &&
+             C_columns.begin[i] == C_columns.begin[i + 1];
+    }
+
+    void
+    add_plain_row(UpperTriangle &result, const unsigned int i) const
+    {
+      const std::size_t begin = result.columns.size();
+      M.for_each_upper_entry(E.unknowns[i],
+                             [&](const unsigned int j, const double value) {
+                               const int number = E.signed_numbers[j];
+                               if (number <= 0 || is_constrained[number - 1])
+                                 return;
+                               result.columns.push_back(number - 1);
+                               result.values.push_back(value);
+                             });
+      // All points of the unknown belong to other processes.
+      if (result.columns.size() == begin || result.columns[begin] != i)
+        {
+          result.columns.insert(result.columns.begin() + begin, i);
+          result.values.insert(result.values.begin() + begin, 0.);
+        }
+    }
+
+    void
+    sum_row(const unsigned int i)
+    {
+      sum.add(i, 0.);
+      if (is_constrained[i])
+        {
+          if (has_place(i))
+            sum.add(i, M.diagonal(E.unknowns[i]));
+          sum.add(i, image_diagonal[i]);
+          return;
+        }
+      const auto add_unknown = [&](const unsigned int j, const double value) {
+        const int number = E.signed_numbers[j];
+        if (number > 0 && unsigned(number - 1) >= i &&
+            !is_constrained[number - 1])
+          sum.add(number - 1, value);
+      };
+      // Ghosts have the last numbers, but not the last places.
+      if (has_place(i))
+        {
+          if (i < E.n_owned && !is_near_ghost[i])
+            M.for_each_upper_entry(E.unknowns[i], add_unknown);
+          else
+            M.for_each_entry(E.unknowns[i], add_unknown);
+        }
+      const auto add_product = [&](const SparseRows<Entry> &columns,
+                                   const SparseRows<Entry> &rows) {
+        columns.for_each(i, [&](const unsigned int k, const double left) {
+          rows.for_each(k, [&](const unsigned int j, const double right) {
+            if (j >= i)
+              sum.add(j, left * right);
+          });
+        });
+      };
+      add_product(W_columns, C);
+      add_product(C_columns, W);
+    }
+
+    const StencilMatrix<dim>    &M;
+    const ExtendedUnknowns<dim> &E;
+    const unsigned int           n;
+    std::vector<unsigned char>   is_constrained, is_constrained_extended;
+    std::vector<unsigned char>   is_near_ghost;
+    std::vector<double>          image_diagonal;
+    SparseRows<Entry>            W, C, W_columns, C_columns;
+    RowSum                       sum;
+  };
+
+
+
+  template <int dim>
+  UpperTriangle
+  ExtendedMass<dim>::local_entries(const unsigned int components) const
+  {
+    return EntrySums(*this, components).run();
+  }
+
+
+
+  template UpperTriangle
+  ExtendedMass<2>::local_entries(const unsigned int) const;
+  template UpperTriangle
+  ExtendedMass<3>::local_entries(const unsigned int) const;
+} // namespace greville
