@@ -172,8 +172,9 @@ namespace greville
                                                                       x.end()),
                                 width);
     // Old factors may be useless after a sudden change of the mass.
-    const bool  is_old = !other_preconditioner && age > 0 && age < max_age;
-    SolveResult result =
+    const bool is_old = !other_preconditioner && age > 0 && age < max_age;
+    const unsigned int n_before = factorizations;
+    SolveResult        result =
       run(is_old ? std::min(parameters.max_iterations, 2 * fresh_iterations + 5)
                  : parameters.max_iterations);
     if (!result.converged && is_old)
@@ -183,7 +184,7 @@ namespace greville
         result = run(parameters.max_iterations);
         *result.iterations += n_wasted;
       }
-    else if (age == 0)
+    else if (factorizations > n_before)
       fresh_iterations = *result.iterations;
     mass.unknowns().write_fields(x, unknowns, width);
     return result;

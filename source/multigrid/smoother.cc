@@ -70,6 +70,37 @@ namespace greville
   namespace
   {
     /**
+     * Return the largest eigenvalue of B A for a level A, from below, by power
+     * iterations. apply(y) computes y = B y.
+     */
+    template <int dim, typename Apply>
+    double
+    largest_eigenvalue_with(const LevelOperator<dim> &level, const Apply &apply)
+    {
+      // The start is a function of the position only, so that the estimate does
+      // not depend on the number of processes.
+      VectorType x, y;
+      initialize_vector(x, level);
+      initialize_vector(y, level);
+      const auto        &positions = level.space().owned_functions();
+      const unsigned int n         = level.n_components();
+      for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
+        x.local_element(i) =
+          1. + 0.5 * std::sin(12.9898 * (positions[i / n] % 104729) + i % n);
+      double lambda = 1.;
+      for (unsigned int step = 0; step < 15; ++step)
+        {
+          level.vmult(y, x);
+          apply(y);
+          lambda = y.l2_norm() / x.l2_norm();
+          x.equ(1. / y.l2_norm(), y);
+        }
+      return lambda;
+    }
+
+
+
+    /**
      * omega D^-1 with omega = damping / lambda_max(D^-1 M).
      */
     template <int dim>
@@ -79,26 +110,49 @@ namespace greville
       JacobiSmoother(const LevelOperator<dim> &level, const double damping)
         : DiagonalPreconditioner(level.diagonal())
       {
-        // A few power iterations. The start is a function of the position only,
-        // so that the estimate does not depend on the number of processes.
-        VectorType x, y;
-        initialize_vector(x, level);
-        initialize_vector(y, level);
-        const auto        &positions = level.space().owned_functions();
-        const unsigned int n         = level.n_components();
-        for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
-          x.local_element(i) =
-            1. + 0.5 * std::sin(12.9898 * (positions[i / n] % 104729) + i % n);
-        double lambda = 1.;
-        for (unsigned int step = 0; step < 15; ++step)
-          {
-            level.vmult(y, x);
+        inverse_diagonal *=
+          damping / largest_eigenvalue_with(level, [&](VectorType &y) {
             y.scale(inverse_diagonal);
-            lambda = y.l2_norm() / x.l2_norm();
-            x.equ(1. / y.l2_norm(), y);
-          }
-        inverse_diagonal *= damping / lambda;
+          });
       }
+    };
+
+
+
+    /**
+     * A factorization, on several processes scaled so that two smoothing steps,
+     * 2 B - B A B, are positive definite: where domains overlap, B A may have
+     * eigenvalues above 2.
+     */
+    template <int dim>
+    class ScaledFactorization : public Preconditioner
+    {
+    public:
+      ScaledFactorization(const LevelOperator<dim>             &level,
+                          std::unique_ptr<const Preconditioner> given)
+        : factorization(std::move(given))
+      {
+        constexpr double largest = 1.7;
+        if (Utilities::MPI::n_mpi_processes(level.space().communicator()) > 1)
+          scale = std::min(1.,
+                           largest /
+                             largest_eigenvalue_with(level, [&](VectorType &y) {
+                               VectorType z(y);
+                               factorization->vmult(y, z);
+                             }));
+      }
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        factorization->vmult(dst, src);
+        if (scale < 1.)
+          dst *= scale;
+      }
+
+    private:
+      std::unique_ptr<const Preconditioner> factorization;
+      double                                scale = 1.;
     };
 
 
@@ -245,7 +299,7 @@ namespace greville
       using P        = const SmootherParameters &;
       using L        = const LevelOperator<dim> &;
       const auto ic0 = [](P p, L level, const bool) {
-        auto factorization = level.factorization(p.shift, false);
+        auto factorization = make_factorization(level, p);
         AssertThrow(factorization,
                     ExcMessage("The parameter 'Smoother' needs a "
                                "factorization, which this operator does not "
@@ -259,17 +313,21 @@ namespace greville
         return std::make_unique<ChebyshevSmoother<dim>>(
           level, p, make_diagonal<dim>(level));
       };
-      const auto chebyshev_ic0 = [](P p, L level, const bool symmetric) {
-        return std::make_unique<ChebyshevSmoother<dim>>(
-          level, p, make_smoother<dim>("ic0", p, level, symmetric));
-      };
-      const auto chebyshev_component_ic0 =
-        [](P p, L level, const bool symmetric) {
-          auto factorization = level.factorization(p.shift, true);
+      // Chebyshev's method has its own estimate of eigenvalues.
+      const auto chebyshev_with =
+        [](P p, L level, const bool symmetric, const bool by_components) {
+          auto factorization = level.factorization(p.shift, by_components);
           if (!factorization)
             factorization = make_smoother<dim>("ic0", p, level, symmetric);
           return std::make_unique<ChebyshevSmoother<dim>>(
             level, p, std::move(factorization));
+        };
+      const auto chebyshev_ic0 = [=](P p, L level, const bool symmetric) {
+        return chebyshev_with(p, level, symmetric, false);
+      };
+      const auto chebyshev_component_ic0 =
+        [=](P p, L level, const bool symmetric) {
+          return chebyshev_with(p, level, symmetric, true);
         };
       const auto petsc =
         [](P p, L level, const bool) -> std::unique_ptr<Preconditioner> {
@@ -363,6 +421,20 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<Preconditioner>
+  make_factorization(const LevelOperator<dim> &level,
+                     const SmootherParameters &parameters)
+  {
+    auto factorization = level.factorization(parameters.shift, false);
+    if (!factorization)
+      return nullptr;
+    return std::make_unique<ScaledFactorization<dim>>(level,
+                                                      std::move(factorization));
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
   make_smoother(const std::string        &name,
                 const SmootherParameters &parameters,
                 const LevelOperator<dim> &level,
@@ -381,6 +453,8 @@ namespace greville
   template decltype(add_smoother<3>)       add_smoother<3>;
   template decltype(make_by_components<2>) make_by_components<2>;
   template decltype(make_by_components<3>) make_by_components<3>;
+  template decltype(make_factorization<2>) make_factorization<2>;
+  template decltype(make_factorization<3>) make_factorization<3>;
   template decltype(make_smoother<2>)      make_smoother<2>;
   template decltype(make_smoother<3>)      make_smoother<3>;
 } // namespace greville

@@ -130,8 +130,7 @@ public:
   Errors
   consistent(const double threshold, SolveResult &result)
   {
-    SolverParameters   parameters;
-    SmootherParameters smoother;
+    SolverParameters parameters;
     parameters.tolerance      = 1e-12;
     parameters.max_iterations = 2000;
 
@@ -145,7 +144,7 @@ public:
     mass.begin(extension, true);
     transfer.add_mass_matrix({&points}, mass.matrix());
     mass.finish();
-    ExtendedMassSolver<dim> solver(mass, parameters, smoother);
+    ExtendedMassSolver<dim> solver(mass, parameters);
     double                  total = 0.;
     for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
       total += lumped.local_element(i);

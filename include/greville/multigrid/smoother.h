@@ -94,6 +94,16 @@ namespace greville
   smoother_needs_matrix(const std::string &name);
 
   /**
+   * Collective. Return LevelOperator::factorization() for all components,
+   * scaled so that two smoothing steps are positive definite on several
+   * processes, too; null if there is none.
+   */
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  make_factorization(const LevelOperator<dim> &level,
+                     const SmootherParameters &parameters);
+
+  /**
    * Collective. Make a smoother for @p level, which is kept by reference. @p
    * symmetric asks for a symmetric one if there is a choice. Throws
    * dealii::ExcMessage for an unknown name or a factorization that fails.
