@@ -8,7 +8,6 @@
 #include <cstring>
 #include <map>
 #include <numeric>
-#include <set>
 
 namespace greville
 {
@@ -25,6 +24,13 @@ namespace greville
       Number       row, column;
       unsigned int owner_of_column;
       double       value;
+    };
+
+    /// A process that needs the row of an unknown.
+    struct Request
+    {
+      Number       unknown;
+      unsigned int process;
     };
 
     struct SharedPosition
@@ -61,14 +67,16 @@ namespace greville
 
 
     /**
-     * The domain of a process: its rows of A, and the rows of the unknowns that
-     * A couples with them.
+     * The domain of a process: its rows of A, and some layers of the unknowns
+     * that A couples with them.
      */
     class OverlappingRows
     {
     public:
-      OverlappingRows(const UpperTriangle     &matrix,
-                      const InterleavedLayout &layout)
+      OverlappingRows(const UpperTriangle         &matrix,
+                      const InterleavedLayout     &layout,
+                      const std::vector<Position> &positions,
+                      const unsigned int           n_layers)
         : matrix(matrix)
         , layout(layout)
         , comm(layout.communicator())
@@ -78,12 +86,14 @@ namespace greville
         for (const auto &target : layout.partitioner(1)->ghost_targets())
           owners.insert(owners.end(), target.second, target.first);
         sum_shared_rows();
-        for (const SharedEntry &entry : shared)
-          if (entry.owner_of_column != me)
-            all_ghosts.push_back(entry.column);
-        std::sort(all_ghosts.begin(), all_ghosts.end());
-        all_ghosts.erase(std::unique(all_ghosts.begin(), all_ghosts.end()),
-                         all_ghosts.end());
+        std::vector<SharedEntry> rows = shared;
+        for (unsigned int layer = 0; layer < n_layers; ++layer)
+          {
+            rows = add_layer(rows, positions);
+            received.insert(received.end(), rows.begin(), rows.end());
+          }
+        for (const auto &ghost : position_of)
+          all_ghosts.push_back(ghost.first);
       }
 
       /// Return the unknowns of the overlap, ascending.
@@ -93,24 +103,21 @@ namespace greville
         return all_ghosts;
       }
 
-      /// Collective. Return R A R^T, ghosts last.
+      /// Return R A R^T, ghosts last.
       UpperTriangle
       domain_matrix() const
       {
         std::vector<std::vector<std::pair<unsigned int, double>>> more(
           n_owned + all_ghosts.size());
-        const auto add =
-          [&](const unsigned int i, const unsigned int j, const double value) {
-            if (i <= j)
-              more[i].emplace_back(j, value);
-          };
-        for (const SharedEntry &entry : shared)
-          add(local(entry.row), local(entry.column), entry.value);
-        for (const SharedEntry &entry :
-             send_and_receive(rows_for_others(), comm))
-          if (!is_owned(entry.column) && is_ghost(entry.column))
-            add(local(entry.row), local(entry.column), entry.value);
-
+        const auto add = [&](const SharedEntry &entry) {
+          if (!is_owned(entry.column) && position_of.count(entry.column) == 0)
+            return;
+          const unsigned int i = local(entry.row), j = local(entry.column);
+          if (i <= j)
+            more[i].emplace_back(j, entry.value);
+        };
+        std::for_each(shared.begin(), shared.end(), add);
+        std::for_each(received.begin(), received.end(), add);
         UpperTriangle result;
         for (unsigned int i = 0; i < more.size(); ++i)
           {
@@ -124,18 +131,13 @@ namespace greville
         return result;
       }
 
-      /// Collective. Return the positions of all unknowns of the domain.
+      /// Return the positions of all unknowns of the domain.
       std::vector<Position>
       domain_positions(const std::vector<Position> &positions) const
       {
-        std::map<unsigned int, std::vector<SharedPosition>> messages;
-        for (const auto &[i, targets] : targets_of_rows())
-          for (const unsigned int target : targets)
-            messages[target].push_back({layout.global_number(i), positions[i]});
         std::vector<Position> result(positions);
-        result.resize(n_owned + all_ghosts.size());
-        for (const SharedPosition &item : send_and_receive(messages, comm))
-          result[local(item.unknown)] = item.position;
+        for (const auto &ghost : position_of)
+          result.push_back(ghost.second);
         return result;
       }
 
@@ -177,46 +179,66 @@ namespace greville
             if (i != j)
               add(j, i, value);
           });
-        const auto received = send_and_receive(messages, comm);
-        shared.insert(shared.end(), received.begin(), received.end());
-      }
-
-      /// Return the processes with columns in owned rows, by local row.
-      std::map<unsigned int, std::set<unsigned int>>
-      targets_of_rows() const
-      {
-        std::map<unsigned int, std::set<unsigned int>> result;
-        for (const SharedEntry &entry : shared)
-          if (entry.owner_of_column != me)
-            result[local(entry.row)].insert(entry.owner_of_column);
-        return result;
+        const auto entries = send_and_receive(messages, comm);
+        shared.insert(shared.end(), entries.begin(), entries.end());
       }
 
       /**
-       * Return the rows that other processes need, without entries below the
-       * diagonal of the owned block.
+       * Collective. Add the columns of @p rows to the ghosts, and return the
+       * rows of the new ghosts.
        */
+      std::vector<SharedEntry>
+      add_layer(const std::vector<SharedEntry> &rows,
+                const std::vector<Position>    &positions)
+      {
+        std::map<Number, unsigned int> new_ghosts; // and owners
+        for (const SharedEntry &entry : rows)
+          if (!is_owned(entry.column) && position_of.count(entry.column) == 0)
+            new_ghosts[entry.column] = entry.owner_of_column;
+        std::map<unsigned int, std::vector<Request>> requests;
+        for (const auto &ghost : new_ghosts)
+          requests[ghost.second].push_back({ghost.first, me});
+        std::map<unsigned int, std::vector<unsigned int>>   processes; // by row
+        std::map<unsigned int, std::vector<SharedPosition>> sent_positions;
+        for (const Request &request : send_and_receive(requests, comm))
+          {
+            const unsigned int i = local(request.unknown);
+            processes[i].push_back(request.process);
+            sent_positions[request.process].push_back(
+              {request.unknown, positions[i]});
+          }
+        for (const SharedPosition &ghost :
+             send_and_receive(sent_positions, comm))
+          position_of[ghost.unknown] = ghost.position;
+        return send_and_receive(rows_for(processes), comm);
+      }
+
+      /// Return owned rows for the processes that need them.
       std::map<unsigned int, std::vector<SharedEntry>>
-      rows_for_others() const
+      rows_for(const std::map<unsigned int, std::vector<unsigned int>>
+                 &processes) const
       {
         std::map<unsigned int, std::vector<SharedEntry>> messages;
-        const auto targets = targets_of_rows();
-        const auto send    = [&](const SharedEntry &entry) {
-          const auto row = targets.find(local(entry.row));
-          if (row != targets.end())
-            for (const unsigned int target : row->second)
-              messages[target].push_back(entry);
+        const auto send = [&](const SharedEntry &entry) {
+          const auto row = processes.find(local(entry.row));
+          if (row != processes.end())
+            for (const unsigned int process : row->second)
+              messages[process].push_back(entry);
         };
         std::for_each(shared.begin(), shared.end(), send);
-        for (const auto &row : targets)
-          for_each_entry(row.first,
-                         [&](const unsigned int j, const double value) {
-                           if (j < n_owned)
-                             send({layout.global_number(row.first),
-                                   layout.global_number(j),
-                                   me,
-                                   value});
-                         });
+        std::vector<bool> is_needed(n_owned, false);
+        for (const auto &row : processes)
+          is_needed[row.first] = true;
+        for (unsigned int i = 0; i < n_owned; ++i)
+          for_each_entry(i, [&](const unsigned int j, const double value) {
+            if (j >= n_owned || !(is_needed[i] || is_needed[j]))
+              return;
+            const Number row    = layout.global_number(i),
+                         column = layout.global_number(j);
+            send({row, column, me, value});
+            if (i != j)
+              send({column, row, me, value});
+          });
         return messages;
       }
 
@@ -229,16 +251,8 @@ namespace greville
       bool
       is_owned(const Number unknown) const
       {
-        const Number first = layout.global_number(0);
-        return unknown >= first && unknown < first + n_owned;
-      }
-
-      bool
-      is_ghost(const Number unknown) const
-      {
-        return std::binary_search(all_ghosts.begin(),
-                                  all_ghosts.end(),
-                                  unknown);
+        return n_owned > 0 && unknown >= layout.global_number(0) &&
+               unknown < layout.global_number(0) + n_owned;
       }
 
       unsigned int
@@ -252,14 +266,90 @@ namespace greville
                               all_ghosts.begin());
       }
 
-      const UpperTriangle      &matrix;
-      const InterleavedLayout  &layout;
-      const MPI_Comm            comm;
-      const unsigned int        me, n_owned;
-      std::vector<unsigned int> owners;     // of the ghosts of the layout
-      std::vector<SharedEntry>  shared;     // in own rows
-      std::vector<Number>       all_ghosts; // of the domain
+      const UpperTriangle       &matrix;
+      const InterleavedLayout   &layout;
+      const MPI_Comm             comm;
+      const unsigned int         me, n_owned;
+      std::vector<unsigned int>  owners;      // of the ghosts of the layout
+      std::vector<SharedEntry>   shared;      // in own rows
+      std::vector<SharedEntry>   received;    // in rows of the overlap
+      std::map<Number, Position> position_of; // unknowns of the overlap
+      std::vector<Number>        all_ghosts;  // of the domain
     };
+
+
+
+    /**
+     * Return the distance of each unknown from the nearest one of the other
+     * kind, owned or ghost, in a lattice whose diagonal neighbors have distance
+     * 1; @p largest if it is larger.
+     */
+    std::vector<int>
+    distances_to_other_part(const std::vector<Position> &positions,
+                            const unsigned int           n_owned,
+                            const int                    largest)
+    {
+      const unsigned int        n = positions.size();
+      std::vector<unsigned int> sorted(n);
+      std::iota(sorted.begin(), sorted.end(), 0);
+      std::sort(sorted.begin(),
+                sorted.end(),
+                [&](const unsigned int u, const unsigned int v) {
+                  return positions[u] < positions[v];
+                });
+      const auto for_each_neighbor = [&](const unsigned int u,
+                                         const auto        &visit) {
+        for (int dx = -1; dx <= 1; ++dx)
+          for (int dy = -1; dy <= 1; ++dy)
+            {
+              // Three neighbors in a row of the sorted positions.
+              Position first = positions[u];
+              first[0] += dx;
+              first[1] += dy;
+              first[2] -= 1;
+              auto v = std::lower_bound(sorted.begin(),
+                                        sorted.end(),
+                                        first,
+                                        [&](const unsigned int w,
+                                            const Position    &position) {
+                                          return positions[w] < position;
+                                        });
+              for (; v != sorted.end() && positions[*v][0] == first[0] &&
+                     positions[*v][1] == first[1] &&
+                     positions[*v][2] <= first[2] + 2;
+                   ++v)
+                visit(*v);
+            }
+      };
+      std::vector<int>          distances(n, largest);
+      std::vector<unsigned int> front, next;
+      const auto set_distance = [&](const unsigned int u, const int distance) {
+        if (distances[u] > distance)
+          {
+            distances[u] = distance;
+            next.push_back(u);
+          }
+      };
+      for (unsigned int g = n_owned; g < n; ++g)
+        for_each_neighbor(g, [&](const unsigned int u) {
+          if (u < n_owned)
+            {
+              set_distance(u, 1);
+              set_distance(g, 1);
+            }
+        });
+      for (int distance = 2; distance < largest; ++distance)
+        {
+          front.swap(next);
+          next.clear();
+          for (const unsigned int u : front)
+            for_each_neighbor(u, [&](const unsigned int v) {
+              if ((u < n_owned) == (v < n_owned))
+                set_distance(v, distance);
+            });
+        }
+      return distances;
+    }
   } // namespace
 
 
@@ -269,6 +359,8 @@ namespace greville
     const UpperTriangle                            &matrix,
     const std::shared_ptr<const InterleavedLayout> &layout,
     const std::vector<std::array<int, 3>>          &positions,
+    const int                                       reach,
+    const unsigned int                              n_layers,
     const CholeskyParameters                       &parameters)
   {
     AssertThrow(matrix.size() == layout->n_local(),
@@ -279,7 +371,7 @@ namespace greville
     n_owned             = layout->n_owned();
     is_parallel         = Utilities::MPI::n_mpi_processes(comm) > 1;
     if (is_parallel)
-      factorize_domain(matrix, *layout, positions, parameters);
+      factorize_domain(matrix, *layout, positions, reach, n_layers, parameters);
     else
       factors.factorize(matrix, parameters);
   }
@@ -291,10 +383,12 @@ namespace greville
     const UpperTriangle                   &matrix,
     const InterleavedLayout               &layout,
     const std::vector<std::array<int, 3>> &positions,
+    const int                              reach,
+    const unsigned int                     n_layers,
     const CholeskyParameters              &parameters)
   {
     const MPI_Comm        comm = layout.communicator();
-    const OverlappingRows overlapping(matrix, layout);
+    const OverlappingRows overlapping(matrix, layout, positions, n_layers);
     const auto            all = overlapping.domain_positions(positions);
     order.resize(all.size());
     std::iota(order.begin(), order.end(), 0);
@@ -315,22 +409,30 @@ namespace greville
                         comm);
     for (Vector &vector : all_values)
       vector.reinit(0);
-    find_weights();
+    find_weights(all, reach * n_layers);
   }
 
 
 
   void
-  OverlappingCholesky::find_weights()
+  OverlappingCholesky::find_weights(const std::vector<Position> &positions,
+                                    const int                    reach)
   {
-    Vector n_domains(domain.partitioner(1));
+    // Ghosts have reach, ..., 1 with growing distance, owned unknowns have
+    // more.
+    const auto distances = distances_to_other_part(positions, n_owned, reach);
+    Vector     depth(domain.partitioner(1)), sum(domain.partitioner(1));
     for (unsigned int u = 0; u < order.size(); ++u)
-      n_domains.local_element(u) = 1.;
-    n_domains.compress(VectorOperation::add);
-    n_domains.update_ghost_values();
+      depth.local_element(u) =
+        u < n_owned ? reach + distances[u] : reach + 1 - distances[u];
+    for (unsigned int u = 0; u < order.size(); ++u)
+      sum.local_element(u) = depth.local_element(u);
+    sum.compress(VectorOperation::add);
+    sum.update_ghost_values();
     weights.resize(order.size());
     for (unsigned int k = 0; k < order.size(); ++k)
-      weights[k] = 1. / std::sqrt(n_domains.local_element(order[k]));
+      weights[k] =
+        std::sqrt(depth.local_element(order[k]) / sum.local_element(order[k]));
   }
 
 

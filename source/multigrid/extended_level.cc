@@ -168,9 +168,14 @@ namespace greville
                                 const unsigned int       of_components,
                                 OverlappingCholesky     &factors) const
   {
+    // Tangents couple more unknowns than masses: a layer alone would double
+    // the iterations on four processes in 3D.
+    constexpr unsigned int n_layers = 2;
     factors.factorize(matrix.local_entries(of_components),
                       matrix.unknowns().unknown_layout(),
                       matrix.unknowns().unknown_positions(),
+                      spline_space.degree(),
+                      n_layers,
                       {shift, 0.});
   }
 

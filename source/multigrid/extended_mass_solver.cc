@@ -72,6 +72,8 @@ namespace greville
     factors.factorize(mass.local_entries((1u << dim) - 1),
                       mass.unknowns().unknown_layout(),
                       mass.unknowns().unknown_positions(),
+                      mass.matrix().space().degree(),
+                      1,
                       parameters_for(dim, mass.matrix().space().degree()));
     ++factorizations;
     age = 0;

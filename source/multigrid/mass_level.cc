@@ -148,6 +148,8 @@ namespace greville
         factors.factorize(level.upper_entries,
                           entries.unknowns().unknown_layout(),
                           entries.unknowns().unknown_positions(),
+                          level.space().degree(),
+                          1,
                           {shift, 0.});
       }
 

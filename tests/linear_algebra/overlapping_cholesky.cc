@@ -2,11 +2,11 @@
 // Processes: 1 2
 // All: 3 4
 
-// Checks OverlappingCholesky with mass matrices of full and jagged bodies: it is
-// symmetric, and conjugate gradients need about as many iterations on several
-// processes as on one. With constraints, E differs between components, since
-// functions at the wall are extended, and the factorization is made for the
-// component without constraints: iterations rise.
+// Checks OverlappingCholesky with mass matrices of full and jagged bodies: it
+// is symmetric, and conjugate gradients need about as many iterations on
+// several processes as on one. With constraints, E differs between components,
+// since functions at the wall are extended, and the factorization is made for
+// the component without constraints: iterations rise.
 
 #include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/mass/extended_mass.h>
@@ -63,6 +63,8 @@ test(const MultiIndex<dim> &cells,
   cholesky.factorize(mass.local_entries((1 << dim) - 1),
                      mass.unknowns().unknown_layout(),
                      mass.unknowns().unknown_positions(),
+                     p,
+                     1,
                      {0.003, dim == 2 ? 0.01 : 0.003});
 
   const auto positions  = mass.unknowns().unknown_positions();

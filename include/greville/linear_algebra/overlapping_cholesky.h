@@ -18,12 +18,13 @@ namespace greville
    * a matrix A that is the sum of matrices of all processes, each between the
    * local unknowns of its process.
    *
-   * The domain of process s are the unknowns that it owns and the unknowns that
-   * A couples with them, which are p layers of the lattice for B-splines of
-   * order p. With the restriction R_s to this domain and the number of domains
-   * W of each unknown,
+   * The domain of process s are the unknowns that it owns and some layers of
+   * unknowns that A couples with them: a layer has p rows of the lattice for
+   * B-splines of order p. With the restriction R_s to this domain and a
+   * partition of unity
+   * @f$ \sum_s R_s^T W_s R_s = 1 @f$, which falls linearly in the overlap,
    * @f[
-   *   B = \sum_s R_s^T W_s^{-1/2} (R_s A R_s^T)^{-1} W_s^{-1/2} R_s,
+   *   B = \sum_s R_s^T W_s^{1/2} (R_s A R_s^T)^{-1} W_s^{1/2} R_s,
    * @f]
    * which is symmetric positive definite (@ref Cai1999 "Cai and Sarkis, 1999",
    * with the square root of the partition of unity on both sides). Each domain
@@ -40,6 +41,8 @@ namespace greville
     /**
      * Collective. @p matrix has the entries of this process between the
      * unknowns of @p layout. The owned unknowns have @p positions in a lattice.
+     * Apart from few entries, the matrix couples unknowns whose positions
+     * differ by at most @p reach; the overlap has @p n_layers of this size.
      * Throws ErrorOnAll if IncompleteCholesky::factorize() throws on any
      * process.
      */
@@ -47,6 +50,8 @@ namespace greville
     factorize(const UpperTriangle                            &matrix,
               const std::shared_ptr<const InterleavedLayout> &layout,
               const std::vector<std::array<int, 3>>          &positions,
+              const int                                       reach,
+              const unsigned int                              n_layers,
               const CholeskyParameters                       &parameters);
 
     /**
@@ -62,11 +67,14 @@ namespace greville
     factorize_domain(const UpperTriangle                   &matrix,
                      const InterleavedLayout               &layout,
                      const std::vector<std::array<int, 3>> &positions,
+                     const int                              reach,
+                     const unsigned int                     n_layers,
                      const CholeskyParameters              &parameters);
 
-    /// Set the weights W^{-1/2} of the unknowns of the domain.
+    /// Set the weights W^{1/2} of the unknowns of the domain.
     void
-    find_weights();
+    find_weights(const std::vector<std::array<int, 3>> &positions,
+                 const int                              reach);
 
     bool                      is_parallel = false;
     unsigned int              n_owned     = 0;
