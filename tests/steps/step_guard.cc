@@ -269,7 +269,7 @@ test_main()
   check_stopped("momentum",
                 text,
                 last,
-                {"the momentum of the points is (", "may be 1e-06"});
+                {"the momentum of the points is (", "has to be at most 1e-06"});
 
   check_stopped("infinite",
                 text,
