@@ -327,8 +327,6 @@ namespace greville
 
 
 
-  template UpperTriangle
-  ExtendedMass<2>::local_entries(const unsigned int) const;
-  template UpperTriangle
-  ExtendedMass<3>::local_entries(const unsigned int) const;
+  template class ExtendedMass<2>;
+  template class ExtendedMass<3>;
 } // namespace greville
