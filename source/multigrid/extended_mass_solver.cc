@@ -108,38 +108,123 @@ namespace greville
     using Columns = std::array<double, width>;
 
     template <int width>
-    Columns<width>
-    dot(const VectorType &a, const VectorType &b, const MPI_Comm comm)
+    void
+    add_up(Columns<width> &sums, const MPI_Comm comm)
     {
-      Columns<width> sum{};
-      const double  *x = a.begin(), *y = b.begin();
-      for (unsigned int i = 0; i < a.locally_owned_size(); i += width)
-        for (int c = 0; c < width; ++c)
-          sum[c] += x[i + c] * y[i + c];
       if (Utilities::MPI::n_mpi_processes(comm) > 1)
-        Utilities::MPI::sum(ArrayView<const double>(sum.data(), width),
+        Utilities::MPI::sum(ArrayView<const double>(sums.data(), width),
                             comm,
-                            ArrayView<double>(sum.data(), width));
-      return sum;
+                            ArrayView<double>(sums.data(), width));
     }
 
 
 
-    /**
-     * y = s y + f x, column by column.
-     */
+    template <int width>
+    Columns<width>
+    dot(const VectorType &a, const VectorType &b, const MPI_Comm comm)
+    {
+      Columns<width> sums{};
+      const double  *x = a.begin(), *y = b.begin();
+      for (unsigned int i = 0; i < a.locally_owned_size(); i += width)
+        for (int c = 0; c < width; ++c)
+          sums[c] += x[i + c] * y[i + c];
+      add_up<width>(sums, comm);
+      return sums;
+    }
+
+
+
+    /// y = s y + x, column by column.
     template <int width>
     void
-    scale_and_add(VectorType           &y,
-                  const Columns<width> &s,
-                  const Columns<width> &f,
-                  const VectorType     &x)
+    scale_and_add(VectorType &y, const Columns<width> &s, const VectorType &x)
     {
       double       *out = y.begin();
       const double *in  = x.begin();
       for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
         for (int c = 0; c < width; ++c)
-          out[i + c] = s[c] * out[i + c] + f[c] * in[i + c];
+          out[i + c] = s[c] * out[i + c] + in[i + c];
+    }
+
+
+
+    /// x += alpha p, r -= alpha q. Returns the squares of r, column by column.
+    template <int width>
+    Columns<width>
+    make_step(VectorType           &x,
+              VectorType           &r,
+              const VectorType     &p,
+              const VectorType     &q,
+              const Columns<width> &alpha,
+              const MPI_Comm        comm)
+    {
+      Columns<width> squares{};
+      double        *x_i = x.begin(), *r_i = r.begin();
+      const double  *p_i = p.begin(), *q_i = q.begin();
+      for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
+        for (int c = 0; c < width; ++c)
+          {
+            x_i[i + c] += alpha[c] * p_i[i + c];
+            r_i[i + c] -= alpha[c] * q_i[i + c];
+            squares[c] += r_i[i + c] * r_i[i + c];
+          }
+      add_up<width>(squares, comm);
+      return squares;
+    }
+
+
+
+    using FieldNorms = std::array<double, 8>;
+
+    /// Return the squared norms of fields from the squares of their columns.
+    template <int width>
+    FieldNorms
+    norms_of(const Columns<width> &squares,
+             const unsigned int    n_fields,
+             const int             dim)
+    {
+      FieldNorms sums{};
+      for (unsigned int c = 0; c < n_fields * dim; ++c)
+        sums[c / dim] += squares[c];
+      return sums;
+    }
+
+
+
+    /// Return the largest ratio of two norms of a field.
+    double
+    largest_ratio(const FieldNorms  &now,
+                  const FieldNorms  &reference,
+                  const unsigned int n_fields)
+    {
+      double ratio = 0.;
+      for (unsigned int k = 0; k < n_fields; ++k)
+        if (!std::isfinite(reference[k]))
+          ratio = std::numeric_limits<double>::infinity();
+        else if (reference[k] > 0.)
+          ratio = std::max(ratio, std::sqrt(now[k] / reference[k]));
+        else if (!(now[k] <= 0.))
+          ratio = std::numeric_limits<double>::infinity();
+      return ratio;
+    }
+
+
+
+    std::string
+    reason_of_failure(const double       ratio,
+                      const unsigned int n_iterations,
+                      const FieldNorms  &right_hand_sides)
+    {
+      if (!std::all_of(right_hand_sides.begin(),
+                       right_hand_sides.end(),
+                       [](const double norm) { return std::isfinite(norm); }))
+        return "has a right-hand side that is infinite or NaN";
+      std::ostringstream text;
+      text << (std::isfinite(ratio) ? "did not converge in "
+                                    : "met an infinite number or NaN after ")
+           << n_iterations << " iterations; the residual is " << ratio
+           << " times the right-hand side";
+      return text.str();
     }
   } // namespace
 
@@ -196,72 +281,62 @@ namespace greville
 
   template <int dim>
   template <int width>
-  SolveResult
-  ExtendedMassSolver<dim>::iterate(VectorType                &x,
-                                   VectorType                &r,
-                                   const unsigned int         n_fields,
-                                   const std::vector<double> &shares,
-                                   const unsigned int         max_iterations)
+  FieldNorms
+  ExtendedMassSolver<dim>::begin(VectorType        &x,
+                                 VectorType        &r,
+                                 const unsigned int n_fields,
+                                 const FieldNorms  &right_hand_sides) const
   {
-    const MPI_Comm comm = mass.unknowns().communicator();
-    VectorType     p, q, z;
-    for (VectorType *vector : {&p, &q, &z})
-      mass.unknowns().initialize_vector(*vector, width);
-    Columns<width> ones, minus_ones;
-    ones.fill(1.);
-    minus_ones.fill(-1.);
-
-    // Compute squared norms field by field.
-    const auto norms = [&](const VectorType &vector) {
-      const auto            squares = dot<width>(vector, vector, comm);
-      std::array<double, 8> sum{};
-      for (unsigned int c = 0; c < n_fields * dim; ++c)
-        sum[c / dim] += squares[c];
-      return sum;
-    };
-    const auto largest_ratio = [&](const auto &now, const auto &reference) {
-      double ratio = 0.;
-      for (unsigned int k = 0; k < n_fields; ++k)
-        if (!std::isfinite(reference[k]))
-          ratio = std::numeric_limits<double>::infinity();
-        else if (reference[k] > 0.)
-          ratio = std::max(ratio, std::sqrt(now[k] / reference[k]));
-        else if (!(now[k] <= 0.))
-          ratio = std::numeric_limits<double>::infinity();
-      return ratio;
-    };
-
-    // A guess that is worse than zero is discarded.
-    auto target = norms(r);
+    VectorType q;
+    mass.unknowns().initialize_vector(q, width);
     mass.vmult(q, x, width);
     q.sadd(-1., 1., r);
-    {
-      const auto start = norms(q);
-      for (unsigned int k = 0; k < n_fields; ++k)
-        if (!(start[k] <= target[k]))
+    const MPI_Comm comm = mass.unknowns().communicator();
+    FieldNorms norms = norms_of<width>(dot<width>(q, q, comm), n_fields, dim);
+    for (unsigned int k = 0; k < n_fields; ++k)
+      if (!(norms[k] <= right_hand_sides[k]))
+        {
+          norms[k] = right_hand_sides[k];
           for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
             for (unsigned int c = k * dim; c < (k + 1) * dim; ++c)
               {
                 x.local_element(i + c) = 0.;
                 q.local_element(i + c) = r.local_element(i + c);
               }
-    }
+        }
     r.swap(q);
+    return norms;
+  }
+
+
+
+  template <int dim>
+  template <int width>
+  SolveResult
+  ExtendedMassSolver<dim>::iterate(VectorType                &x,
+                                   VectorType                &r,
+                                   const unsigned int         n_fields,
+                                   const std::vector<double> &shares,
+                                   const unsigned int max_iterations) const
+  {
+    const MPI_Comm comm = mass.unknowns().communicator();
+    VectorType     p, q, z;
+    for (VectorType *vector : {&p, &q, &z})
+      mass.unknowns().initialize_vector(*vector, width);
+    FieldNorms target = norms_of<width>(dot<width>(r, r, comm), n_fields, dim);
+    FieldNorms now    = begin<width>(x, r, n_fields, target);
     for (unsigned int k = 0; k < shares.size(); ++k)
       target[k] = std::max(target[k], shares[k] * shares[k] * target[0]);
 
-    SolveResult    result;
-    auto           now   = norms(r);
-    const double   start = largest_ratio(now, target);
-    double         ratio = start;
+    double         ratio = largest_ratio(now, target, n_fields);
     unsigned int   k     = 0;
-    Columns<width> rho{}, alpha{};
-    while (ratio > parameters.tolerance && std::isfinite(ratio) &&
-           k < max_iterations)
+    Columns<width> rho{}, alpha{}, beta{};
+    for (; ratio > parameters.tolerance && std::isfinite(ratio) &&
+           k < max_iterations;
+         ++k)
       {
         precondition(z, r, width, n_fields * dim);
-        const auto     new_rho = dot<width>(r, z, comm);
-        Columns<width> beta, minus_alpha;
+        const auto new_rho = dot<width>(r, z, comm);
         for (int c = 0; c < width; ++c)
           beta[c] = rho[c] > 0. ? new_rho[c] / rho[c] : 0.;
         if (other_preconditioner && k > 0)
@@ -273,54 +348,45 @@ namespace greville
               beta[c] = rho[c] > 0. ? -alpha[c] * change[c] / rho[c] : 0.;
           }
         rho = new_rho;
-        scale_and_add<width>(p, beta, ones, z);
+        scale_and_add<width>(p, beta, z);
         mass.vmult(q, p, width);
         const auto curvature = dot<width>(p, q, comm);
         for (int c = 0; c < width; ++c)
-          {
-            alpha[c]       = curvature[c] > 0. ? rho[c] / curvature[c] : 0.;
-            minus_alpha[c] = -alpha[c];
-          }
-        scale_and_add<width>(x, ones, alpha, p);
-        scale_and_add<width>(r, ones, minus_alpha, q);
-        now   = norms(r);
-        ratio = largest_ratio(now, target);
-        ++k;
+          alpha[c] = curvature[c] > 0. ? rho[c] / curvature[c] : 0.;
+        now   = norms_of<width>(make_step<width>(x, r, p, q, alpha, comm),
+                              n_fields,
+                              dim);
+        ratio = largest_ratio(now, target, n_fields);
       }
+    remove_mean_residual<width>(x, r, n_fields);
+
+    SolveResult result;
     result.iterations = k;
     result.reduction  = ratio;
     result.converged  = ratio <= parameters.tolerance;
     if (!result.converged)
-      {
-        std::ostringstream text;
-        if (!std::all_of(target.begin(), target.end(), [](const double t) {
-              return std::isfinite(t);
-            }))
-          text << "has a right-hand side that is infinite or NaN";
-        else
-          text << (std::isfinite(ratio)
-                     ? "did not converge in "
-                     : "met an infinite number or NaN after ")
-               << k << " iterations; the residual is " << ratio
-               << " times the right-hand side";
-        result.reason = text.str();
-      }
+      result.reason = reason_of_failure(ratio, k, target);
+    return result;
+  }
 
-    // Make the remaining residual orthogonal to constants.
+
+
+  template <int dim>
+  template <int width>
+  void
+  ExtendedMassSolver<dim>::remove_mean_residual(
+    VectorType &x, const VectorType &r, const unsigned int n_fields) const
+  {
     const auto    &is_constrained = mass.unknowns().has_constrained();
     Columns<width> sums{};
     for (unsigned int i = 0; i < r.locally_owned_size(); i += width)
       for (int c = 0; c < width; ++c)
         sums[c] += r.local_element(i + c);
-    Utilities::MPI::sum(ArrayView<const double>(sums.data(), width),
-                        comm,
-                        ArrayView<double>(sums.data(), width));
+    add_up<width>(sums, mass.unknowns().communicator());
     for (unsigned int c = 0; c < n_fields * dim; ++c)
       if (!is_constrained[c % dim] && total_mass > 0.)
         for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
           x.local_element(i + c) += sums[c] / total_mass;
-
-    return result;
   }
 
 

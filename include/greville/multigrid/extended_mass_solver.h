@@ -97,13 +97,34 @@ namespace greville
                  const unsigned int width,
                  const unsigned int n_columns) const;
 
+    /// Squared norms of fields.
+    using FieldNorms = std::array<double, 8>;
+
+    /**
+     * Set @p r, which contains the right-hand sides, to the residual. A guess
+     * that is worse than zero is discarded. Returns the norms of the residual.
+     */
+    template <int width>
+    FieldNorms
+    begin(VectorType        &x,
+          VectorType        &r,
+          const unsigned int n_fields,
+          const FieldNorms  &right_hand_sides) const;
+
     template <int width>
     SolveResult
     iterate(VectorType                &x,
             VectorType                &r,
             const unsigned int         n_fields,
             const std::vector<double> &shares,
-            const unsigned int         max_iterations);
+            const unsigned int         max_iterations) const;
+
+    /// Change x so that its residual is orthogonal to constants.
+    template <int width>
+    void
+    remove_mean_residual(VectorType        &x,
+                         const VectorType  &r,
+                         const unsigned int n_fields) const;
 
     ExtendedMass<dim>         &mass;
     const SolverParameters    &parameters;
