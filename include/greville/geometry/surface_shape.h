@@ -38,6 +38,18 @@ namespace greville
                const std::string &parameter,
                const double       unit);
 
+  template <>
+  ClosedSurface<2>
+  read_surface<2>(const std::string &file,
+                  const std::string &parameter,
+                  const double       unit);
+
+  template <>
+  ClosedSurface<3>
+  read_surface<3>(const std::string &file,
+                  const std::string &parameter,
+                  const double       unit);
+
 
 
   /// The inside of a closed surface on a lattice, whose cells are cut exactly.
