@@ -5,8 +5,8 @@
 // Checks that all shipped parameter files of simulations, examples, the user
 // guide and the reference are accepted, and that their data exist; rerun.cc
 // runs them. doc/simulation_parameters.md must agree with the program, with an
-// example in each section. It has at most 173 rows besides the rows of laws,
-// and a law has at most 10. Some shipped file sets each of them, except PETSc
+// example in each section. It has at most 207 rows, and a law has at most 10.
+// Some shipped file sets each of them, except PETSc
 // options of a smoother that no file uses.
 #include <greville/base/templates.h>
 
