@@ -55,7 +55,8 @@ namespace greville
         }
       };
 
-      /// The first numbers of the rows of points, by side and box.
+      /// For each side and box, the indices at which the rows of its points
+      /// begin.
       std::array<std::unordered_map<Box, std::vector<unsigned int>, Hash>, 2>
         boxes;
     };

@@ -14,8 +14,8 @@ namespace greville
     // Places coincide if they are closer than this fraction of a cell.
     constexpr double same_place = 1e-13;
 
-    // The number of facets among which the one that divides the fewest others
-    // is chosen.
+    // The number of facets whose planes are tried for a division. The plane
+    // that divides the fewest other facets is chosen.
     constexpr unsigned int n_candidates = 6;
 
 

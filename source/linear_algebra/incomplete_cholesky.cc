@@ -60,7 +60,8 @@ namespace greville
         head[row]          = column;
       }
 
-      /// Call visit(column, entry) for the columns of a row, which they leave.
+      /// Call visit(column, entry) for each column whose next entry is in a
+      /// row. visit() may insert the column again, in a later row.
       template <typename Visit>
       void
       take(const unsigned int row, const Visit &visit)

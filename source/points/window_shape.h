@@ -141,9 +141,10 @@ namespace greville
       }
 
       /**
-       * Call action(number of the first function of a row along x, factors of
-       * the row for derivatives in each direction, first and last function of
-       * the row that count).
+       * Call action(number, factors, begin, end) for each row of functions
+       * along x, with the number of its first function, the factors of the row
+       * for derivatives in each direction, and the range [begin, end) of the
+       * functions of the row to be used.
        */
       template <typename Action>
       void

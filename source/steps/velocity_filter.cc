@@ -59,8 +59,9 @@ namespace greville
 
 
     /**
-     * Functions counted without periods, which go from -reach to n + reach in
-     * periodic directions. The shift makes their indices nonnegative.
+     * Multi-indices of functions and of their periodic images: in a periodic
+     * direction with n functions, they are in [-reach, n + reach). The
+     * shift is added to make them nonnegative.
      */
     template <int dim>
     struct UnwrappedFunctions

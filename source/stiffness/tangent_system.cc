@@ -175,8 +175,9 @@ namespace greville
                                VectorField<dim> &force)
   {
     std::string problem;
-    // Sums of both moduli of K, and of the squares of the first modulus of
-    // cells.
+    // Sums over cells of the compression and shear moduli of K, see
+    // sum_moduli(), and of the square of a cell's compression modulus before
+    // take_volume_stiffness().
     std::vector<double> sums_of_moduli(3);
     sums.clear();
     if (with_stiffness)

@@ -423,7 +423,7 @@ namespace
 
 
   /**
-   * Stages: a ball that is let go by a wall.
+   * Stages: a ball that is released by a wall.
    */
   void
   check_stages()

@@ -9,7 +9,8 @@ namespace greville
 {
   /**
    * The finalizer of MurmurHash3: a bijection of 64 bits that spreads each bit
-   * over all of them, so that sums of such numbers tell their terms apart.
+   * over all of them, so that different sets of numbers have different sums,
+   * except by chance.
    */
   inline std::uint64_t
   mixed_bits(std::uint64_t x)

@@ -232,9 +232,9 @@ namespace greville
     /// The density in the stress-free state, kg / m^3.
     double density = 1000.;
 
-    /// With pore water: the fraction of the volume that it fills in the
-    /// stress-free state, and the hydraulic conductivity there, m / s. 0: not
-    /// given. The law is constant or kozeny-carman.
+    /// With pore water: the porosity and the hydraulic conductivity, m / s, in
+    /// the stress-free state; 0 if not given. The conductivity is constant, or
+    /// follows Kozeny and Carman.
     double porosity          = 0.;
     double conductivity      = 0.;
     bool   has_kozeny_carman = false;

@@ -140,7 +140,8 @@ namespace greville
       return x * x;
     }
 
-    /// The state for one t, with h and its derivative.
+    /// The state at a value of the unknown t, the residual h, and the
+    /// derivatives of d and h by t.
     struct Point
     {
       double P, C, q, d_by_t, h, h_by_t;

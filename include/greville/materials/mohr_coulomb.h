@@ -262,9 +262,9 @@ namespace greville
                   const std::array<unsigned int, 3> &order) const;
 
     /**
-     * Compute the derivatives of the result of returned() by the trial stresses
-     * @p t and by the parameter for which the surface has the derivatives @p
-     * slope.
+     * Compute the derivatives of the result of returned() with respect to the
+     * trial stresses @p t, and with respect to a parameter of the surface @p s.
+     * @p slope contains the derivatives of the surface by this parameter.
      */
     void
     differentiate_return(const Principal &t,

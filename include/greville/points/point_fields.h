@@ -36,8 +36,8 @@ namespace greville
    * Return the fields @p names of the points of @p bodies on a process: F is
    * the deformation gradient, strain is Green's strain, (F^T F - 1) / 2, size
    * is the edge of a cube with the volume of a point, m, and history contains
-   * the history variables of the materials, each a field of all points that is
-   * zero for materials without it.
+   * the history variables of the materials. Each of them is a field of all
+   * points, and is zero at points whose material does not have it.
    */
   template <int dim>
   std::vector<OutputField<dim>>

@@ -67,8 +67,8 @@ namespace greville
     factor(const unsigned int stage, const double time) const;
 
     /**
-     * Return all formulas of 'End when'. A run that they have ended compares
-     * them with the formulas of a checkpoint.
+     * Return all formulas of 'End when'. A resumed run that had
+     * ended remains ended if they equal the formulas of its checkpoint.
      */
     static std::string
     criteria(const std::string &parameters);

@@ -28,8 +28,9 @@ namespace greville
     /**
      * Collective. Read positions and shapes from @p text ("x, y; SHAPE; ..."),
      * take the nearest point of @p bodies for each position, and write the
-     * named output @p fields. Throws if an entry is neither, if no point is
-     * within a cell's length of a position, or if a shape has no point.
+     * named output @p fields. Throws if an entry is neither a position nor a
+     * shape, if no point is within a cell's length of a position, or if a shape
+     * has no point.
      */
     Probes(const std::string              &text,
            const std::vector<std::string> &fields,

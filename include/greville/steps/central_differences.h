@@ -232,8 +232,8 @@ namespace greville
     take_constrained_residual(const State<dim> &state);
 
     /**
-     * Add the work of loads and walls in this step; for loads on points half of
-     * it, with their velocities before the kick.
+     * Add the work of loads and walls in this step. For loads on points, add
+     * only the half with the velocities before the kick.
      */
     void
     add_work(State<dim> &state);

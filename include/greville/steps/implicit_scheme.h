@@ -51,8 +51,8 @@ namespace greville
     /// Loads belong to the time t + load_time dt.
     double load_time = 1.;
     /**
-     * True if the part of the points' momentum that the constrained velocity
-     * does not represent is kept: removing it would dissipate energy, too.
+     * True if points keep the part of their momentum that the constrained
+     * velocity does not represent. Removing it would also dissipate energy.
      */
     bool keeps_constrained_momentum = false;
 

@@ -218,8 +218,8 @@ namespace greville
           const NewtonResult &result,
           const bool          of_all_parts) const;
 
-    /// Set contact_load to the contact force of the trial without its weight,
-    /// and find its acceleration.
+    /// Set contact_load to the contact force of the trial divided by the
+    /// scheme's contact weight, and find the acceleration that it causes.
     void
     take_contact_force();
 

@@ -286,7 +286,8 @@ namespace greville
     void
     assemble_entries();
 
-    /// Compute y = (c M~ + K) x on the places of the finest level.
+    /// Compute y = (c M~ + K) x for vectors that are ordered like the places of
+    /// the StencilMatrix of the finest level.
     void
     multiply_at_places(double *y, const double *x);
 

@@ -50,8 +50,9 @@ namespace greville
     }
 
     /**
-     * Add the points at a @p time to @p points. @p filled contains the filled
-     * fractions of the cells of the displacement. Throws dealii::ExcMessage if
+     * Add the points of these walls and surfaces, with their conditions at a @p
+     * time, to @p points. @p filled contains the filled fraction of each cell
+     * of the displacement. Throws dealii::ExcMessage if
      * a formula has no value.
      */
     void
