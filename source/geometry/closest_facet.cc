@@ -233,10 +233,15 @@ namespace greville
               nearest.emplace_back(entry.second, y);
             }
         }
+      // Distances may differ from those above in the last bit.
       const Point<dim> *point = nullptr;
+      smallest_distance       = std::numeric_limits<double>::infinity();
       for (const auto &[facet, y] : nearest)
-        if (x.distance(y) == smallest_distance)
-          point = &y;
+        if (x.distance(y) <= smallest_distance)
+          {
+            smallest_distance = x.distance(y);
+            point             = &y;
+          }
       if (point == nullptr || smallest_distance > within)
         return std::nullopt;
 
