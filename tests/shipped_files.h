@@ -18,7 +18,7 @@
 struct ShippedFile
 {
   std::string name;
-  /// Whether it is a file of greville_benchmark.
+  /// True for a file of greville_benchmark.
   bool is_benchmark = false;
   /// The whole file, and the lines that reduce it: later lines win.
   std::string content, overrides;

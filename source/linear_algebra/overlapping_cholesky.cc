@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/linear_algebra/overlapping_cholesky.h>
 
+#include "lattice_distances.h"
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -26,14 +27,14 @@ namespace greville
       double       value;
     };
 
-    /// A process that needs the row of an unknown.
-    struct Request
+    /// An unknown, and a process: the one that owns it, or that needs its row.
+    struct UnknownOf
     {
       Number       unknown;
       unsigned int process;
     };
 
-    struct SharedPosition
+    struct Ghost
     {
       Number   unknown;
       Position position;
@@ -66,78 +67,140 @@ namespace greville
 
 
 
+    void
+    remove_duplicates(std::vector<UnknownOf> &unknowns)
+    {
+      std::sort(unknowns.begin(),
+                unknowns.end(),
+                [](const UnknownOf &a, const UnknownOf &b) {
+                  return a.unknown < b.unknown;
+                });
+      unknowns.erase(std::unique(unknowns.begin(),
+                                 unknowns.end(),
+                                 [](const UnknownOf &a, const UnknownOf &b) {
+                                   return a.unknown == b.unknown;
+                                 }),
+                     unknowns.end());
+    }
+
+
+
+    /**
+     * Append a row with the sums of the entries (column, value), which are
+     * sorted.
+     */
+    void
+    append_row(UpperTriangle                                &matrix,
+               std::vector<std::pair<unsigned int, double>> &row)
+    {
+      std::sort(row.begin(), row.end(), [](const auto &a, const auto &b) {
+        return a.first < b.first;
+      });
+      for (std::size_t k = 0; k < row.size(); ++k)
+        if (k > 0 && row[k].first == row[k - 1].first)
+          matrix.values.back() += row[k].second;
+        else
+          {
+            matrix.columns.push_back(row[k].first);
+            matrix.values.push_back(row[k].second);
+          }
+      matrix.row_begin.push_back(matrix.columns.size());
+    }
+
+
+
     /**
      * The domain of a process: its rows of A, and some layers of the unknowns
-     * that A couples with them.
+     * that A couples with them, in lexicographic order.
      */
     class OverlappingRows
     {
     public:
+      /// Collective.
       OverlappingRows(const UpperTriangle         &matrix,
                       const InterleavedLayout     &layout,
-                      const std::vector<Position> &positions,
+                      const std::vector<Position> &own_positions,
                       const unsigned int           n_layers)
         : matrix(matrix)
         , layout(layout)
         , comm(layout.communicator())
         , me(Utilities::MPI::this_mpi_process(comm))
         , n_owned(layout.n_owned())
+        , processes_of_row(n_owned)
+        , positions(own_positions)
       {
         for (const auto &target : layout.partitioner(1)->ghost_targets())
           owners.insert(owners.end(), target.second, target.first);
         sum_shared_rows();
-        std::vector<SharedEntry> rows = shared;
-        for (unsigned int layer = 0; layer < n_layers; ++layer)
-          {
-            rows = add_layer(rows, positions);
-            received.insert(received.end(), rows.begin(), rows.end());
-          }
-        for (const auto &ghost : position_of)
-          all_ghosts.push_back(ghost.first);
+        find_ghosts(n_layers);
+        received = send_and_receive(rows_for_others(), comm);
+        find_order();
       }
 
       /// Return the unknowns of the overlap, ascending.
-      const std::vector<Number> &
+      std::vector<Number>
       ghosts() const
       {
-        return all_ghosts;
+        std::vector<Number> result;
+        for (const Ghost &ghost : all_ghosts)
+          result.push_back(ghost.unknown);
+        return result;
       }
 
-      /// Return R A R^T, ghosts last.
+      /// The local unknown of each row; and the positions of local unknowns.
+      std::vector<unsigned int> order;
+
+      const std::vector<Position> &
+      domain_positions() const
+      {
+        return positions;
+      }
+
+      /// Return R A R^T.
       UpperTriangle
       domain_matrix() const
       {
         std::vector<std::vector<std::pair<unsigned int, double>>> more(
-          n_owned + all_ghosts.size());
-        const auto add = [&](const SharedEntry &entry) {
-          if (!is_owned(entry.column) && position_of.count(entry.column) == 0)
-            return;
-          const unsigned int i = local(entry.row), j = local(entry.column);
-          if (i <= j)
-            more[i].emplace_back(j, entry.value);
-        };
-        std::for_each(shared.begin(), shared.end(), add);
-        std::for_each(received.begin(), received.end(), add);
-        UpperTriangle result;
-        for (unsigned int i = 0; i < more.size(); ++i)
-          {
-            if (i < n_owned)
-              for_each_entry(i, [&](const unsigned int j, const double value) {
-                if (j < n_owned)
-                  more[i].emplace_back(j, value);
-              });
-            append_row(result, more[i]);
-          }
-        return result;
-      }
+          order.size());
+        const auto add =
+          [&](const unsigned int u, const unsigned int v, const double value) {
+            const unsigned int i = row_of[u], j = row_of[v];
+            more[std::min(i, j)].emplace_back(std::max(i, j), value);
+          };
+        for (const SharedEntry &entry : shared)
+          add(local(entry.row), local(entry.column), entry.value);
+        for (const SharedEntry &entry : received)
+          if (is_ghost(entry.column) && entry.row <= entry.column)
+            add(local(entry.row), local(entry.column), entry.value);
 
-      /// Return the positions of all unknowns of the domain.
-      std::vector<Position>
-      domain_positions(const std::vector<Position> &positions) const
-      {
-        std::vector<Position> result(positions);
-        for (const auto &ghost : position_of)
-          result.push_back(ghost.second);
+        // Owned unknowns keep their order, so that columns still ascend.
+        UpperTriangle result;
+        result.columns.reserve(2 * matrix.columns.size());
+        result.values.reserve(2 * matrix.columns.size());
+        for (unsigned int k = 0; k < order.size(); ++k)
+          {
+            const auto add_own = [&](const auto &append) {
+              if (order[k] < n_owned)
+                for_each_entry(order[k],
+                               [&](const unsigned int j, const double value) {
+                                 if (j < n_owned)
+                                   append(row_of[j], value);
+                               });
+            };
+            if (more[k].empty())
+              {
+                add_own([&](const unsigned int column, const double value) {
+                  result.columns.push_back(column);
+                  result.values.push_back(value);
+                });
+                result.row_begin.push_back(result.columns.size());
+                continue;
+              }
+            add_own([&](const unsigned int column, const double value) {
+              more[k].emplace_back(column, value);
+            });
+            append_row(result, more[k]);
+          }
         return result;
       }
 
@@ -153,8 +216,9 @@ namespace greville
       }
 
       /**
-       * Collective. Send the entries in rows of other processes there, and keep
-       * those in own rows.
+       * Collective. Send the entries with unknowns of other processes there,
+       * and keep those in own rows. Entries between unknowns of a process are
+       * sent once.
        */
       void
       sum_shared_rows()
@@ -176,70 +240,134 @@ namespace greville
             if (j < n_owned)
               return;
             add(i, j, value);
-            if (i != j)
+            if (owner(i) != owner(j))
               add(j, i, value);
           });
         const auto entries = send_and_receive(messages, comm);
         shared.insert(shared.end(), entries.begin(), entries.end());
       }
 
-      /**
-       * Collective. Add the columns of @p rows to the ghosts, and return the
-       * rows of the new ghosts.
-       */
-      std::vector<SharedEntry>
-      add_layer(const std::vector<SharedEntry> &rows,
-                const std::vector<Position>    &positions)
+      /// Collective. Add layers of ghosts, and find who needs own rows.
+      void
+      find_ghosts(const unsigned int n_layers)
       {
-        std::map<Number, unsigned int> new_ghosts; // and owners
-        for (const SharedEntry &entry : rows)
-          if (!is_owned(entry.column) && position_of.count(entry.column) == 0)
-            new_ghosts[entry.column] = entry.owner_of_column;
-        std::map<unsigned int, std::vector<Request>> requests;
-        for (const auto &ghost : new_ghosts)
-          requests[ghost.second].push_back({ghost.first, me});
-        std::map<unsigned int, std::vector<unsigned int>>   processes; // by row
-        std::map<unsigned int, std::vector<SharedPosition>> sent_positions;
-        for (const Request &request : send_and_receive(requests, comm))
+        std::vector<UnknownOf> coupled;
+        for (const SharedEntry &entry : shared)
+          if (entry.owner_of_column != me)
+            coupled.push_back({entry.column, entry.owner_of_column});
+        for (unsigned int layer = 1; layer <= n_layers; ++layer)
           {
-            const unsigned int i = local(request.unknown);
-            processes[i].push_back(request.process);
-            sent_positions[request.process].push_back(
-              {request.unknown, positions[i]});
+            add_ghosts(coupled);
+            if (layer < n_layers)
+              coupled = send_and_receive(columns_for_others(), comm);
           }
-        for (const SharedPosition &ghost :
-             send_and_receive(sent_positions, comm))
-          position_of[ghost.unknown] = ghost.position;
-        return send_and_receive(rows_for(processes), comm);
+        for (const Ghost &ghost : all_ghosts)
+          positions.push_back(ghost.position);
       }
 
-      /// Return owned rows for the processes that need them.
+      /// Collective. Add those of the given unknowns that are not known yet.
+      void
+      add_ghosts(std::vector<UnknownOf> &unknowns)
+      {
+        remove_duplicates(unknowns);
+        std::map<unsigned int, std::vector<UnknownOf>> requests;
+        for (const UnknownOf &item : unknowns)
+          if (item.process != me && !is_ghost(item.unknown))
+            requests[item.process].push_back({item.unknown, me});
+        std::map<unsigned int, std::vector<Ghost>> answers;
+        for (const UnknownOf &request : send_and_receive(requests, comm))
+          {
+            const unsigned int i = local(request.unknown);
+            processes_of_row[i].push_back(request.process);
+            answers[request.process].push_back({request.unknown, positions[i]});
+          }
+        const auto ghosts = send_and_receive(answers, comm);
+        all_ghosts.insert(all_ghosts.end(), ghosts.begin(), ghosts.end());
+        std::sort(all_ghosts.begin(),
+                  all_ghosts.end(),
+                  [](const Ghost &a, const Ghost &b) {
+                    return a.unknown < b.unknown;
+                  });
+      }
+
+      /// Return the columns of own rows for the processes that need the rows.
+      std::map<unsigned int, std::vector<UnknownOf>>
+      columns_for_others() const
+      {
+        std::map<unsigned int, std::vector<UnknownOf>> messages;
+        for (const SharedEntry &entry : shared)
+          for (const unsigned int process : processes_of_row[local(entry.row)])
+            if (process != entry.owner_of_column)
+              messages[process].push_back(
+                {entry.column, entry.owner_of_column});
+        const auto add = [&](const unsigned int i, const unsigned int j) {
+          for (const unsigned int process : processes_of_row[i])
+            messages[process].push_back({layout.global_number(j), me});
+        };
+        for (unsigned int i = 0; i < n_owned; ++i)
+          for_each_entry(i, [&](const unsigned int j, const double) {
+            if (j < n_owned && i != j)
+              {
+                add(i, j);
+                add(j, i);
+              }
+          });
+        for (auto &message : messages)
+          remove_duplicates(message.second);
+        return messages;
+      }
+
+      /**
+       * Return the entries that processes need in addition to those that they
+       * share: between own rows that they need, once, and in columns of others.
+       */
       std::map<unsigned int, std::vector<SharedEntry>>
-      rows_for(const std::map<unsigned int, std::vector<unsigned int>>
-                 &processes) const
+      rows_for_others() const
       {
         std::map<unsigned int, std::vector<SharedEntry>> messages;
+        const auto is_needed = [&](const unsigned int row,
+                                   const unsigned int process) {
+          const auto &processes = processes_of_row[row];
+          return std::find(processes.begin(), processes.end(), process) !=
+                 processes.end();
+        };
         const auto send = [&](const SharedEntry &entry) {
-          const auto row = processes.find(local(entry.row));
-          if (row != processes.end())
-            for (const unsigned int process : row->second)
+          for (const unsigned int process : processes_of_row[local(entry.row)])
+            if (entry.owner_of_column == me
+                  ? is_needed(local(entry.column), process)
+                  : entry.owner_of_column != process)
               messages[process].push_back(entry);
         };
         std::for_each(shared.begin(), shared.end(), send);
-        std::vector<bool> is_needed(n_owned, false);
-        for (const auto &row : processes)
-          is_needed[row.first] = true;
         for (unsigned int i = 0; i < n_owned; ++i)
-          for_each_entry(i, [&](const unsigned int j, const double value) {
-            if (j >= n_owned || !(is_needed[i] || is_needed[j]))
-              return;
-            const Number row    = layout.global_number(i),
-                         column = layout.global_number(j);
-            send({row, column, me, value});
-            if (i != j)
-              send({column, row, me, value});
-          });
+          if (!processes_of_row[i].empty())
+            for_each_entry(i, [&](const unsigned int j, const double value) {
+              if (j < n_owned)
+                send({layout.global_number(i),
+                      layout.global_number(j),
+                      me,
+                      value});
+            });
         return messages;
+      }
+
+      void
+      find_order()
+      {
+        const unsigned int n = positions.size();
+        order.resize(n);
+        std::iota(order.begin(), order.end(), 0);
+        const auto less = [&](const unsigned int u, const unsigned int v) {
+          return internal::is_before(positions[u], positions[v]);
+        };
+        std::sort(order.begin() + n_owned, order.end(), less);
+        std::inplace_merge(order.begin(),
+                           order.begin() + n_owned,
+                           order.end(),
+                           less);
+        row_of.resize(n);
+        for (unsigned int k = 0; k < n; ++k)
+          row_of[order[k]] = k;
       }
 
       unsigned int
@@ -255,101 +383,44 @@ namespace greville
                unknown < layout.global_number(0) + n_owned;
       }
 
+      std::vector<Ghost>::const_iterator
+      find_ghost(const Number unknown) const
+      {
+        return std::lower_bound(all_ghosts.begin(),
+                                all_ghosts.end(),
+                                unknown,
+                                [](const Ghost &ghost, const Number number) {
+                                  return ghost.unknown < number;
+                                });
+      }
+
+      bool
+      is_ghost(const Number unknown) const
+      {
+        const auto ghost = find_ghost(unknown);
+        return ghost != all_ghosts.end() && ghost->unknown == unknown;
+      }
+
       unsigned int
       local(const Number unknown) const
       {
         return is_owned(unknown)
                  ? unknown - layout.global_number(0)
-                 : n_owned + (std::lower_bound(all_ghosts.begin(),
-                                               all_ghosts.end(),
-                                               unknown) -
-                              all_ghosts.begin());
+                 : n_owned + (find_ghost(unknown) - all_ghosts.begin());
       }
 
-      const UpperTriangle       &matrix;
-      const InterleavedLayout   &layout;
-      const MPI_Comm             comm;
-      const unsigned int         me, n_owned;
-      std::vector<unsigned int>  owners;      // of the ghosts of the layout
-      std::vector<SharedEntry>   shared;      // in own rows
-      std::vector<SharedEntry>   received;    // in rows of the overlap
-      std::map<Number, Position> position_of; // unknowns of the overlap
-      std::vector<Number>        all_ghosts;  // of the domain
+      const UpperTriangle      &matrix;
+      const InterleavedLayout  &layout;
+      const MPI_Comm            comm;
+      const unsigned int        me, n_owned;
+      std::vector<unsigned int> owners;   // of the ghosts of the layout
+      std::vector<SharedEntry>  shared;   // in own rows
+      std::vector<SharedEntry>  received; // in rows of the overlap
+      std::vector<std::vector<unsigned int>> processes_of_row; // that need it
+      std::vector<Ghost>                     all_ghosts;       // of the domain
+      std::vector<Position>                  positions; // of local unknowns
+      std::vector<unsigned int>              row_of;    // of local unknowns
     };
-
-
-
-    /**
-     * Return the distance of each unknown from the nearest one of the other
-     * kind, owned or ghost, in a lattice whose diagonal neighbors have distance
-     * 1; @p largest if it is larger.
-     */
-    std::vector<int>
-    distances_to_other_part(const std::vector<Position> &positions,
-                            const unsigned int           n_owned,
-                            const int                    largest)
-    {
-      const unsigned int        n = positions.size();
-      std::vector<unsigned int> sorted(n);
-      std::iota(sorted.begin(), sorted.end(), 0);
-      std::sort(sorted.begin(),
-                sorted.end(),
-                [&](const unsigned int u, const unsigned int v) {
-                  return positions[u] < positions[v];
-                });
-      const auto for_each_neighbor = [&](const unsigned int u,
-                                         const auto        &visit) {
-        for (int dx = -1; dx <= 1; ++dx)
-          for (int dy = -1; dy <= 1; ++dy)
-            {
-              // Three neighbors in a row of the sorted positions.
-              Position first = positions[u];
-              first[0] += dx;
-              first[1] += dy;
-              first[2] -= 1;
-              auto v = std::lower_bound(sorted.begin(),
-                                        sorted.end(),
-                                        first,
-                                        [&](const unsigned int w,
-                                            const Position    &position) {
-                                          return positions[w] < position;
-                                        });
-              for (; v != sorted.end() && positions[*v][0] == first[0] &&
-                     positions[*v][1] == first[1] &&
-                     positions[*v][2] <= first[2] + 2;
-                   ++v)
-                visit(*v);
-            }
-      };
-      std::vector<int>          distances(n, largest);
-      std::vector<unsigned int> front, next;
-      const auto set_distance = [&](const unsigned int u, const int distance) {
-        if (distances[u] > distance)
-          {
-            distances[u] = distance;
-            next.push_back(u);
-          }
-      };
-      for (unsigned int g = n_owned; g < n; ++g)
-        for_each_neighbor(g, [&](const unsigned int u) {
-          if (u < n_owned)
-            {
-              set_distance(u, 1);
-              set_distance(g, 1);
-            }
-        });
-      for (int distance = 2; distance < largest; ++distance)
-        {
-          front.swap(next);
-          next.clear();
-          for (const unsigned int u : front)
-            for_each_neighbor(u, [&](const unsigned int v) {
-              if ((u < n_owned) == (v < n_owned))
-                set_distance(v, distance);
-            });
-        }
-      return distances;
-    }
   } // namespace
 
 
@@ -389,19 +460,9 @@ namespace greville
   {
     const MPI_Comm        comm = layout.communicator();
     const OverlappingRows overlapping(matrix, layout, positions, n_layers);
-    const auto            all = overlapping.domain_positions(positions);
-    order.resize(all.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(),
-              order.end(),
-              [&](const unsigned int u, const unsigned int v) {
-                return std::lexicographical_compare(all[u].rbegin(),
-                                                    all[u].rend(),
-                                                    all[v].rbegin(),
-                                                    all[v].rend());
-              });
-    const UpperTriangle ordered = reorder(overlapping.domain_matrix(), order);
-    run_on_all([&]() { factors.factorize(ordered, parameters); }, comm);
+    order                             = overlapping.order;
+    const UpperTriangle domain_matrix = overlapping.domain_matrix();
+    run_on_all([&]() { factors.factorize(domain_matrix, parameters); }, comm);
     domain =
       InterleavedLayout(layout.n_owned() > 0 ? layout.global_number(0) : 0,
                         n_owned,
@@ -409,7 +470,7 @@ namespace greville
                         comm);
     for (Vector &vector : all_values)
       vector.reinit(0);
-    find_weights(all, reach * n_layers);
+    find_weights(overlapping.domain_positions(), reach * n_layers);
   }
 
 
@@ -420,8 +481,9 @@ namespace greville
   {
     // Ghosts have reach, ..., 1 with growing distance, owned unknowns have
     // more.
-    const auto distances = distances_to_other_part(positions, n_owned, reach);
-    Vector     depth(domain.partitioner(1)), sum(domain.partitioner(1));
+    const auto distances =
+      internal::distances_to_other_part(positions, order, n_owned, reach);
+    Vector depth(domain.partitioner(1)), sum(domain.partitioner(1));
     for (unsigned int u = 0; u < order.size(); ++u)
       depth.local_element(u) =
         u < n_owned ? reach + distances[u] : reach + 1 - distances[u];

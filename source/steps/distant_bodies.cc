@@ -16,7 +16,7 @@ namespace greville
 
 
     /**
-     * Whether a rigid body comes near a region, and whether it moves.
+     * The course of a rigid body: true if it comes near a region, or moves.
      */
     struct Course
     {

@@ -51,7 +51,7 @@ test_main()
        "[[0, 1], [2]], \"Empty\": \"\", \"Is\": true}}");
   show("{\"Grid\": {\"\": 3}}");
 
-  // What ParameterHandler writes, and what we write of that.
+  // The output of ParameterHandler, and our output of the same parameters.
   ParameterHandler prm;
   unsigned int     order = 2;
   std::string      kind = "a \"b\" \\ c", number = "-1.5e+3", word = "01";

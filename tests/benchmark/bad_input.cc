@@ -28,7 +28,7 @@ namespace
       }
     catch (const std::exception &error)
       {
-        // What is free differs from machine to machine.
+        // The free memory differs between machines.
         std::string message = message_of(error);
         const auto  free    = message.find(" of memory, and ");
         if (free != std::string::npos)

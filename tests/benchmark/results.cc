@@ -35,7 +35,7 @@ namespace
     return rows;
   }
 
-  // Whether the last run ended with an error, since no solve had converged.
+  // True if the last run ended with an error because no solve had converged.
   bool all_failed = false;
 
   // Run with some lines more than the base, and give solves.csv.
@@ -260,7 +260,7 @@ test_main()
   // is a median of that many.
   check("Repetitions", run(in("Benchmark", "Repetitions = 3")).size() == 2);
 
-  // What cannot be set up leaves the others their turn.
+  // If one variant cannot be set up, the others still run.
   rows = run(in("Benchmark", "Smoothers = petsc, ic0") +
              in("Smoother", "PETSc options = -pc_type no_such"));
   check("failed solve",

@@ -83,7 +83,7 @@ test_main()
               0.05);
     }
 
-  // What flies away is not held back.
+  // A body that flies away is not held back.
   {
     Simulated<2> run(block.with("Loads", {"Gravity = 0; 0"})
                        .with("Body body", {"Velocity = 0.3; 0.2"})

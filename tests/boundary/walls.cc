@@ -67,7 +67,7 @@ test_main()
       check(mass + ", velocity at the moving wall", max_all(worst), 1e-12);
     }
 
-  // What moves with its walls keeps on moving.
+  // A body that moves with its walls keeps its velocity.
   for (const std::string mass : {"lumped", "fmpm-2", "fmpm-4", "consistent"})
     {
       Simulated<2> run(block_2d("box(0.25, 0, 0.75, 1)")

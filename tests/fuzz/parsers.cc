@@ -92,7 +92,7 @@ namespace
 
 
   /**
-   * What a program with few parameters makes of a file and of an option --set.
+   * Read a file and an option --set by a program with few parameters.
    */
   void
   parse_parameters(const std::string              &content,

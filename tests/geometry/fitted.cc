@@ -340,7 +340,7 @@ test_placement()
         std::abs(lattice.volume / gauss.volume - 1.),
         1e-13);
 
-  // What sticks out is cut off.
+  // The part outside of the grid is cut off.
   placement         = fitted("ball(0, 0, 0.9)", 4);
   placement.clip    = true;
   const auto corner = integrate<2>(placement, {{10, 10}});

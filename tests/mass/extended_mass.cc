@@ -14,7 +14,7 @@
 #include <half_full_cells.h>
 #include <numeric>
 
-// Whether component c is constrained: at the lower wall in direction c.
+// Component c is constrained at the lower wall in direction c.
 template <int dim>
 bool
 is_constrained_at_wall(const SplineSpace<dim> &space,
@@ -382,7 +382,7 @@ test_solver(const MultiIndex<dim>       &cells,
       for (unsigned int c = 0; c < dim; ++c)
         {
           field[c] = 0.;
-          // What is constrained need not be zero.
+          // Constrained coefficients need not be zero.
           for (unsigned int f = 0; f < problem.space.owned_functions().size();
                ++f)
             if ((problem.constrained[f] >> c) & 1)

@@ -155,7 +155,7 @@ namespace
     check("  K0, pressure",
           std::abs(std::log(grown) * lambda / 0.2 - 1.),
           1e-8);
-    // What holds with any shear modulus.
+    // Properties that hold with any shear modulus.
     const End    soft("modified-cam-clay",
                    clay(),
                    "oedometer",

@@ -279,7 +279,7 @@ namespace
         {
           point = rest(*material);
           step(*material, point, one_tensor() + random.matrix(size, k % 2));
-          // What F has after rounding.
+          // The value of F after rounding.
           const auto   e = symmetrize(point.F - one_tensor());
           const double W =
             0.5 * K * trace(e) * trace(e) + G * deviator(e) * deviator(e);

@@ -28,7 +28,7 @@ namespace
 
 
 
-  // What the tests look at after one step.
+  // The results of one step.
   struct Return
   {
     SymmetricTensor2 trial, tau; // Kirchhoff stress
@@ -82,7 +82,7 @@ namespace
 
         Return           r;
         SymmetricTensor2 trial = 0.5 * logarithm(rotated(f, b));
-        // What is open closes first, without stress.
+        // An open crack closes first, without stress.
         const double closed =
           opens ? std::min(before.state[8], std::max(-trace(trial), 0.)) : 0.;
         trial += closed / 3 * one;

@@ -142,7 +142,7 @@ test_main()
   if (!alone)
     effect("overlap", "ic0", [](auto &p) { p.overlap = 0; });
 
-  // What cannot be made says why.
+  // A smoother that cannot be made gives the reason.
   for (const std::string options :
        {"-pc_type no_such", "-pc_type jacobi -pc_no_such 3"})
     try

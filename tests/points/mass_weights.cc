@@ -49,7 +49,7 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const bool part)
   PointTransfer<dim> transfer;
   transfer.reinit(space);
   DensityWeights<dim> weights(space, 2 * p + 1);
-  // What was there before is overwritten.
+  // Earlier values are overwritten.
   transfer.mass_weights({&a, &a}, weights);
   transfer.mass_weights({&a, &b}, weights);
 

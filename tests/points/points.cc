@@ -172,7 +172,7 @@ test_storage(const MultiIndex<dim> &cells)
         on_all(points.memory_consumption() <= most &&
                points.n_points() == list.size()));
 
-  // What a kernel left in empty lanes is wiped out.
+  // Values that a kernel left in empty lanes are cleared.
   bool corrupted = false;
   for (const unsigned int cell : points.cells())
     for (unsigned int lane = points.n_in_first_group(cell);

@@ -270,7 +270,7 @@ difference(const MaterialPoints<dim> &a, const MaterialPoints<dim> &b)
 
 
 
-// Whether a condition holds on all processes.
+// Return whether a condition holds on all processes.
 inline bool
 on_all(const bool condition)
 {

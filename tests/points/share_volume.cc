@@ -69,7 +69,7 @@ test(const unsigned int p)
   transfer.share_volume(points, 0.7);
   check(name + ", the same everywhere stays", sums()[2], 1e-15);
 
-  // What is compressed everywhere is left alone.
+  // Uniform compression is not changed.
   points.for_each([](const unsigned int, const auto q) {
     q.J() = 0.9 + 0.1 * pseudo_random(q.id());
   });

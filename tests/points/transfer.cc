@@ -186,7 +186,7 @@ test_points_to_grid(const SplineSpace<dim> &space, const bool affine)
   space.initialize_vector(mass);
   VectorField<dim> momentum = random_field(space, 5);
   VectorField<dim> force    = random_field(space, 6);
-  // What was there before is overwritten, ghost entries too.
+  // Earlier values are overwritten, also in ghost entries.
   mass = 3.;
   mass.update_ghost_values();
   transfer.points_to_grid({&a, &nothing, &b}, &mass, &momentum, &force);

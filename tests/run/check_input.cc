@@ -176,7 +176,7 @@ namespace
 
 
   /**
-   * What a run has left has to be numbers.
+   * Check that all results of a run are numbers.
    */
   std::string
   flaw_of_results(const std::string &results, const bool is_benchmark)
@@ -207,7 +207,7 @@ namespace
 
 
   /**
-   * What is wrong with a message, or nothing.
+   * Return the fault of a message; empty if there is none.
    */
   std::string
   flaw_of_message(const std::string &message, const Case &c)

@@ -18,7 +18,7 @@ namespace
 
 
   /**
-   * What @p action prints, or its message.
+   * Return the output of @p action, or its message.
    */
   std::string
   output_of(const std::function<void()> &action)
@@ -98,7 +98,7 @@ test_main()
        "estimated time: ",
        "memory: at most ",
        "results of a run: check_results"});
-  // What shapes, units and the part of the surface that bears a load come to.
+  // The results of shapes, units and the loaded part of the surface.
   const Text loaded = good.with("Material solid", {"Density = 2"})
                         .with("Body body", {"Placement = fitted"})
                         .with("Simulation", {"Surface loads = weight"})

@@ -218,7 +218,7 @@ namespace
   }
 
   /**
-   * Whether points have the same positions and stresses.
+   * Return whether points have the same positions and stresses.
    */
   bool
   same_positions(const State<2> &a, const State<2> &b)

@@ -126,7 +126,7 @@ test_main()
         check(file.string() + ": " + message_of(error), false);
       }
 
-  // What is printed as used is used.
+  // Parameters that are printed as used are used.
   const auto one = block_2d("box(0.25, 0.25, 0.75, 0.75)").parse();
   const auto two = block_2d("box(0.25, 0.25, 0.75, 0.75)")
                      .with("Solver", {"Method = cg-p-multigrid"})

@@ -23,7 +23,7 @@ namespace
 
 
   /**
-   * What a file sets, in the words of the reference.
+   * The parameters that a file sets, as the reference names them.
    */
   void
   collect(const std::filesystem::path &file, std::set<Parameter> &result)

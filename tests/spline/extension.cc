@@ -26,7 +26,7 @@ print_map(const std::vector<std::pair<std::uint64_t, char>> &own,
 
 
 
-// Whether a cell and its neighbours are well-filled, by the drawing.
+// Return whether a cell and its neighbours are well-filled in the drawing.
 bool
 is_core(const std::vector<std::string> &rows, const int x, const int y)
 {

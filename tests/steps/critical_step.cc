@@ -177,7 +177,7 @@ test_main()
                          {"Stress update = MUSL", "FLIP share = 0.5"}),
                  1.3);
 
-  // What the parameter says.
+  // The effect of the parameter.
   const auto outcome = [&](const std::string &what, const std::string &step) {
     Simulated<2> run(full_box(2, "lumped")
                        .with("Time",

@@ -144,7 +144,7 @@ test_main()
       check(mass + ": processes", std::abs(all.first / own.first - 1.), 1e-9);
     }
 
-  // What damping takes does not hide what comes from nothing.
+  // Energy that damping takes does not hide a gain without a source.
   check("the guard sees kicks", guard_warns(true));
   check("no kicks, no warning", !guard_warns(false));
 

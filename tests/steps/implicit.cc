@@ -308,7 +308,7 @@ namespace
 
 
   /**
-   * What a run ends with.
+   * The state at the end of a run.
    */
   std::string
   message_of_run(const Text &text)

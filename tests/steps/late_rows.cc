@@ -15,7 +15,7 @@ namespace
   using Columns = std::vector<std::pair<std::string, double>>;
 
   /**
-   * What energy and work leave open.
+   * Return the difference of energy and work.
    */
   double
   open_balance(const Columns &row)

@@ -168,7 +168,7 @@ test_main()
     run(few.with("Output", {"Earlier results = remove"}), "parts").empty() &&
       !std::filesystem::exists("parts/earlier_6"));
 
-  // What may change, and what may not.
+  // Parameters that may change, and others.
   const Text more = text.with("Time", {"Maximum steps = 16"});
   check_message("a parameter that has changed",
                 resume(more.with("Loads", {"Gravity = 0; -20"}), "parts"),

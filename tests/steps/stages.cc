@@ -317,7 +317,7 @@ namespace
     check("times of fields",
           n == 6 && pvd.find("timestep=\"0\"") != std::string::npos);
 
-    // What has been used gives the same run.
+    // The parameters of the run give the same run.
     std::ifstream     again("stages_out/parameters.prm");
     std::stringstream used;
     used << again.rdbuf();

@@ -14,7 +14,7 @@ namespace
 {
   const MPI_Comm comm = MPI_COMM_WORLD;
 
-  // What goes wrong, in the step after so many.
+  // The fault, in the step after so many.
   std::string            fault;
   constexpr unsigned int n_good_steps = 60;
   bool                   is_wrong_now = false;

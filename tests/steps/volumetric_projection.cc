@@ -150,7 +150,7 @@ namespace
 
 
   /**
-   * What changes its volume evenly is not projected.
+   * A uniform change of volume is not projected.
    */
   void
   check_even_compression()

@@ -21,7 +21,7 @@ namespace
     return std::nan("");
   }
 
-  // What all sources have done, without that of gravity if it is a potential.
+  // The work of all sources, without gravity if it is a potential.
   double
   all_work(const Statistics<2> &row)
   {

@@ -30,7 +30,7 @@ namespace greville
     SolveResult   result;
     /// Error of the solution; empty if it is unknown.
     std::optional<double> error;
-    /// Whether the solver did not converge or could not be set up.
+    /// True if the solver did not converge or could not be set up.
     bool                         has_failed = false;
     double                       assembly = 0., setup = 0., solve = 0.;
     std::optional<unsigned long> peak_bytes;
@@ -45,7 +45,7 @@ namespace greville
     /// Number of functions per class, for extended B-splines.
     unsigned long stable = 0, extended = 0, lumped = 0;
 
-    /// Whether prolongation and coarsening are part of the variant's name.
+    /// True if prolongation or coarsening is part of the variant's name.
     bool names_prolongation = false, names_coarsening = false;
 
     /**

@@ -4,7 +4,6 @@
 #define greville_linear_algebra_upper_triangle_h
 
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 namespace greville
@@ -33,22 +32,6 @@ namespace greville
     }
   };
 
-
-
-  /**
-   * Append a row with the sums of the entries (column, value), which may be in
-   * any order and are sorted. There must be an entry on the diagonal.
-   */
-  void
-  append_row(UpperTriangle                                &matrix,
-             std::vector<std::pair<unsigned int, double>> &row);
-
-  /**
-   * Return the matrix with rows and columns in another order: row k of the
-   * result is row order[k].
-   */
-  UpperTriangle
-  reorder(const UpperTriangle &matrix, const std::vector<unsigned int> &order);
 } // namespace greville
 
 #endif

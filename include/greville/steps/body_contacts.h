@@ -368,9 +368,9 @@ namespace greville
     std::vector<Contact>                contacts;
     std::unique_ptr<PassingBodies<dim>> passing;
     bool are_implicit = false; // steps, at the last set_laws()
-    std::vector<std::uint64_t>
-            points_versions; // of the parts, at the last act()
-    Results now, at_start;
+    // The versions of the parts at the last act().
+    std::vector<std::uint64_t> points_versions;
+    Results                    now, at_start;
 
     std::vector<ContactInterval<dim>> of_interval;
     std::vector<std::string>          all_notes;
