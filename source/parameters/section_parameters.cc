@@ -135,9 +135,9 @@ namespace greville
     SolverParameters::declare(prm);
     add_parameter(prm, "Method", method, Selection(mass_solver_methods()))(
       "Solver of the consistent mass: conjugate gradients for all components "
-      "together, preconditioned by IC(0) (cg-ic0, the fastest), by the cycle "
-      "of 'p-multigrid' (cg-p-multigrid), by the diagonal (cg-jacobi), or not "
-      "at all (cg).");
+      "together, preconditioned by incomplete Cholesky factors (cg-ic0, the "
+      "fastest), by the cycle of 'p-multigrid' (cg-p-multigrid), by the "
+      "diagonal (cg-jacobi), or not at all (cg).");
   }
 
 
