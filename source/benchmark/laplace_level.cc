@@ -90,7 +90,7 @@ namespace greville
                 sums[k] += product;
               }
           }
-        matrix.add_cell(c, sums.data(), n_pairs);
+        matrix.add_cell(c, sums.data());
       }
   }
 

@@ -84,7 +84,7 @@ namespace greville
                       table[pair * n_q + q] * from[(k * n_q + q) * n_done + i];
             from.swap(to);
           }
-        matrix.add_cell(c, from.data(), n_pairs);
+        matrix.add_cell(c, from.data());
       }
   }
 

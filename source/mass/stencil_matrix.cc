@@ -5,131 +5,149 @@
 #include <greville/mass/stencil_matrix.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    /// Numbers behind the entries of a cell that kernels read and write.
+    constexpr unsigned int max_padding = 64;
+  } // namespace
+
+
+
   template <int dim>
   void
   StencilMatrix<dim>::reinit(const SplineSpace<dim> &space)
   {
     spline_space         = &space;
-    const int          p = space.degree();
+    const auto functions = functions_and_images();
+    make_lines(functions);
     const unsigned int n =
       space.owned_functions().size() + space.ghost_functions().size();
-    const unsigned int n_entries = Utilities::fixed_power<dim>(2 * p + 1);
-    half                         = (n_entries + 1) / 2;
+    line_of = ZeroedArray<unsigned int>(n_places);
+    place_of.resize(n);
+    image_places.clear();
+    for (std::size_t k = 0; k < functions.size(); ++k)
+      {
+        const unsigned int line  = line_number(functions[k].index);
+        const unsigned int place = line_begin[line] + functions[k].index[0];
+        line_of[place]           = line;
+        if (k < n)
+          place_of[k] = place;
+        else
+          image_places.emplace_back(functions[k].number, place);
+      }
+    segments.clear();
+    decoupled_places.clear();
+    decoupled_entries.clear();
+    is_decoupled = ZeroedArray<unsigned char>(n_places);
+    values       = ZeroedArray<double>(
+      n_places * Utilities::fixed_power<dim>(space.degree() + 1) + max_padding);
+  }
 
-    // A function or an image, numbered without periodicity.
-    struct Entry
-    {
-      unsigned int         function;
-      std::array<int, dim> index;
-    };
-    std::vector<Entry> entries;
-    entries.reserve(n);
+
+
+  template <int dim>
+  std::vector<typename StencilMatrix<dim>::Function>
+  StencilMatrix<dim>::functions_and_images() const
+  {
+    const SplineSpace<dim> &space = *spline_space;
+    const unsigned int      n =
+      space.owned_functions().size() + space.ghost_functions().size();
+    std::vector<Function> functions;
+    functions.reserve(n);
     for (unsigned int f = 0; f < n; ++f)
       {
         const auto i =
           multi_index<dim>(space.function_position(f), space.n_functions());
-        Entry entry{f, {}};
+        Function function{f, {}};
         for (unsigned int d = 0; d < dim; ++d)
-          entry.index[d] = i[d];
-        entries.push_back(entry);
+          function.index[d] = i[d];
+        functions.push_back(function);
       }
     for (unsigned int d = 0; d < dim; ++d)
       if (space.is_periodic(d))
         {
-          const std::size_t n_entries = entries.size();
-          for (std::size_t k = 0; k < n_entries; ++k)
-            if (entries[k].index[d] < p)
+          const std::size_t n_before = functions.size();
+          for (std::size_t k = 0; k < n_before; ++k)
+            if (functions[k].index[d] < int(space.degree()))
               {
-                entries.push_back(entries[k]);
-                entries.back().index[d] += space.n_functions()[d];
+                functions.push_back(functions[k]);
+                functions.back().index[d] += space.n_functions()[d];
               }
         }
+    return functions;
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::make_lines(const std::vector<Function> &functions)
+  {
+    using Range                 = std::array<int, 2>;
+    constexpr int   largest_int = std::numeric_limits<int>::max();
+    constexpr Range empty       = {{largest_int, -largest_int}};
+    const int       p           = spline_space->degree();
 
     // The box of lines around the functions, extended by p.
-    std::array<int, dim> low, high;
-    low.fill(std::numeric_limits<int>::max());
-    high.fill(std::numeric_limits<int>::min());
-    for (const Entry &entry : entries)
+    std::array<Range, dim> box;
+    box.fill(empty);
+    for (const Function &function : functions)
       for (unsigned int d = 0; d < dim; ++d)
-        {
-          low[d]  = std::min(low[d], entry.index[d] - p);
-          high[d] = std::max(high[d], entry.index[d] + p);
-        }
-    const int n_y = n == 0 ? 0 : high[1] - low[1] + 1;
-    const int n_z = dim == 2 || n == 0 ? 1 : high[dim - 1] - low[dim - 1] + 1;
-    n_lines_y     = n_y;
-
+        box[d] = {{std::min(box[d][0], function.index[d] - p),
+                   std::max(box[d][1], function.index[d] + p)}};
+    const auto size = [&](const unsigned int d) {
+      return functions.empty() ? 0 : box[d][1] - box[d][0] + 1;
+    };
+    for (unsigned int d = 0; d < dim; ++d)
+      lowest[d] = box[d][0];
+    n_lines_y = size(1);
     neighbor_lines.clear();
     for (int dz = (dim == 3 ? -p : 0); dz <= (dim == 3 ? p : 0); ++dz)
       for (int dy = -p; dy <= p; ++dy)
-        neighbor_lines.push_back(dz * n_y + dy);
+        neighbor_lines.push_back(dz * int(n_lines_y) + dy);
 
     // The range of x in each line, and the range that the rows of neighbouring
     // lines reach.
-    std::vector<std::array<int, 2>> own(n_y * n_z,
-                                        {{std::numeric_limits<int>::max(),
-                                          std::numeric_limits<int>::min()}});
-    const auto                      line_number = [&](const Entry &entry) {
-      return unsigned(
-        entry.index[1] - low[1] +
-        (dim == 3 ? (entry.index[dim - 1] - low[dim - 1]) * n_y : 0));
-    };
-    for (const Entry &entry : entries)
+    std::vector<Range> own(size(1) * (dim == 3 ? size(dim - 1) : 1), empty);
+    for (const Function &function : functions)
       {
-        auto &range = own[line_number(entry)];
-        range[0]    = std::min(range[0], entry.index[0]);
-        range[1]    = std::max(range[1], entry.index[0]);
+        Range &range = own[line_number(function.index)];
+        range        = {{std::min(range[0], function.index[0]),
+                         std::max(range[1], function.index[0])}};
       }
     auto reached = own;
     for (unsigned int line = 0; line < own.size(); ++line)
       if (own[line][0] <= own[line][1])
         for (const int offset : neighbor_lines)
           {
-            auto &range = reached[line + offset];
-            range[0]    = std::min(range[0], own[line][0] - p);
-            range[1]    = std::max(range[1], own[line][1] + p);
+            Range &range = reached[line + offset];
+            range        = {{std::min(range[0], own[line][0] - p),
+                             std::max(range[1], own[line][1] + p)}};
           }
-    line_begin.assign(own.size(), 0);
+
     n_places = 0;
+    line_begin.assign(own.size(), 0);
+    line_places.assign(own.size(), 0);
+    line_size.assign(own.size(), 0);
+    entries_begin.assign(own.size(), 0);
     for (unsigned int line = 0; line < own.size(); ++line)
       if (reached[line][0] <= reached[line][1])
         {
-          line_begin[line] = int(n_places) - reached[line][0];
-          n_places += reached[line][1] - reached[line][0] + 1;
-          AssertThrow(n_places < std::size_t(std::numeric_limits<int>::max()),
+          line_begin[line]    = int(n_places) - reached[line][0];
+          line_places[line]   = n_places;
+          line_size[line]     = reached[line][1] - reached[line][0] + 1;
+          entries_begin[line] = n_places * Utilities::fixed_power<dim>(p + 1);
+          n_places += line_size[line];
+          AssertThrow(n_places < std::size_t(largest_int),
                       ExcMessage("A process has more coefficients than an "
                                  "integer can count."));
         }
-
-    place_of.resize(n);
-    lines.resize(n);
-    image_places.clear();
-    image_lines.clear();
-    for (std::size_t k = 0; k < entries.size(); ++k)
-      {
-        const unsigned int line  = line_number(entries[k]);
-        const unsigned int place = line_begin[line] + entries[k].index[0];
-        if (k < n)
-          {
-            place_of[k] = place;
-            lines[k]    = line;
-          }
-        else
-          {
-            image_places.emplace_back(entries[k].function, place);
-            image_lines.push_back(line);
-          }
-      }
-    segments.clear();
-    values  = ZeroedArray<double>(n_places * half);
-    line_of = ZeroedArray<unsigned int>(n_places);
   }
 
 
@@ -139,28 +157,27 @@ namespace greville
   StencilMatrix<dim>::set_rows(const std::vector<unsigned int> &functions)
   {
     clear();
-    std::vector<std::pair<unsigned int, unsigned int>> rows;
+    std::vector<unsigned int> rows;
     rows.reserve(functions.size());
     for (const unsigned int f : functions)
-      rows.emplace_back(place_of[f], lines[f]);
+      rows.push_back(place_of[f]);
     if (!image_places.empty())
       {
         std::vector<bool> has_row(place_of.size(), false);
         for (const unsigned int f : functions)
           has_row[f] = true;
-        for (unsigned int k = 0; k < image_places.size(); ++k)
-          if (has_row[image_places[k].first])
-            rows.emplace_back(image_places[k].second, image_lines[k]);
+        for (const auto &[f, place] : image_places)
+          if (has_row[f])
+            rows.push_back(place);
       }
     if (!std::is_sorted(rows.begin(), rows.end()))
       std::sort(rows.begin(), rows.end());
     segments.clear();
-    for (const auto &row : rows)
+    for (const unsigned int place : rows)
       {
-        if (segments.empty() || segments.back().end != row.first)
-          segments.push_back({row.first, row.first, row.second});
+        if (segments.empty() || segments.back().end != place)
+          segments.push_back({place, place, line_of[place]});
         ++segments.back().end;
-        line_of[row.first] = row.second;
       }
   }
 
@@ -170,90 +187,54 @@ namespace greville
   void
   StencilMatrix<dim>::clear()
   {
+    const unsigned int n = spline_space->degree() + 1;
     for (const Segment &segment : segments)
-      std::fill(values.data() + std::size_t(segment.begin) * half,
-                values.data() + std::size_t(segment.end) * half,
-                0.);
+      for (unsigned int k = 0; k < Utilities::fixed_power<dim - 1>(n); ++k)
+        std::fill_n(values.data() + first_entry(segment.begin) +
+                      std::size_t(k) * line_size[segment.line] * n,
+                    (segment.end - segment.begin) * n,
+                    0.);
+    for (const unsigned int place : decoupled_places)
+      is_decoupled[place] = 0;
+    decoupled_places.clear();
+    decoupled_entries.clear();
   }
 
 
 
   template <int dim>
   void
-  StencilMatrix<dim>::add_cell(const unsigned int cell,
-                               const double      *sums,
-                               const unsigned int stride)
+  StencilMatrix<dim>::add_cell(const unsigned int cell, const double *sums)
   {
-    with_order(spline_space->degree(), [&](const auto n) {
-      add_cell_of_order<decltype(n)::value>(cell, sums, stride);
-    });
+    const unsigned int n   = spline_space->degree() + 1;
+    const unsigned int n_z = dim == 3 ? n : 1;
+    for (unsigned int a_z = 0; a_z < n_z; ++a_z)
+      for (unsigned int b_z = a_z; b_z < n_z; ++b_z)
+        for (unsigned int a_y = 0; a_y < n; ++a_y)
+          for (unsigned int b_y = a_y; b_y < n; ++b_y)
+            {
+              const CellLine line = cell_line(cell, a_z * n + a_y);
+              double        *to =
+                line.begin + ((b_z - a_z) * n + b_y - a_y) * line.stride;
+              for (unsigned int a_x = 0; a_x < n; ++a_x)
+                for (unsigned int dx = 0; dx < n - a_x; ++dx)
+                  to[a_x * n + dx] += *sums++;
+            }
   }
 
 
 
-  namespace
-  {
-    /**
-     * Return the number of the pair (a, b), in any order, among the pairs of n
-     * functions.
-     */
-    template <int n>
-    constexpr int
-    pair_number(const int a, const int b)
-    {
-      return a <= b ? a * n - a * (a - 1) / 2 + (b - a) : pair_number<n>(b, a);
-    }
-  } // namespace
-
-
-
   template <int dim>
-  template <int n>
-  void
-  StencilMatrix<dim>::add_cell_of_order(const unsigned int cell,
-                                        const double      *sums,
-                                        const unsigned int stride)
+  unsigned int
+  StencilMatrix<dim>::n_equal(unsigned int distance) const
   {
-    constexpr int p       = n - 1;
-    constexpr int length  = 2 * p + 1;
-    constexpr int n_pairs = n * (n + 1) / 2;
-    constexpr int n_z     = dim == 3 ? n : 1;
-
-    for (int a_z = 0; a_z < n_z; ++a_z)
-      for (int a_y = 0; a_y < n; ++a_y)
-        {
-          // Functions of a line have consecutive places.
-          const std::size_t row = cell_place(cell, 0, a_z * n + a_y);
-          for (int b_z = a_z; b_z < n_z; ++b_z)
-            for (int b_y = b_z == a_z ? a_y : 0; b_y < n; ++b_y)
-              {
-                const double *from =
-                  sums +
-                  stride *
-                    (pair_number<n>(a_y, b_y) +
-                     (dim == 3 ? pair_number<n>(a_z, b_z) * n_pairs : 0));
-                const bool same = b_z == a_z && b_y == a_y;
-                const int entry = ((b_z - a_z) * length + (b_y - a_y)) * length;
-#pragma GCC unroll 6
-                for (int a_x = 0; a_x < n; ++a_x)
-                  {
-                    double *to =
-                      values.data() + (row + a_x) * half + entry - a_x;
-                    if (same)
-                      {
-#pragma GCC unroll 6
-                        for (int b_x = a_x; b_x < n; ++b_x)
-                          to[b_x] += from[pair_number<n>(a_x, b_x)];
-                      }
-                    else
-                      {
-#pragma GCC unroll 6
-                        for (int b_x = 0; b_x < n; ++b_x)
-                          to[b_x] += from[pair_number<n>(a_x, b_x)];
-                      }
-                  }
-              }
-        }
+    unsigned int result = 1;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        result *= distance % (spline_space->degree() + 1) != 0 ? 2 : 1;
+        distance /= spline_space->degree() + 1;
+      }
+    return std::max(1u, result / 2);
   }
 
 
@@ -263,24 +244,30 @@ namespace greville
   StencilMatrix<dim>::add_cell(const unsigned int        cell,
                                const FullMatrix<double> &matrix)
   {
-    const int          n        = spline_space->degree() + 1;
-    const int          length   = 2 * n - 1;
+    const unsigned int n        = spline_space->degree() + 1;
     const unsigned int n_in_all = matrix.m();
     AssertThrow(n_in_all == spline_space->n_dofs_per_cell(),
                 ExcDimensionMismatch(n_in_all,
                                      spline_space->n_dofs_per_cell()));
+    MultiIndex<dim> extents;
+    extents.fill(n);
     for (unsigned int a = 0; a < n_in_all; ++a)
-      {
-        double *row =
-          values.data() + std::size_t(cell_place(cell, a % n, a / n)) * half;
-        for (unsigned int b = a; b < n_in_all; ++b)
-          {
-            const int line_a = a / n, line_b = b / n;
-            const int lines =
-              (line_b / n - line_a / n) * length + (line_b % n - line_a % n);
-            row[lines * length + int(b % n) - int(a % n)] += matrix(a, b);
-          }
-      }
+      for (unsigned int b = a; b < n_in_all; ++b)
+        {
+          const auto   i     = multi_index<dim>(a, extents);
+          const auto   j     = multi_index<dim>(b, extents);
+          unsigned int lower = 0, distance = 0;
+          for (int d = dim - 1; d >= 0; --d)
+            {
+              lower = lower * n + std::min(i[d], j[d]);
+              distance =
+                distance * n + std::max(i[d], j[d]) - std::min(i[d], j[d]);
+            }
+          const CellLine line = cell_line(cell, lower / n);
+          line
+            .begin[distance / n * line.stride + lower % n * n + distance % n] +=
+            matrix(a, b) / n_equal(distance);
+        }
   }
 
 
@@ -289,13 +276,15 @@ namespace greville
   void
   StencilMatrix<dim>::decouple(const unsigned int i)
   {
-    for_each_place(i, [&](const unsigned int j, const std::size_t e) {
-      if (j == i || values[e] == 0.)
+    for_each_entry(i, [&](const unsigned int j, const double value) {
+      if (j == i)
         return;
-      values[std::size_t(i) * half] += values[e];
-      values[std::size_t(j) * half] += values[e];
-      values[e] = 0.;
+      values[first_entry(i)] += value;
+      values[first_entry(j)] += value;
+      decoupled_entries.push_back({i, j, value});
     });
+    is_decoupled[i] = 1;
+    decoupled_places.push_back(i);
   }
 
 
@@ -304,7 +293,17 @@ namespace greville
   void
   StencilMatrix<dim>::lump()
   {
-    for_each_row([&](const unsigned int i) { decouple(i); });
+    std::vector<std::pair<unsigned int, double>> sums;
+    for_each_row([&](const unsigned int i) {
+      double sum = 0.;
+      for_each_entry(i, [&](const unsigned int, const double value) {
+        sum += value;
+      });
+      sums.emplace_back(i, sum);
+    });
+    clear();
+    for (const auto &[i, sum] : sums)
+      values[first_entry(i)] = sum;
   }
 
 
@@ -314,7 +313,7 @@ namespace greville
   StencilMatrix<dim>::raise_diagonal(const unsigned int place,
                                      const double       smallest)
   {
-    double &entry = values[std::size_t(place) * half];
+    double &entry = values[first_entry(place)];
     entry         = std::max(entry, smallest);
   }
 
@@ -324,8 +323,8 @@ namespace greville
   void
   StencilMatrix<dim>::get_row(const unsigned int i, double *stencil) const
   {
-    for_each_place(i, [&](const unsigned int, const std::size_t entry) {
-      *stencil++ = values[entry];
+    for_each_place(i, [&](const unsigned int j, const std::size_t e) {
+      *stencil++ = is_coupled(i, j) ? values[e] : 0.;
     });
   }
 
@@ -333,11 +332,26 @@ namespace greville
 
   template <int dim>
   void
-  StencilMatrix<dim>::set_row(const unsigned int i, const double *stencil)
+  StencilMatrix<dim>::add_row(const unsigned int i, const double *stencil)
   {
-    std::copy_n(stencil + half - 1,
-                half,
-                values.data() + std::size_t(i) * half);
+    const int p  = spline_space->degree();
+    int       dx = -p, dy = -p, dz = dim == 3 ? -p : 0;
+    for_each_place(i, [&](const unsigned int j, const std::size_t e) {
+      if (j >= i)
+        values[e] +=
+          *stencil / n_equal((std::abs(dz) * (p + 1) + std::abs(dy)) * (p + 1) +
+                             std::abs(dx));
+      ++stencil;
+      if (++dx > p)
+        {
+          dx = -p;
+          if (++dy > p)
+            {
+              dy = -p;
+              ++dz;
+            }
+        }
+    });
   }
 
 
@@ -360,111 +374,96 @@ namespace greville
   namespace
   {
     /**
-     * The products of a row and of its column, line by line, with the entry x_i
-     * of the row and the sum of its products.
+     * The numbers at a place. Three numbers are loaded and stored as four, of
+     * which the last one is zero.
      */
     template <int width>
-    class LineOfEntries
+    struct Place
     {
-    public:
-      LineOfEntries(const double *x_i)
-        : own(load<Vector>(x_i))
-        , sum(0.)
-      {}
+      static constexpr int size = width == 3 ? 4 : width;
+      using Vector              = FixedSimd<double, size>;
 
-      /// Compute sum += m x and y += m^T x_i for @p size consecutive entries.
-      template <int size>
-      inline __attribute__((always_inline)) void
-      multiply(const double *entries, const double *x, double *y)
+      static Vector
+      load(const double *address)
       {
-#pragma GCC unroll 11
-        for (int k = 0; k < size; ++k)
-          {
-            const Vector entry = entries[k];
-            sum += entry * load<Vector>(x + k * width);
-            store(load<Vector>(y + k * width) + entry * own, y + k * width);
-          }
+        Vector value = greville::load<Vector>(address);
+        if constexpr (width < size)
+          value[width] = 0.;
+        return value;
       }
 
-      void
-      add_to(double *y_i, const double diagonal) const
+      static void
+      add(const Vector &value, double *address)
       {
-        store(load<Vector>(y_i) + sum + diagonal * own, y_i);
+        store(greville::load<Vector>(address) + value, address);
       }
-
-    private:
-      using Vector = FixedSimd<double, width>;
-
-      const Vector own;
-      Vector       sum;
     };
 
 
 
     /**
-     * Vectors with three numbers per place are processed in vectors of four
-     * numbers without gaps, so that each line is loaded and stored once. Lanes
-     * beyond the line get zero.
+     * For the entries U[x * n + dx] between lines and lines at a distance,
+     * compute y_l += U x_m and y_l += U^T x_m for the pairs l + m = n_lines - 1
+     * of lines. A window of n places moves along the lines.
      */
-    template <>
-    class LineOfEntries<3>
+    template <int n, int width, int n_lines>
+    inline void
+    multiply_lines(double *const       *y,
+                   const double *const *x,
+                   const double        *U,
+                   const unsigned int   size)
     {
-    public:
-      LineOfEntries(const double *x_i)
-      {
-        for (int r = 0; r < 3; ++r)
+      using Values = typename Place<width>::Vector;
+      Values from[n_lines][n], sums[n_lines][n];
+#pragma GCC unroll 4
+      for (int l = 0; l < n_lines; ++l)
+#pragma GCC unroll 6
+        for (int k = 0; k < n; ++k)
           {
-            sums[r] = Vector{};
-            own[r] = Vector{x_i[r], x_i[(r + 1) % 3], x_i[(r + 2) % 3], x_i[r]};
+            sums[l][k] = 0.;
+            if (k + 1 < n)
+              from[l][k + 1] = Place<width>::load(x[l] + k * width);
           }
-      }
-
-      template <int size>
-      inline __attribute__((always_inline)) void
-      multiply(const double *entries, const double *x, double *y)
-      {
-        multiply<size, 0>(entries, x, y);
-      }
-
-      void
-      add_to(double *y_i, const double diagonal) const
-      {
-        double sum[3] = {};
-        for (int r = 0; r < 3; ++r)
-          for (int lane = 0; lane < 4; ++lane)
-            sum[(r + lane) % 3] += sums[r][lane];
-        for (int c = 0; c < 3; ++c)
-          y_i[c] += sum[c] + diagonal * own[0][c];
-      }
-
-    private:
-      typedef double Vector __attribute__((vector_size(32)));
-
-      template <int size, int first>
-      inline __attribute__((always_inline)) void
-      multiply(const double *entries, const double *x, double *y)
-      {
-        if constexpr (first < 3 * size)
-          {
-            constexpr int r = first % 3, k = first / 3;
-            const double  next = k + 1 < size ? entries[k + 1] : 0.;
-            const Vector  here = {entries[k], entries[k], entries[k], 0.},
-                         ahead = {0., next, next, next},
-                         m     = __builtin_shufflevector(
-                           here, ahead, 0, r < 2 ? 1 : 5, r < 1 ? 2 : 6, 7);
-            Vector from, to;
-            std::memcpy(&from, x + first, sizeof(Vector));
-            std::memcpy(&to, y + first, sizeof(Vector));
-            sums[r] += m * from;
-            to += m * own[r];
-            std::memcpy(y + first, &to, sizeof(Vector));
-            multiply<size, first + 4>(entries, x, y);
-          }
-      }
-
-      // Vectors that begin with component r.
-      Vector own[3], sums[3];
-    };
+      for (unsigned int i = 0; i < size; ++i, U += n)
+        {
+#pragma GCC unroll 4
+          for (int l = 0; l < n_lines; ++l)
+            {
+#pragma GCC unroll 6
+              for (int k = 0; k + 1 < n; ++k)
+                from[l][k] = from[l][k + 1];
+              from[l][n - 1] =
+                Place<width>::load(x[l] + std::size_t(i + n - 1) * width);
+            }
+#pragma GCC unroll 6
+          for (int dx = 0; dx < n; ++dx)
+            {
+              const Values entry = U[dx];
+#pragma GCC unroll 4
+              for (int l = 0; l < n_lines; ++l)
+                {
+                  const auto &values = from[n_lines - 1 - l];
+                  sums[l][0] += entry * values[dx];
+                  if (dx > 0)
+                    sums[l][dx] += entry * values[0];
+                }
+            }
+#pragma GCC unroll 4
+          for (int l = 0; l < n_lines; ++l)
+            {
+              Place<width>::add(sums[l][0], y[l] + std::size_t(i) * width);
+#pragma GCC unroll 6
+              for (int k = 0; k + 1 < n; ++k)
+                sums[l][k] = sums[l][k + 1];
+              sums[l][n - 1] = 0.;
+            }
+        }
+#pragma GCC unroll 4
+      for (int l = 0; l < n_lines; ++l)
+#pragma GCC unroll 6
+        for (int k = 0; k + 1 < n; ++k)
+          Place<width>::add(sums[l][k], y[l] + std::size_t(size + k) * width);
+    }
   } // namespace
 
 
@@ -474,36 +473,50 @@ namespace greville
   void
   StencilMatrix<dim>::multiply(double *y, const double *x) const
   {
-    using Line           = LineOfEntries<width>;
-    constexpr int p      = n - 1;
-    constexpr int length = 2 * p + 1;
-
     for (const Segment &segment : segments)
       std::fill(y + std::size_t(segment.begin) * width,
                 y + std::size_t(segment.end) * width,
                 0.);
-    const unsigned int n_lines = neighbor_lines.size();
-    int                distances[length * length];
+    // Places at a time, whose numbers stay in the cache.
+    constexpr unsigned int n_at_once = 64;
     for (const Segment &segment : segments)
-      {
-        unsigned int n_ahead = 0;
-        for (unsigned int k = n_lines / 2 + 1; k < n_lines; ++k)
-          distances[n_ahead++] = (distance(segment.line, k) - p) * width;
-        for (unsigned int i = segment.begin; i < segment.end; ++i)
-          {
-            const double *row = values.data() + std::size_t(i) * half;
-            const double *x_i = x + std::size_t(i) * width;
-            double       *y_i = y + std::size_t(i) * width;
-            Line          line(x_i);
-            line.template multiply<p>(row + 1, x_i + width, y_i + width);
-            const double *entries = row + n;
-            for (unsigned int k = 0; k < n_ahead; ++k, entries += length)
-              line.template multiply<length>(entries,
-                                             x_i + distances[k],
-                                             y_i + distances[k]);
-            line.add_to(y_i, row[0]);
-          }
-      }
+      for (unsigned int i = segment.begin; i < segment.end; i += n_at_once)
+        {
+          const unsigned int size   = std::min(n_at_once, segment.end - i);
+          const double      *row    = values.data() + first_entry(i);
+          const std::size_t  stride = std::size_t(line_size[segment.line]) * n;
+          for (int dz = 0; dz < (dim == 3 ? n : 1); ++dz)
+            for (int dy = 0; dy < n; ++dy, row += stride)
+              {
+                double       *to[4];
+                const double *from[4];
+                const int     n_y     = dy > 0 ? 2 : 1;
+                const int     n_lines = dz > 0 ? 2 * n_y : n_y;
+                for (int l = 0; l < n_lines; ++l)
+                  {
+                    const std::ptrdiff_t place =
+                      std::ptrdiff_t(i) - line_begin[segment.line] +
+                      line_begin[segment.line + l % n_y * dy +
+                                 l / n_y * dz * n_lines_y];
+                    to[l]   = y + place * width;
+                    from[l] = x + place * width;
+                  }
+                if (n_lines == 4)
+                  multiply_lines<n, width, 4>(to, from, row, size);
+                else if (n_lines == 2)
+                  multiply_lines<n, width, 2>(to, from, row, size);
+                else
+                  multiply_lines<n, width, 1>(to, from, row, size);
+              }
+        }
+    for (const auto &[i, j, value] : decoupled_entries)
+      for (unsigned int c = 0; c < width; ++c)
+        {
+          y[std::size_t(i) * width + c] -=
+            value * x[std::size_t(j) * width + c];
+          y[std::size_t(j) * width + c] -=
+            value * x[std::size_t(i) * width + c];
+        }
   }
 
 

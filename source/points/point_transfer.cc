@@ -149,12 +149,12 @@ namespace greville
   namespace
   {
     /**
-     * sum[k] += sum_p factors[k][p] x[p] for vectors sum[k] and x[p] that are
-     * @p stride numbers apart.
+     * Add the products of two tables to sums: sums[k] += sum_p factors[k][p]
+     * x[p], for vectors x[p] at a distance @p stride.
      */
     template <int n, int stride>
     inline void
-    add_products(double *sum,
+    add_products(double *const (&sums)[n],
                  const double (&factors)[n][simd_width],
                  const double *x)
     {
@@ -169,7 +169,7 @@ namespace greville
           Simd part[n_sums];
 #pragma GCC unroll 7
           for (int k = 0; k < n_sums; ++k)
-            part[k] = load(sum + (first + k) * stride);
+            part[k] = load(sums[first + k]);
 #pragma GCC unroll 8
           for (unsigned int p = 0; p < simd_width; ++p)
             {
@@ -180,7 +180,7 @@ namespace greville
             }
 #pragma GCC unroll 7
           for (int k = 0; k < n_sums; ++k)
-            store(part[k], sum + (first + k) * stride);
+            store(part[k], sums[first + k]);
         }
     }
 
@@ -188,8 +188,9 @@ namespace greville
 
     /**
      * Add the mass matrices of the cells: for all pairs of functions in each
-     * direction sum_p m_p N_a N_b. Shape functions have points in the lanes,
-     * the sums have pairs in x, so that they need not be added up over lanes.
+     * direction sum_p m_p N_a N_b. Shape functions have points in the lanes.
+     * The sums have the entries of a line of the cell in the lanes, as the
+     * matrix has, so that they need not be added up over lanes.
      */
     template <int dim, int n>
     void
@@ -197,22 +198,22 @@ namespace greville
               const SpacePolynomials<dim> &tables,
               StencilMatrix<dim>          &matrix)
     {
-      using Layout           = PointLayout<dim>;
-      constexpr int n_pairs  = n * (n + 1) / 2;
-      constexpr int n_outer  = dim == 3 ? n_pairs : 1;
-      constexpr int width    = simd_width;
-      constexpr int n_blocks = (n_pairs + width - 1) / width;
-      constexpr int stride   = n_blocks * width;
+      using Layout          = PointLayout<dim>;
+      constexpr int n_pairs = n * (n + 1) / 2;
+      constexpr int n_z     = dim == 3 ? n : 1;
+      constexpr int width   = simd_width;
+      constexpr int stride  = ((n - 1) * n + width) / width * width;
 
-      std::vector<double> sums(n_outer * n_pairs * stride);
-      double              factors[n_pairs][width];       // m N_y N_y N_z N_z
-      double              pairs_x[width][stride] = {{}}; // N_x N_x of a point
-      const std::vector<unsigned int> &cells     = points.cells();
+      double factors[n_pairs][width];                // m N_y N_y N_z N_z
+      double pairs_x[width][stride]          = {{}}; // N_x N_x of a point
+      const std::vector<unsigned int> &cells = points.cells();
       for (std::size_t c = 0; c < cells.size(); ++c)
         {
-          const unsigned int         cell = cells[c];
-          const CellGeometry<dim, n> geometry(tables, cell);
-          std::fill(sums.begin(), sums.end(), 0.);
+          const unsigned int                    cell = cells[c];
+          const CellGeometry<dim, n>            geometry(tables, cell);
+          typename StencilMatrix<dim>::CellLine lines[n_z * n];
+          for (int line = 0; line < n_z * n; ++line)
+            lines[line] = matrix.cell_line(cell, line);
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g))
@@ -225,36 +226,44 @@ namespace greville
               shape.template evaluate<false>(geometry, x);
               const Simd m = load(group + Layout::mass * simd_width);
 
-              Simd pairs[dim][n_pairs];
-#pragma GCC unroll 3
-              for (int d = 0; d < dim; ++d)
-                {
-                  int k = 0;
 #pragma GCC unroll 6
-                  for (int a = 0; a < n; ++a)
+              for (int a = 0; a < n; ++a)
 #pragma GCC unroll 6
-                    for (int b = a; b < n; ++b)
-                      pairs[d][k++] = shape.N[d][a] * shape.N[d][b];
-                }
-              for (int k = 0; k < n_pairs; ++k)
-                for (int point = 0; point < width; ++point)
-                  pairs_x[point][k] = pairs[0][k][point];
-              for (int z = 0; z < n_outer; ++z)
-                {
-                  const Simd m_z = dim == 3 ? m * pairs[dim - 1][z] : m;
-                  for (int y = 0; y < n_pairs; ++y)
-                    store(m_z * pairs[1][y], factors[y]);
-                  for (int block = 0; block < n_blocks; ++block)
-                    {
-                      double *sum = sums.data() + z * n_pairs * stride +
-                                    std::size_t(block) * width;
-                      add_products<n_pairs, stride>(sum,
-                                                    factors,
-                                                    pairs_x[0] + block * width);
-                    }
-                }
+                for (int dx = 0; dx < n - a; ++dx)
+                  {
+                    const Simd pair = shape.N[0][a] * shape.N[0][a + dx];
+                    for (int point = 0; point < width; ++point)
+                      pairs_x[point][a * n + dx] = pair[point];
+                  }
+              for (int a_z = 0; a_z < n_z; ++a_z)
+                for (int b_z = a_z; b_z < n_z; ++b_z)
+                  {
+                    const Simd m_z = dim == 3 ? m * shape.N[dim - 1][a_z] *
+                                                  shape.N[dim - 1][b_z]
+                                              : m;
+                    double    *sums[n_pairs];
+                    int        k = 0;
+#pragma GCC unroll 6
+                    for (int a = 0; a < n; ++a)
+#pragma GCC unroll 6
+                      for (int b = a; b < n; ++b, ++k)
+                        {
+                          store(m_z * shape.N[1][a] * shape.N[1][b],
+                                factors[k]);
+                          const auto &line = lines[a_z * n + a];
+                          sums[k]          = line.begin +
+                                    ((b_z - a_z) * n + b - a) * line.stride;
+                        }
+                    for (int block = 0; block < stride; block += width)
+                      {
+                        add_products<n_pairs, stride>(sums,
+                                                      factors,
+                                                      pairs_x[0] + block);
+                        for (double *&sum : sums)
+                          sum += width;
+                      }
+                  }
             }
-          matrix.add_cell(cell, sums.data(), stride);
         }
     }
   } // namespace

@@ -163,6 +163,7 @@ namespace greville
     unsigned int        n    = 0;
     for (unsigned int c = 0; c < dim; ++c)
       n += (components >> c) & 1;
+    scalar.clear();
     matrix->for_each_row([&](const unsigned int i) {
       const Number *entries = row(i);
       for (unsigned int k = 0; k < n_lines; ++k)
@@ -175,7 +176,7 @@ namespace greville
             half[k * length + x] =
               (k == 0 && x == length / 2 ? 2. : 1.) * sum / n;
           }
-      scalar.set_row(i, stencil.data());
+      scalar.add_row(i, stencil.data());
     });
   }
 

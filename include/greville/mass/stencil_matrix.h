@@ -11,11 +11,15 @@
 namespace greville
 {
   /**
-   * The part of a symmetric matrix @f$ M_{ij} @f$ that the cells of this
-   * process contribute, for functions with @f$ |i_d - j_d| \le p @f$ in each
-   * direction: the mass matrix is the sum over all processes. A row is a
-   * stencil of @f$ (2 p + 1)^\text{dim} @f$ entries; its half with j >= i in
-   * lexicographic order is stored, without column numbers.
+   * The part of a matrix @f$ M_{ij} @f$ that the cells of this process
+   * contribute, for functions with @f$ |i_d - j_d| \le p @f$ in each direction:
+   * the mass matrix is the sum over all processes. The matrix is symmetric in
+   * each direction separately, as sums @f$ \sum_p m_p N_i(x_p) N_j(x_p) @f$
+   * over products of splines are: @f$ M_{ij} @f$ depends on @f$ \min(i_d, j_d)
+   * @f$ and @f$ |i_d - j_d| @f$ only. The row of the function min(i, j) stores
+   * these @f$ (p + 1)^\text{dim} @f$ entries, without column numbers. Entries
+   * of another symmetric matrix are replaced by the mean of those that share a
+   * number, which leaves out what is antisymmetric in a direction.
    *
    * Functions have *places* in memory: the functions of a line in x have
    * consecutive places, padded such that neighbours are found by arithmetic
@@ -70,11 +74,33 @@ namespace greville
                const unsigned int x,
                const unsigned int line) const
     {
-      const unsigned int n     = spline_space->degree() + 1;
-      const unsigned int first = spline_space->cell_functions(cell)[0];
-      const unsigned int start = lines[first];
+      const unsigned int n = spline_space->degree() + 1;
+      const unsigned int first =
+        place_of[spline_space->cell_functions(cell)[0]];
+      const unsigned int start = line_of[first];
       return line_begin[start + line % n + line / n * n_lines_y] + x +
-             (place_of[first] - line_begin[start]);
+             (first - line_begin[start]);
+    }
+
+    /**
+     * The entries of the functions of a line of a cell: x = 0, 1, ..., with a
+     * line at distance number k = dy + dz (p + 1), for the distances dx = 0,
+     * ..., p in x, are begin[k * stride + x * (p + 1) + dx].
+     */
+    struct CellLine
+    {
+      double     *begin;
+      std::size_t stride;
+    };
+
+    /// Return the entries of a @p line of cell_place().
+    CellLine
+    cell_line(const unsigned int cell, const unsigned int line)
+    {
+      const unsigned int place = cell_place(cell, 0, line);
+      const unsigned int n     = spline_space->degree() + 1;
+      return {values.data() + first_entry(place),
+              line_size[line_of[place]] * n};
     }
 
     /// Return the images of local functions: function and place.
@@ -102,17 +128,14 @@ namespace greville
      * Add the mass matrix of an owned cell. With the pairs (a, b), a <= b, of
      * its functions in one direction, numbered (0, 0), (0, 1), ..., (1, 1),
      * ..., @p sums contains @f$ \sum_p m_p N_a(x_p) N_b(x_p) @f$ for all
-     * combinations of pairs of the directions, x fastest, with @p stride
-     * numbers for x.
+     * combinations of pairs of the directions, x fastest.
      */
     void
-    add_cell(const unsigned int cell,
-             const double      *sums,
-             const unsigned int stride);
+    add_cell(const unsigned int cell, const double *sums);
 
     /**
-     * Add any symmetric @p matrix of the (p + 1)^dim functions of an owned
-     * cell.
+     * Add a symmetric @p matrix of the (p + 1)^dim functions of an owned cell,
+     * of which the entries (a, b), a <= b, are read.
      */
     void
     add_cell(const unsigned int cell, const dealii::FullMatrix<double> &matrix);
@@ -137,7 +160,7 @@ namespace greville
     double
     diagonal(const unsigned int place) const
     {
-      return values[std::size_t(place) * half];
+      return values[first_entry(place)];
     }
 
     /**
@@ -153,8 +176,9 @@ namespace greville
     for_each_upper_entry(const unsigned int i, const Visit &visit) const;
 
     /**
-     * Call visit(j, e) for all places j of the full stencil of row @p i, where
-     * e is the number of the stored entry M_ij.
+     * Call visit(j, e) for all places j of the full stencil of row @p i,
+     * ascending, where e is the number of the stored entry. Entries of
+     * decoupled functions are stored, but count as zero.
      */
     template <typename Visit>
     void
@@ -187,12 +211,13 @@ namespace greville
         });
     }
 
-    /// Return the full stencil of a row; set_row() stores its half with j >= i.
+    /// Return the full stencil of a row, [line][x].
     void
     get_row(const unsigned int i, double *stencil) const;
 
+    /// Add the entries with j >= i of a full stencil.
     void
-    set_row(const unsigned int i, const double *stencil);
+    add_row(const unsigned int i, const double *stencil);
 
     /**
      * Compute y = M x for @p width (1, 2, 3, 4 or 8) interleaved vectors, which
@@ -211,11 +236,39 @@ namespace greville
       unsigned int line;
     };
 
-    template <int n>
+    /// An entry M_ij that is stored but counts as zero.
+    struct DecoupledEntry
+    {
+      unsigned int i, j;
+      double       value;
+    };
+
+    /// A function or an image, numbered without periodicity.
+    struct Function
+    {
+      unsigned int         number;
+      std::array<int, dim> index;
+    };
+
+    std::vector<Function>
+    functions_and_images() const;
+
+    /// Set the lines in a box around functions, and their places.
     void
-    add_cell_of_order(const unsigned int cell,
-                      const double      *sums,
-                      const unsigned int stride);
+    make_lines(const std::vector<Function> &functions);
+
+    unsigned int
+    line_number(const std::array<int, dim> &index) const
+    {
+      return index[1] - lowest[1] +
+             (dim == 3 ? (index[dim - 1] - lowest[dim - 1]) * int(n_lines_y)
+                       : 0);
+    }
+
+    /// for_each_place(), or for j >= i only.
+    template <bool upper, typename Visit>
+    void
+    visit_places(const unsigned int i, const Visit &visit) const;
 
     template <int n, int width>
     void
@@ -231,24 +284,52 @@ namespace greville
       return line_begin[line + neighbor_lines[k]] - line_begin[line];
     }
 
+    /// Return the number of the diagonal entry of a place.
+    std::size_t
+    first_entry(const unsigned int place) const
+    {
+      const unsigned int line = line_of[place];
+      return entries_begin[line] +
+             (place - line_places[line]) * (spline_space->degree() + 1);
+    }
+
+    /// Return whether a stored entry counts.
+    bool
+    is_coupled(const unsigned int i, const unsigned int j) const
+    {
+      return decoupled_places.empty() || i == j ||
+             !(is_decoupled[i] || is_decoupled[j]);
+    }
+
+    /// Return the number of entries with j >= i that share a number with the
+    /// entry M_ij at a distance, (p + 1)^dim, x fastest.
+    unsigned int
+    n_equal(unsigned int distance) const;
+
     const SplineSpace<dim> *spline_space = nullptr;
-    unsigned int            half         = 0; // entries of a row
     std::size_t             n_places     = 0;
 
     // Lines are counted in a box around the lines of this process. A function
-    // at x in a line has the place line_begin[line] + x.
+    // at x in a line has the place line_begin[line] + x. The entries of a line
+    // are [k][x][dx] with k as in CellLine, of line_size[line] places from
+    // line_places[line] on.
+    std::array<int, dim>      lowest{};
     std::vector<int>          line_begin;
     std::vector<int>          neighbor_lines; // distances of line numbers
     unsigned int              n_lines_y = 0;
-    std::vector<unsigned int> place_of; // by local number
-    std::vector<unsigned int> lines;    // by local number
+    std::vector<unsigned int> line_places;
+    std::vector<unsigned int> line_size;
+    std::vector<std::size_t>  entries_begin; // by line
+    std::vector<unsigned int> place_of;      // by local number
 
     std::vector<std::pair<unsigned int, unsigned int>> image_places;
-    std::vector<unsigned int>                          image_lines;
 
-    std::vector<Segment>  segments;
-    ZeroedArray<double>   values;
-    ZeroedArray<unsigned> line_of; // by place
+    std::vector<Segment>        segments;
+    ZeroedArray<double>         values;
+    ZeroedArray<unsigned>       line_of;      // by place
+    ZeroedArray<unsigned char>  is_decoupled; // by place
+    std::vector<unsigned int>   decoupled_places;
+    std::vector<DecoupledEntry> decoupled_entries;
   };
 
 
