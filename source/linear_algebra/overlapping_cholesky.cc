@@ -468,7 +468,9 @@ namespace greville
                         n_owned,
                         overlapping.ghosts(),
                         comm);
-    for (Vector &vector : all_values)
+    for (auto &vector : doubles)
+      vector.reinit(0);
+    for (auto &vector : floats)
       vector.reinit(0);
     find_weights(overlapping.domain_positions(), reach * n_layers);
   }
@@ -483,6 +485,7 @@ namespace greville
     // more.
     const auto distances =
       internal::distances_to_other_part(positions, order, n_owned, reach);
+    using Vector = LinearAlgebra::distributed::Vector<double>;
     Vector depth(domain.partitioner(1)), sum(domain.partitioner(1));
     for (unsigned int u = 0; u < order.size(); ++u)
       depth.local_element(u) =
@@ -502,21 +505,53 @@ namespace greville
   void
   OverlappingCholesky::solve(double *x, const unsigned int width) const
   {
-    if (!is_parallel)
+    if (is_parallel)
+      solve(x, width, 1., doubles);
+    else
+      factors.solve(x, width);
+  }
+
+
+
+  void
+  OverlappingCholesky::solve(float             *x,
+                             const unsigned int width,
+                             const double       unit) const
+  {
+    if (is_parallel)
+      solve(x, width, unit, floats);
+    else
       {
         factors.solve(x, width);
-        return;
+        const float factor = unit / factors.unit();
+        for (std::size_t k = 0; k < std::size_t(n_owned) * width; ++k)
+          x[k] *= factor;
       }
-    Vector     &values      = all_values[width];
+  }
+
+
+
+  template <typename Number>
+  void
+  OverlappingCholesky::solve(Number            *x,
+                             const unsigned int width,
+                             const double       unit,
+                             Vectors<Number>   &vectors) const
+  {
+    auto       &values      = vectors[width];
     const auto &partitioner = domain.partitioner(width);
     if (values.get_partitioner() != partitioner)
       values.reinit(partitioner);
     std::copy_n(x, n_owned * width, values.begin());
     values.update_ghost_values();
-    double largest = 0.;
-    for (unsigned int i = 0; i < order.size() * width; ++i)
-      largest = std::max(largest, std::abs(values.local_element(i)));
-    const double scale = largest > 0. ? 1. / largest : 0.;
+    double largest = 1.;
+    if constexpr (std::is_same_v<Number, double>)
+      {
+        largest = 0.;
+        for (unsigned int i = 0; i < order.size() * width; ++i)
+          largest = std::max(largest, std::abs(values.local_element(i)));
+      }
+    const Number scale = largest > 0. ? 1. / largest : 0.;
     rows.resize(order.size() * width);
     for (unsigned int k = 0; k < order.size(); ++k)
       for (unsigned int c = 0; c < width; ++c)
@@ -524,7 +559,7 @@ namespace greville
           weights[k] * (scale * values.local_element(order[k] * width + c));
     factors.solve(rows.data(), width);
     values.zero_out_ghost_values();
-    const double unscale = largest / factors.unit();
+    const Number unscale = largest * (unit / factors.unit());
     for (unsigned int k = 0; k < order.size(); ++k)
       for (unsigned int c = 0; c < width; ++c)
         values.local_element(order[k] * width + c) =

@@ -117,8 +117,11 @@ namespace greville
   class ExtendedMass<dim>::EntrySums
   {
   public:
-    EntrySums(const ExtendedMass<dim> &mass, const unsigned int components)
+    EntrySums(const ExtendedMass<dim> &mass,
+              const unsigned int       components,
+              const int                reach)
       : M(mass.points_mass)
+      , reach(reach)
       , E(*mass.E)
       , n(E.unknowns.size())
       , is_constrained(n, 0)
@@ -217,21 +220,22 @@ namespace greville
       for (unsigned int k = 0; k < E.extended.size(); ++k)
         {
           if (W.begin[k] < W.begin[k + 1])
-            M.for_each_entry(E.extended[k],
-                             [&](const unsigned int j, const double value) {
-                               const int number = E.signed_numbers[j];
-                               if (number > 0)
-                                 {
-                                   if (!is_constrained[number - 1])
-                                     sum.add(number - 1, value);
-                                 }
-                               else if (number < 0)
-                                 W.for_each(-number - 1,
-                                            [&](const unsigned int u,
-                                                const double       weight) {
-                                              sum.add(u, 0.5 * weight * value);
-                                            });
+            M.for_each_entry(
+              E.extended[k],
+              [&](const unsigned int j, const double value) {
+                const int number = E.signed_numbers[j];
+                if (number > 0)
+                  {
+                    if (!is_constrained[number - 1])
+                      sum.add(number - 1, value);
+                  }
+                else if (number < 0)
+                  W.for_each(-number - 1,
+                             [&](const unsigned int u, const double weight) {
+                               sum.add(u, 0.5 * weight * value);
                              });
+              },
+              reach);
           sum.take([&](const unsigned int u, const double value) {
             C.entries.push_back({u, value});
           });
@@ -252,14 +256,16 @@ namespace greville
     add_plain_row(UpperTriangle &result, const unsigned int i) const
     {
       const std::size_t begin = result.columns.size();
-      M.for_each_upper_entry(E.unknowns[i],
-                             [&](const unsigned int j, const double value) {
-                               const int number = E.signed_numbers[j];
-                               if (number <= 0 || is_constrained[number - 1])
-                                 return;
-                               result.columns.push_back(number - 1);
-                               result.values.push_back(value);
-                             });
+      M.for_each_upper_entry(
+        E.unknowns[i],
+        [&](const unsigned int j, const double value) {
+          const int number = E.signed_numbers[j];
+          if (number <= 0 || is_constrained[number - 1])
+            return;
+          result.columns.push_back(number - 1);
+          result.values.push_back(value);
+        },
+        reach);
       // All points of the unknown belong to other processes.
       if (result.columns.size() == begin || result.columns[begin] != i)
         {
@@ -289,9 +295,9 @@ namespace greville
       if (has_place(i))
         {
           if (i < E.n_owned && !is_near_ghost[i])
-            M.for_each_upper_entry(E.unknowns[i], add_unknown);
+            M.for_each_upper_entry(E.unknowns[i], add_unknown, reach);
           else
-            M.for_each_entry(E.unknowns[i], add_unknown);
+            M.for_each_entry(E.unknowns[i], add_unknown, reach);
         }
       const auto add_product = [&](const SparseRows<Entry> &columns,
                                    const SparseRows<Entry> &rows) {
@@ -307,6 +313,7 @@ namespace greville
     }
 
     const StencilMatrix<dim>    &M;
+    const int                    reach;
     const ExtendedUnknowns<dim> &E;
     const unsigned int           n;
     std::vector<unsigned char>   is_constrained, is_constrained_extended;
@@ -320,9 +327,19 @@ namespace greville
 
   template <int dim>
   UpperTriangle
+  ExtendedMass<dim>::local_entries(const unsigned int components,
+                                   const int          reach) const
+  {
+    return EntrySums(*this, components, reach).run();
+  }
+
+
+
+  template <int dim>
+  UpperTriangle
   ExtendedMass<dim>::local_entries(const unsigned int components) const
   {
-    return EntrySums(*this, components).run();
+    return local_entries(components, points_mass.space().degree());
   }
 
 

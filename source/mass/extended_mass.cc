@@ -77,14 +77,33 @@ namespace greville
 
 
   template <int dim>
+  template <typename Number>
   void
-  ExtendedMass<dim>::vmult(VectorType        &y,
-                           VectorType        &x,
+  ExtendedMass<dim>::vmult(VectorOf<Number>  &y,
+                           VectorOf<Number>  &x,
                            const unsigned int width) const
   {
-    E->multiply(y, x, width, [&](double *to, const double *from) {
-      points_mass.vmult(to, from, width);
+    E->template multiply<Number>(y,
+                                 x,
+                                 width,
+                                 [&](Number *to, const Number *from) {
+                                   points_mass.vmult(to, from, width);
+                                 });
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMass<dim>::column_sums(VectorType &sums) const
+  {
+    E->for_each_active_place([&](const unsigned int, const std::size_t place) {
+      E->place_x[place] = 1.;
     });
+    points_mass.vmult(E->place_y.data(), E->place_x.data(), 1);
+    E->initialize_vector(sums, 1);
+    E->collect(sums.begin(), 1, E->place_y.data());
+    sums.compress(VectorOperation::add);
   }
 
 
@@ -129,7 +148,7 @@ namespace greville
       return;
 
     x.update_ghost_values();
-    E->expand(x.begin(), width);
+    E->expand(x.begin(), width, E->place_x.data());
     for (const VectorType *column : columns)
       column->update_ghost_values();
     for_each_constrained(true,
@@ -143,7 +162,7 @@ namespace greville
     points_mass.vmult(E->place_y.data(), E->place_x.data(), width);
     E->zero_constrained(E->place_y.data(), width);
     E->initialize_vector(y, width);
-    E->collect(y.begin(), width);
+    E->collect(y.begin(), width, E->place_y.data());
     y.compress(VectorOperation::add);
     rows.add(-1., y);
     E->zero_constrained_unknowns(rows, width);
@@ -165,7 +184,7 @@ namespace greville
         for (const auto &[place, components] : E->constrained_places)
           if ((components >> c) & 1)
             E->place_y[place] = 0.;
-        E->collect(y.begin(), 1);
+        E->collect(y.begin(), 1, E->place_y.data());
         y.compress(VectorOperation::add);
         rows[c] = 0.;
         for (unsigned int u = 0; u < E->n_owned; ++u)
@@ -286,4 +305,20 @@ namespace greville
 
   template class ExtendedMass<2>;
   template class ExtendedMass<3>;
+  template void
+  ExtendedMass<2>::vmult(VectorOf<double> &,
+                         VectorOf<double> &,
+                         const unsigned int) const;
+  template void
+  ExtendedMass<2>::vmult(VectorOf<float> &,
+                         VectorOf<float> &,
+                         const unsigned int) const;
+  template void
+  ExtendedMass<3>::vmult(VectorOf<double> &,
+                         VectorOf<double> &,
+                         const unsigned int) const;
+  template void
+  ExtendedMass<3>::vmult(VectorOf<float> &,
+                         VectorOf<float> &,
+                         const unsigned int) const;
 } // namespace greville

@@ -38,8 +38,9 @@ namespace greville
 
 
   template <int dim>
+  template <typename Number>
   void
-  ExtendedUnknowns<dim>::initialize_vector(VectorType        &vector,
+  ExtendedUnknowns<dim>::initialize_vector(VectorOf<Number>  &vector,
                                            const unsigned int width) const
   {
     vector.reinit(layout->partitioner(width));
@@ -81,6 +82,8 @@ namespace greville
     stencil        = &matrix;
     place_x        = ZeroedArray<double>(matrix.size() * max_width);
     place_y        = ZeroedArray<double>(matrix.size() * max_width);
+    single_x       = ZeroedArray<float>(matrix.size() * max_width);
+    single_y       = ZeroedArray<float>(matrix.size() * max_width);
     signed_numbers = ZeroedArray<int>(matrix.size());
     is_numbered    = false;
     unknowns.clear();
@@ -364,17 +367,17 @@ namespace greville
     /**
      * to[c] += factor * from[c].
      */
-    template <int width>
+    template <int width, typename Number>
     inline void
-    add(double *to, const double factor, const double *from)
+    add(Number *to, const Number factor, const Number *from)
     {
       for (int c = 0; c < width; ++c)
         to[c] += factor * from[c];
     }
 
-    template <int width>
+    template <int width, typename Number>
     inline void
-    copy(double *to, const double *from)
+    copy(Number *to, const Number *from)
     {
       for (int c = 0; c < width; ++c)
         to[c] = from[c];
@@ -384,36 +387,39 @@ namespace greville
 
 
   template <int dim>
+  template <typename Number>
   void
-  ExtendedUnknowns<dim>::zero_constrained(double            *values,
+  ExtendedUnknowns<dim>::zero_constrained(Number            *values,
                                           const unsigned int width) const
   {
     for (const auto &entry : constrained_places)
       for (unsigned int c = 0; c < width; ++c)
         if ((entry.second >> (c % dim)) & 1)
-          values[std::size_t(entry.first) * width + c] = 0.;
+          values[std::size_t(entry.first) * width + c] = Number(0.);
   }
 
 
 
   template <int dim>
+  template <typename Number>
   void
-  ExtendedUnknowns<dim>::expand(const double *x, const unsigned int width) const
+  ExtendedUnknowns<dim>::expand(const Number      *x,
+                                const unsigned int width,
+                                Number            *values) const
   {
     with_width(width, [&](const auto w) {
-      constexpr int n      = decltype(w)::value;
-      double       *values = place_x.data();
+      constexpr int n = decltype(w)::value;
       for (unsigned int u = 0; u < unknowns.size(); ++u)
         if (unknowns[u] != numbers::invalid_unsigned_int)
           copy<n>(values + std::size_t(unknowns[u]) * n,
                   x + std::size_t(u) * n);
       for (unsigned int k = 0; k < extended.size(); ++k)
         {
-          double sum[n] = {};
+          Number sum[n] = {};
           for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
                ++e)
             add<n>(sum,
-                   extended_entries[e].weight,
+                   Number(extended_entries[e].weight),
                    x + std::size_t(extended_entries[e].unknown) * n);
           copy<n>(values + std::size_t(extended[k]) * n, sum);
         }
@@ -423,23 +429,25 @@ namespace greville
 
 
   template <int dim>
+  template <typename Number>
   void
-  ExtendedUnknowns<dim>::collect(double *y, const unsigned int width) const
+  ExtendedUnknowns<dim>::collect(Number            *y,
+                                 const unsigned int width,
+                                 const Number      *values) const
   {
     with_width(width, [&](const auto w) {
-      constexpr int n      = decltype(w)::value;
-      const double *values = place_y.data();
+      constexpr int n = decltype(w)::value;
       for (unsigned int u = 0; u < unknowns.size(); ++u)
         if (unknowns[u] != numbers::invalid_unsigned_int)
           copy<n>(y + std::size_t(u) * n,
                   values + std::size_t(unknowns[u]) * n);
         else
           for (int c = 0; c < n; ++c)
-            y[std::size_t(u) * n + c] = 0.;
+            y[std::size_t(u) * n + c] = Number(0.);
       for (unsigned int k = 0; k < extended.size(); ++k)
         for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1]; ++e)
           add<n>(y + std::size_t(extended_entries[e].unknown) * n,
-                 extended_entries[e].weight,
+                 Number(extended_entries[e].weight),
                  values + std::size_t(extended[k]) * n);
     });
   }
@@ -447,9 +455,10 @@ namespace greville
 
 
   template <int dim>
+  template <typename Number>
   void
   ExtendedUnknowns<dim>::zero_constrained_unknowns(
-    VectorType &x, const unsigned int width) const
+    VectorOf<Number> &x, const unsigned int width) const
   {
     for (const auto &entry : constrained_places)
       {
@@ -458,26 +467,38 @@ namespace greville
           continue;
         for (unsigned int c = 0; c < width; ++c)
           if ((entry.second >> (c % dim)) & 1)
-            x.local_element((signed_number - 1) * width + c) = 0.;
+            x.local_element((signed_number - 1) * width + c) = Number(0.);
       }
   }
 
 
 
   template <int dim>
+  template <typename Number>
   void
   ExtendedUnknowns<dim>::multiply(
-    VectorType                                          &y,
-    VectorType                                          &x,
+    VectorOf<Number>                                    &y,
+    VectorOf<Number>                                    &x,
     const unsigned int                                   width,
-    const std::function<void(double *, const double *)> &product) const
+    const std::function<void(Number *, const Number *)> &product) const
   {
+    Number *values, *products;
+    if constexpr (std::is_same_v<Number, double>)
+      {
+        values   = place_x.data();
+        products = place_y.data();
+      }
+    else
+      {
+        values   = single_x.data();
+        products = single_y.data();
+      }
     x.update_ghost_values();
-    expand(x.begin(), width);
-    zero_constrained(place_x.data(), width);
-    product(place_y.data(), place_x.data());
-    zero_constrained(place_y.data(), width);
-    collect(y.begin(), width);
+    expand(x.begin(), width, values);
+    zero_constrained(values, width);
+    product(products, values);
+    zero_constrained(products, width);
+    collect(y.begin(), width, products);
     y.compress(VectorOperation::add);
     zero_constrained_unknowns(y, width);
     x.zero_out_ghost_values();
@@ -487,4 +508,88 @@ namespace greville
 
   template class ExtendedUnknowns<2>;
   template class ExtendedUnknowns<3>;
+  template void
+  ExtendedUnknowns<2>::initialize_vector(VectorOf<double> &,
+                                         const unsigned int) const;
+  template void
+  ExtendedUnknowns<2>::zero_constrained_unknowns(VectorOf<double> &,
+                                                 const unsigned int) const;
+  template void
+  ExtendedUnknowns<2>::multiply(
+    VectorOf<double> &,
+    VectorOf<double> &,
+    const unsigned int,
+    const std::function<void(double *, const double *)> &) const;
+  template void
+  ExtendedUnknowns<2>::expand(const double *,
+                              const unsigned int,
+                              double *) const;
+  template void
+  ExtendedUnknowns<2>::collect(double *,
+                               const unsigned int,
+                               const double *) const;
+  template void
+  ExtendedUnknowns<2>::zero_constrained(double *, const unsigned int) const;
+  template void
+  ExtendedUnknowns<2>::initialize_vector(VectorOf<float> &,
+                                         const unsigned int) const;
+  template void
+  ExtendedUnknowns<2>::zero_constrained_unknowns(VectorOf<float> &,
+                                                 const unsigned int) const;
+  template void
+  ExtendedUnknowns<2>::multiply(
+    VectorOf<float> &,
+    VectorOf<float> &,
+    const unsigned int,
+    const std::function<void(float *, const float *)> &) const;
+  template void
+  ExtendedUnknowns<2>::expand(const float *, const unsigned int, float *) const;
+  template void
+  ExtendedUnknowns<2>::collect(float *,
+                               const unsigned int,
+                               const float *) const;
+  template void
+  ExtendedUnknowns<2>::zero_constrained(float *, const unsigned int) const;
+  template void
+  ExtendedUnknowns<3>::initialize_vector(VectorOf<double> &,
+                                         const unsigned int) const;
+  template void
+  ExtendedUnknowns<3>::zero_constrained_unknowns(VectorOf<double> &,
+                                                 const unsigned int) const;
+  template void
+  ExtendedUnknowns<3>::multiply(
+    VectorOf<double> &,
+    VectorOf<double> &,
+    const unsigned int,
+    const std::function<void(double *, const double *)> &) const;
+  template void
+  ExtendedUnknowns<3>::expand(const double *,
+                              const unsigned int,
+                              double *) const;
+  template void
+  ExtendedUnknowns<3>::collect(double *,
+                               const unsigned int,
+                               const double *) const;
+  template void
+  ExtendedUnknowns<3>::zero_constrained(double *, const unsigned int) const;
+  template void
+  ExtendedUnknowns<3>::initialize_vector(VectorOf<float> &,
+                                         const unsigned int) const;
+  template void
+  ExtendedUnknowns<3>::zero_constrained_unknowns(VectorOf<float> &,
+                                                 const unsigned int) const;
+  template void
+  ExtendedUnknowns<3>::multiply(
+    VectorOf<float> &,
+    VectorOf<float> &,
+    const unsigned int,
+    const std::function<void(float *, const float *)> &) const;
+  template void
+  ExtendedUnknowns<3>::expand(const float *, const unsigned int, float *) const;
+  template void
+  ExtendedUnknowns<3>::collect(float *,
+                               const unsigned int,
+                               const float *) const;
+  template void
+  ExtendedUnknowns<3>::zero_constrained(float *, const unsigned int) const;
 } // namespace greville

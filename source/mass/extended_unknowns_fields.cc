@@ -42,7 +42,7 @@ namespace greville
       std::fill_n(&place_y[place * width], width, 0.);
     });
     rows = 0.;
-    collect(rows.begin(), width);
+    collect(rows.begin(), width, place_y.data());
     rows.compress(VectorOperation::add);
     for (unsigned int u = 0; u < n_owned; ++u)
       for (unsigned int c = 0; c < columns.size(); ++c)
@@ -60,7 +60,7 @@ namespace greville
                                        const unsigned int component) const
   {
     x.update_ghost_values();
-    expand(x.begin(), width);
+    expand(x.begin(), width, place_x.data());
     x.zero_out_ghost_values();
     std::array<double *, max_width>     to;
     std::array<unsigned int, max_width> bit;

@@ -44,8 +44,9 @@ namespace greville
     segments.clear();
     decoupled_places.clear();
     decoupled_entries.clear();
-    is_decoupled = ZeroedArray<unsigned char>(n_places);
-    values       = ZeroedArray<double>(
+    is_decoupled  = ZeroedArray<unsigned char>(n_places);
+    single_values = ZeroedArray<float>();
+    values        = ZeroedArray<double>(
       n_places * Utilities::fixed_power<dim>(space.degree() + 1) + max_padding);
   }
 
@@ -184,16 +185,27 @@ namespace greville
 
 
   template <int dim>
+  template <typename Visit>
   void
-  StencilMatrix<dim>::clear()
+  StencilMatrix<dim>::for_each_range(const Visit &visit) const
   {
     const unsigned int n = spline_space->degree() + 1;
     for (const Segment &segment : segments)
       for (unsigned int k = 0; k < Utilities::fixed_power<dim - 1>(n); ++k)
-        std::fill_n(values.data() + first_entry(segment.begin) +
-                      std::size_t(k) * line_size[segment.line] * n,
-                    (segment.end - segment.begin) * n,
-                    0.);
+        visit(first_entry(segment.begin) +
+                std::size_t(k) * line_size[segment.line] * n,
+              std::size_t(segment.end - segment.begin) * n);
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::clear()
+  {
+    for_each_range([&](const std::size_t begin, const std::size_t n) {
+      std::fill_n(values.data() + begin, n, 0.);
+    });
     for (const unsigned int place : decoupled_places)
       is_decoupled[place] = 0;
     decoupled_places.clear();
@@ -206,20 +218,24 @@ namespace greville
   void
   StencilMatrix<dim>::add_cell(const unsigned int cell, const double *sums)
   {
-    const unsigned int n   = spline_space->degree() + 1;
-    const unsigned int n_z = dim == 3 ? n : 1;
-    for (unsigned int a_z = 0; a_z < n_z; ++a_z)
-      for (unsigned int b_z = a_z; b_z < n_z; ++b_z)
-        for (unsigned int a_y = 0; a_y < n; ++a_y)
-          for (unsigned int b_y = a_y; b_y < n; ++b_y)
-            {
-              const CellLine line = cell_line(cell, a_z * n + a_y);
-              double        *to =
-                line.begin + ((b_z - a_z) * n + b_y - a_y) * line.stride;
-              for (unsigned int a_x = 0; a_x < n; ++a_x)
-                for (unsigned int dx = 0; dx < n - a_x; ++dx)
-                  to[a_x * n + dx] += *sums++;
-            }
+    with_order(spline_space->degree(), [&](const auto order) {
+      constexpr int n   = decltype(order)::value;
+      constexpr int n_z = dim == 3 ? n : 1;
+      CellLine      lines[n_z * n];
+      find_lines<n>(cell, lines);
+      for (int a_z = 0; a_z < n_z; ++a_z)
+        for (int b_z = a_z; b_z < n_z; ++b_z)
+          for (int a_y = 0; a_y < n; ++a_y)
+            for (int b_y = a_y; b_y < n; ++b_y)
+              {
+                const CellLine &line = lines[a_z * n + a_y];
+                double         *to =
+                  line.begin + ((b_z - a_z) * n + b_y - a_y) * line.stride;
+                for (int a_x = 0; a_x < n; ++a_x)
+                  for (int dx = 0; dx < n - a_x; ++dx)
+                    to[a_x * n + dx] += *sums++;
+              }
+    });
   }
 
 
@@ -251,6 +267,10 @@ namespace greville
                                      spline_space->n_dofs_per_cell()));
     MultiIndex<dim> extents;
     extents.fill(n);
+    std::vector<CellLine> lines(n_in_all / n);
+    with_order(n - 1, [&](const auto order) {
+      find_lines<decltype(order)::value>(cell, lines.data());
+    });
     for (unsigned int a = 0; a < n_in_all; ++a)
       for (unsigned int b = a; b < n_in_all; ++b)
         {
@@ -263,7 +283,7 @@ namespace greville
               distance =
                 distance * n + std::max(i[d], j[d]) - std::min(i[d], j[d]);
             }
-          const CellLine line = cell_line(cell, lower / n);
+          const CellLine &line = lines[lower / n];
           line
             .begin[distance / n * line.stride + lower % n * n + distance % n] +=
             matrix(a, b) / n_equal(distance);
@@ -364,7 +384,44 @@ namespace greville
   {
     with_order(spline_space->degree(), [&](const auto n) {
       with_width(width, [&](const auto w) {
-        multiply<decltype(n)::value, decltype(w)::value>(y, x);
+        multiply<decltype(n)::value, decltype(w)::value>(y,
+                                                         x,
+                                                         values.data(),
+                                                         1.);
+      });
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::make_single(const double unit)
+  {
+    if (single_values.data() == nullptr)
+      single_values = ZeroedArray<float>(
+        n_places * Utilities::fixed_power<dim>(spline_space->degree() + 1));
+    single_unit = unit;
+    for_each_range([&](const std::size_t begin, const std::size_t n) {
+      for (std::size_t e = begin; e < begin + n; ++e)
+        single_values[e] = values[e] / unit;
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  StencilMatrix<dim>::vmult(float             *y,
+                            const float       *x,
+                            const unsigned int width) const
+  {
+    with_order(spline_space->degree(), [&](const auto n) {
+      with_one_of<2, 4, 8>(width, [&](const auto w) {
+        multiply<decltype(n)::value, decltype(w)::value>(y,
+                                                         x,
+                                                         single_values.data(),
+                                                         single_unit);
       });
     });
   }
@@ -377,23 +434,23 @@ namespace greville
      * The numbers at a place. Three numbers are loaded and stored as four, of
      * which the last one is zero.
      */
-    template <int width>
+    template <int width, typename Number>
     struct Place
     {
       static constexpr int size = width == 3 ? 4 : width;
-      using Vector              = FixedSimd<double, size>;
+      using Vector              = FixedSimd<Number, size>;
 
       static Vector
-      load(const double *address)
+      load(const Number *address)
       {
         Vector value = greville::load<Vector>(address);
         if constexpr (width < size)
-          value[width] = 0.;
+          value[width] = Number(0.);
         return value;
       }
 
       static void
-      add(const Vector &value, double *address)
+      add(const Vector &value, Number *address)
       {
         store(greville::load<Vector>(address) + value, address);
       }
@@ -406,23 +463,24 @@ namespace greville
      * compute y_l += U x_m and y_l += U^T x_m for the pairs l + m = n_lines - 1
      * of lines. A window of n places moves along the lines.
      */
-    template <int n, int width, int n_lines>
+    template <int n, int width, int n_lines, typename Number>
     inline void
-    multiply_lines(double *const       *y,
-                   const double *const *x,
-                   const double        *U,
+    multiply_lines(Number *const       *y,
+                   const Number *const *x,
+                   const Number        *U,
                    const unsigned int   size)
     {
-      using Values = typename Place<width>::Vector;
+      using At     = Place<width, Number>;
+      using Values = typename At::Vector;
       Values from[n_lines][n], sums[n_lines][n];
 #pragma GCC unroll 4
       for (int l = 0; l < n_lines; ++l)
 #pragma GCC unroll 6
         for (int k = 0; k < n; ++k)
           {
-            sums[l][k] = 0.;
+            sums[l][k] = Number(0.);
             if (k + 1 < n)
-              from[l][k + 1] = Place<width>::load(x[l] + k * width);
+              from[l][k + 1] = At::load(x[l] + k * width);
           }
       for (unsigned int i = 0; i < size; ++i, U += n)
         {
@@ -432,8 +490,7 @@ namespace greville
 #pragma GCC unroll 6
               for (int k = 0; k + 1 < n; ++k)
                 from[l][k] = from[l][k + 1];
-              from[l][n - 1] =
-                Place<width>::load(x[l] + std::size_t(i + n - 1) * width);
+              from[l][n - 1] = At::load(x[l] + std::size_t(i + n - 1) * width);
             }
 #pragma GCC unroll 6
           for (int dx = 0; dx < n; ++dx)
@@ -451,45 +508,48 @@ namespace greville
 #pragma GCC unroll 4
           for (int l = 0; l < n_lines; ++l)
             {
-              Place<width>::add(sums[l][0], y[l] + std::size_t(i) * width);
+              At::add(sums[l][0], y[l] + std::size_t(i) * width);
 #pragma GCC unroll 6
               for (int k = 0; k + 1 < n; ++k)
                 sums[l][k] = sums[l][k + 1];
-              sums[l][n - 1] = 0.;
+              sums[l][n - 1] = Number(0.);
             }
         }
 #pragma GCC unroll 4
       for (int l = 0; l < n_lines; ++l)
 #pragma GCC unroll 6
         for (int k = 0; k + 1 < n; ++k)
-          Place<width>::add(sums[l][k], y[l] + std::size_t(size + k) * width);
+          At::add(sums[l][k], y[l] + std::size_t(size + k) * width);
     }
   } // namespace
 
 
 
   template <int dim>
-  template <int n, int width>
+  template <int n, int width, typename Number>
   void
-  StencilMatrix<dim>::multiply(double *y, const double *x) const
+  StencilMatrix<dim>::multiply(Number       *y,
+                               const Number *x,
+                               const Number *entries,
+                               const double  unit) const
   {
     for (const Segment &segment : segments)
       std::fill(y + std::size_t(segment.begin) * width,
                 y + std::size_t(segment.end) * width,
-                0.);
+                Number(0.));
     // Places at a time, whose numbers stay in the cache.
     constexpr unsigned int n_at_once = 64;
     for (const Segment &segment : segments)
       for (unsigned int i = segment.begin; i < segment.end; i += n_at_once)
         {
           const unsigned int size   = std::min(n_at_once, segment.end - i);
-          const double      *row    = values.data() + first_entry(i);
+          const Number      *row    = entries + first_entry(i);
           const std::size_t  stride = std::size_t(line_size[segment.line]) * n;
           for (int dz = 0; dz < (dim == 3 ? n : 1); ++dz)
             for (int dy = 0; dy < n; ++dy, row += stride)
               {
-                double       *to[4];
-                const double *from[4];
+                Number       *to[4];
+                const Number *from[4];
                 const int     n_y     = dy > 0 ? 2 : 1;
                 const int     n_lines = dz > 0 ? 2 * n_y : n_y;
                 for (int l = 0; l < n_lines; ++l)
@@ -512,10 +572,10 @@ namespace greville
     for (const auto &[i, j, value] : decoupled_entries)
       for (unsigned int c = 0; c < width; ++c)
         {
-          y[std::size_t(i) * width + c] -=
-            value * x[std::size_t(j) * width + c];
-          y[std::size_t(j) * width + c] -=
-            value * x[std::size_t(i) * width + c];
+          const std::size_t i_c = std::size_t(i) * width + c,
+                            j_c = std::size_t(j) * width + c;
+          y[i_c] -= Number(value / unit) * x[j_c];
+          y[j_c] -= Number(value / unit) * x[i_c];
         }
   }
 

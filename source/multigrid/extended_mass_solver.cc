@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/simd.h>
 #include <greville/multigrid/extended_mass_solver.h>
 
 #include <algorithm>
@@ -43,6 +44,7 @@ namespace greville
   {
     total_mass = new_total_mass;
     age        = unknowns_changed ? max_age : age + 1;
+    is_old     = true;
   }
 
 
@@ -50,16 +52,15 @@ namespace greville
   namespace
   {
     /**
-     * Return parameters with which conjugate gradients need the least time
+     * Return parameters with which a step needs the least time
      * (doc/results/mass_solvers.md).
      */
     CholeskyParameters
-    parameters_for(const int dim, const unsigned int degree)
+    parameters_for(const unsigned int degree)
     {
-      if (dim == 2)
-        return {0.005, degree <= 2 ? 0.02 : degree == 3 ? 0.01 : 0.005};
-      return degree <= 2 ? CholeskyParameters{0.003, 0.003}
-                         : CholeskyParameters{0.001, 0.001};
+      return degree <= 2   ? CholeskyParameters{0.01, 0.01}
+             : degree == 3 ? CholeskyParameters{0.003, 0.003}
+                           : CholeskyParameters{0.001, 0.001};
     }
   } // namespace
 
@@ -69,12 +70,16 @@ namespace greville
   void
   ExtendedMassSolver<dim>::factorize() const
   {
-    factors.factorize(mass.local_entries((1u << dim) - 1),
+    // Kronecker products of band matrices remain positive definite without the
+    // outermost diagonals, and cost less than half.
+    const unsigned int degree = mass.matrix().space().degree();
+    const int          reach  = std::max(1, int(degree) - 1);
+    factors.factorize(mass.local_entries((1u << dim) - 1, reach),
                       mass.unknowns().unknown_layout(),
                       mass.unknowns().unknown_positions(),
-                      mass.matrix().space().degree(),
-                      1,
-                      parameters_for(dim, mass.matrix().space().degree()));
+                      reach,
+                      2,
+                      parameters_for(degree));
     ++factorizations;
     age = 0;
   }
@@ -83,19 +88,43 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedMassSolver<dim>::precondition(VectorType        &z,
-                                        const VectorType  &r,
-                                        const unsigned int width,
-                                        const unsigned int n_columns) const
+  ExtendedMassSolver<dim>::prepare()
   {
+    if (!is_old)
+      return;
+    const double n = mass.unknowns().unknown_layout()->partitioner(1)->size();
+    unit           = total_mass > 0. ? total_mass / n : 1.;
+    mass.matrix().make_single(unit);
+    mass.column_sums(column_sums);
+    is_old = false;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedMassSolver<dim>::precondition(VectorOf<float>       &z,
+                                        const VectorOf<float> &r,
+                                        const unsigned int     width,
+                                        const unsigned int     n_columns) const
+  {
+    const std::size_t n = r.locally_owned_size();
     if (other_preconditioner)
-      other_preconditioner(z, r, width, n_columns);
+      {
+        VectorType from, to;
+        for (VectorType *vector : {&from, &to})
+          mass.unknowns().initialize_vector(*vector, width);
+        std::copy_n(r.begin(), n, from.begin());
+        other_preconditioner(to, from, width, n_columns);
+        for (std::size_t i = 0; i < n; ++i)
+          z.local_element(i) = unit * to.local_element(i);
+      }
     else
       {
         if (age >= max_age)
           factorize();
-        std::copy_n(r.begin(), r.locally_owned_size(), z.begin());
-        factors.solve(z.begin(), width);
+        std::copy_n(r.begin(), n, z.begin());
+        factors.solve(z.begin(), width, unit);
       }
     mass.unknowns().zero_constrained_unknowns(z, width);
   }
@@ -104,72 +133,148 @@ namespace greville
 
   namespace
   {
-    template <int width>
-    using Columns = std::array<double, width>;
+    template <int width, typename Number = double>
+    using Columns = std::array<Number, width>;
 
-    template <int width>
+    template <typename Sums>
     void
-    add_up(Columns<width> &sums, const MPI_Comm comm)
+    add_up(Sums &sums, const MPI_Comm comm)
     {
       if (Utilities::MPI::n_mpi_processes(comm) > 1)
-        Utilities::MPI::sum(ArrayView<const double>(sums.data(), width),
-                            comm,
-                            ArrayView<double>(sums.data(), width));
+        Utilities::MPI::sum(
+          ArrayView<const double>(sums[0].data(), sums.size() * sums[0].size()),
+          comm,
+          ArrayView<double>(sums[0].data(), sums.size() * sums[0].size()));
+    }
+
+
+
+    // Scalar products of the vectors of an iteration.
+    enum Dot
+    {
+      r_u,
+      u_w,
+      u_s,
+      r_w,
+      w_w,
+      w_s,
+      r_s,
+      r_r,
+      n_dots
+    };
+
+    // Interleaved vectors are processed as vectors of this size.
+    constexpr unsigned int n_at_once = 16;
+    using Floats                     = FixedSimd<float, n_at_once>;
+
+    template <typename Number>
+    inline void
+    add_products(Number (&sums)[n_dots],
+                 const Number &r,
+                 const Number &u,
+                 const Number &w,
+                 const Number &s)
+    {
+      sums[r_u] += r * u;
+      sums[u_w] += u * w;
+      sums[u_s] += u * s;
+      sums[r_w] += r * w;
+      sums[w_w] += w * w;
+      sums[w_s] += w * s;
+      sums[r_s] += r * s;
+      sums[r_r] += r * r;
     }
 
 
 
     template <int width>
-    Columns<width>
-    dot(const VectorType &a, const VectorType &b, const MPI_Comm comm)
+    std::array<Columns<width>, n_dots>
+    dots(const VectorOf<float> &r,
+         const VectorOf<float> &u,
+         const VectorOf<float> &w,
+         const VectorOf<float> &s,
+         const MPI_Comm         comm)
     {
-      Columns<width> sums{};
-      const double  *x = a.begin(), *y = b.begin();
-      for (unsigned int i = 0; i < a.locally_owned_size(); i += width)
-        for (int c = 0; c < width; ++c)
-          sums[c] += x[i + c] * y[i + c];
-      add_up<width>(sums, comm);
-      return sums;
+      std::array<Columns<width>, n_dots> result{};
+
+      const float *r_i = r.begin(), *u_i = u.begin(), *w_i = w.begin(),
+                  *s_i    = s.begin();
+      const std::size_t n = r.locally_owned_size();
+      // Sums in single precision have few terms.
+      constexpr std::size_t block = 64 * n_at_once;
+      std::size_t           i     = 0;
+      while (i + n_at_once <= n)
+        {
+          const std::size_t end =
+            std::min(i + block, n / n_at_once * n_at_once);
+          Floats sums[n_dots];
+          for (Floats &sum : sums)
+            sum = 0.f;
+          for (; i < end; i += n_at_once)
+            add_products(sums,
+                         load<Floats>(r_i + i),
+                         load<Floats>(u_i + i),
+                         load<Floats>(w_i + i),
+                         load<Floats>(s_i + i));
+          for (unsigned int k = 0; k < n_dots; ++k)
+            for (unsigned int lane = 0; lane < n_at_once; ++lane)
+              result[k][lane % width] += sums[k][lane];
+        }
+      for (; i < n; ++i)
+        {
+          double sums[n_dots] = {};
+          add_products<double>(sums, r_i[i], u_i[i], w_i[i], s_i[i]);
+          for (unsigned int k = 0; k < n_dots; ++k)
+            result[k][i % width] += sums[k];
+        }
+      add_up(result, comm);
+      return result;
     }
 
 
 
-    /// y = s y + x, column by column.
+    /// p = u + beta p, s = w + beta s, x += alpha p, r -= alpha s.
     template <int width>
     void
-    scale_and_add(VectorType &y, const Columns<width> &s, const VectorType &x)
+    make_step(VectorOf<float>       &x,
+              VectorOf<float>       &r,
+              VectorOf<float>       &p,
+              VectorOf<float>       &s,
+              const VectorOf<float> &u,
+              const VectorOf<float> &w,
+              const Columns<width>  &alpha,
+              const Columns<width>  &beta)
     {
-      double       *out = y.begin();
-      const double *in  = x.begin();
-      for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
-        for (int c = 0; c < width; ++c)
-          out[i + c] = s[c] * out[i + c] + in[i + c];
-    }
-
-
-
-    /// x += alpha p, r -= alpha q. Returns the squares of r, column by column.
-    template <int width>
-    Columns<width>
-    make_step(VectorType           &x,
-              VectorType           &r,
-              const VectorType     &p,
-              const VectorType     &q,
-              const Columns<width> &alpha,
-              const MPI_Comm        comm)
-    {
-      Columns<width> squares{};
-      double        *x_i = x.begin(), *r_i = r.begin();
-      const double  *p_i = p.begin(), *q_i = q.begin();
-      for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
-        for (int c = 0; c < width; ++c)
-          {
-            x_i[i + c] += alpha[c] * p_i[i + c];
-            r_i[i + c] -= alpha[c] * q_i[i + c];
-            squares[c] += r_i[i + c] * r_i[i + c];
-          }
-      add_up<width>(squares, comm);
-      return squares;
+      Floats alphas, betas;
+      for (unsigned int lane = 0; lane < n_at_once; ++lane)
+        {
+          alphas[lane] = float(alpha[lane % width]);
+          betas[lane]  = float(beta[lane % width]);
+        }
+      float *x_i = x.begin(), *r_i = r.begin(), *p_i = p.begin(),
+            *s_i            = s.begin();
+      const float      *u_i = u.begin(), *w_i = w.begin();
+      const std::size_t n = r.locally_owned_size();
+      std::size_t       i = 0;
+      for (; i + n_at_once <= n; i += n_at_once)
+        {
+          const Floats new_p =
+            load<Floats>(u_i + i) + betas * load<Floats>(p_i + i);
+          const Floats new_s =
+            load<Floats>(w_i + i) + betas * load<Floats>(s_i + i);
+          store(new_p, p_i + i);
+          store(new_s, s_i + i);
+          store(load<Floats>(x_i + i) + alphas * new_p, x_i + i);
+          store(load<Floats>(r_i + i) - alphas * new_s, r_i + i);
+        }
+      for (; i < n; ++i)
+        {
+          const unsigned int c = i % width;
+          p_i[i]               = u_i[i] + float(beta[c]) * p_i[i];
+          s_i[i]               = w_i[i] + float(beta[c]) * s_i[i];
+          x_i[i] += float(alpha[c]) * p_i[i];
+          r_i[i] -= float(alpha[c]) * s_i[i];
+        }
     }
 
 
@@ -199,7 +304,7 @@ namespace greville
     {
       double ratio = 0.;
       for (unsigned int k = 0; k < n_fields; ++k)
-        if (!std::isfinite(reference[k]))
+        if (!std::isfinite(reference[k]) || !std::isfinite(now[k]))
           ratio = std::numeric_limits<double>::infinity();
         else if (reference[k] > 0.)
           ratio = std::max(ratio, std::sqrt(now[k] / reference[k]));
@@ -245,6 +350,7 @@ namespace greville
     VectorType unknowns, rows;
     mass.unknowns().initialize_vector(unknowns, width);
     mass.unknowns().initialize_vector(rows, width);
+    prepare();
     const auto run = [&](const unsigned int max_iterations) {
       mass.unknowns().restrict_fields(rows, b, width);
       mass.subtract_constrained(rows, x, width);
@@ -259,12 +365,14 @@ namespace greville
                                                                       x.end()),
                                 width);
     // Old factors may be useless after a sudden change of the mass.
-    const bool is_old = !other_preconditioner && age > 0 && age < max_age;
+    const bool has_old_factors =
+      !other_preconditioner && age > 0 && age < max_age;
     const unsigned int n_before = factorizations;
     SolveResult        result =
-      run(is_old ? std::min(parameters.max_iterations, 2 * fresh_iterations + 5)
-                 : parameters.max_iterations);
-    if (!result.converged && is_old)
+      run(has_old_factors
+            ? std::min(parameters.max_iterations, 2 * fresh_iterations + 5)
+            : parameters.max_iterations);
+    if (!result.converged && has_old_factors)
       {
         const unsigned int n_wasted = *result.iterations;
         forget();
@@ -281,31 +389,25 @@ namespace greville
 
   template <int dim>
   template <int width>
-  FieldNorms
-  ExtendedMassSolver<dim>::begin(VectorType        &x,
-                                 VectorType        &r,
-                                 const unsigned int n_fields,
-                                 const FieldNorms  &right_hand_sides) const
+  std::array<std::array<double, width>, 2>
+  ExtendedMassSolver<dim>::residual(VectorType       &r,
+                                    VectorType       &x,
+                                    const VectorType &b) const
   {
-    VectorType q;
-    mass.unknowns().initialize_vector(q, width);
-    mass.vmult(q, x, width);
-    q.sadd(-1., 1., r);
-    const MPI_Comm comm = mass.unknowns().communicator();
-    FieldNorms norms = norms_of<width>(dot<width>(q, q, comm), n_fields, dim);
-    for (unsigned int k = 0; k < n_fields; ++k)
-      if (!(norms[k] <= right_hand_sides[k]))
+    mass.vmult(r, x, width);
+    std::array<Columns<width>, 2> squares{};
+
+    double       *r_i = r.begin();
+    const double *b_i = b.begin();
+    for (std::size_t i = 0; i < b.locally_owned_size(); i += width)
+      for (int c = 0; c < width; ++c)
         {
-          norms[k] = right_hand_sides[k];
-          for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
-            for (unsigned int c = k * dim; c < (k + 1) * dim; ++c)
-              {
-                x.local_element(i + c) = 0.;
-                q.local_element(i + c) = r.local_element(i + c);
-              }
+          r_i[i + c] = b_i[i + c] - r_i[i + c];
+          squares[0][c] += r_i[i + c] * r_i[i + c];
+          squares[1][c] += b_i[i + c] * b_i[i + c];
         }
-    r.swap(q);
-    return norms;
+    add_up(squares, mass.unknowns().communicator());
+    return squares;
   }
 
 
@@ -314,51 +416,57 @@ namespace greville
   template <int width>
   SolveResult
   ExtendedMassSolver<dim>::iterate(VectorType                &x,
-                                   VectorType                &r,
+                                   const VectorType          &b,
                                    const unsigned int         n_fields,
                                    const std::vector<double> &shares,
                                    const unsigned int max_iterations) const
   {
-    const MPI_Comm comm = mass.unknowns().communicator();
-    VectorType     p, q, z;
-    for (VectorType *vector : {&p, &q, &z})
-      mass.unknowns().initialize_vector(*vector, width);
-    FieldNorms target = norms_of<width>(dot<width>(r, r, comm), n_fields, dim);
-    FieldNorms now    = begin<width>(x, r, n_fields, target);
+    VectorType r;
+    mass.unknowns().initialize_vector(r, width);
+    auto       squares = residual<width>(r, x, b);
+    FieldNorms target  = norms_of<width>(squares[1], n_fields, dim);
+    FieldNorms now     = norms_of<width>(squares[0], n_fields, dim);
+    // A guess that is worse than zero is discarded.
+    for (unsigned int k = 0; k < n_fields; ++k)
+      if (!(now[k] <= target[k]))
+        for (unsigned int c = k * dim; c < (k + 1) * dim; ++c)
+          {
+            for (std::size_t i = c; i < x.locally_owned_size(); i += width)
+              {
+                x.local_element(i) = 0.;
+                r.local_element(i) = b.local_element(i);
+              }
+            squares[0][c] = squares[1][c];
+            now[k]        = target[k];
+          }
     for (unsigned int k = 0; k < shares.size(); ++k)
       target[k] = std::max(target[k], shares[k] * shares[k] * target[0]);
 
-    double         ratio = largest_ratio(now, target, n_fields);
-    unsigned int   k     = 0;
-    Columns<width> rho{}, alpha{}, beta{};
-    for (; ratio > parameters.tolerance && std::isfinite(ratio) &&
-           k < max_iterations;
-         ++k)
+    // Single precision reduces a residual by this factor.
+    constexpr double reduction = 1e-5;
+    double           ratio     = largest_ratio(now, target, n_fields);
+    unsigned int     k         = 0;
+    while (ratio > parameters.tolerance && std::isfinite(ratio) &&
+           k < max_iterations)
       {
-        precondition(z, r, width, n_fields * dim);
-        const auto new_rho = dot<width>(r, z, comm);
-        for (int c = 0; c < width; ++c)
-          beta[c] = rho[c] > 0. ? new_rho[c] / rho[c] : 0.;
-        if (other_preconditioner && k > 0)
+        const double start = ratio;
+        const double goal  = std::max(parameters.tolerance, reduction * start);
+        ratio              = correct<width>(
+          x, r, squares[0], target, n_fields, goal, max_iterations, k);
+        if (goal <= parameters.tolerance || !std::isfinite(ratio))
+          break;
+        squares = residual<width>(r, x, b);
+        ratio   = largest_ratio(norms_of<width>(squares[0], n_fields, dim),
+                              target,
+                              n_fields);
+        // The residual consists of round-off.
+        if (ratio > 0.1 * start && ratio < 1e-11)
           {
-            // The preconditioner may change between iterations: use the beta of
-            // Polak and Ribiere, with r - alpha q for the new residual.
-            const auto change = dot<width>(q, z, comm);
-            for (int c = 0; c < width; ++c)
-              beta[c] = rho[c] > 0. ? -alpha[c] * change[c] / rho[c] : 0.;
+            ratio = std::min(ratio, parameters.tolerance);
+            break;
           }
-        rho = new_rho;
-        scale_and_add<width>(p, beta, z);
-        mass.vmult(q, p, width);
-        const auto curvature = dot<width>(p, q, comm);
-        for (int c = 0; c < width; ++c)
-          alpha[c] = curvature[c] > 0. ? rho[c] / curvature[c] : 0.;
-        now   = norms_of<width>(make_step<width>(x, r, p, q, alpha, comm),
-                              n_fields,
-                              dim);
-        ratio = largest_ratio(now, target, n_fields);
       }
-    remove_mean_residual<width>(x, r, n_fields);
+    remove_mean_residual<width>(x, b, n_fields);
 
     SolveResult result;
     result.iterations = k;
@@ -373,20 +481,105 @@ namespace greville
 
   template <int dim>
   template <int width>
+  double
+  ExtendedMassSolver<dim>::correct(VectorType                      &x,
+                                   const VectorType                &residual,
+                                   const std::array<double, width> &squares,
+                                   const FieldNorms                &target,
+                                   const unsigned int               n_fields,
+                                   const double                     goal,
+                                   const unsigned int max_iterations,
+                                   unsigned int      &k) const
+  {
+    const std::size_t n    = x.locally_owned_size();
+    const MPI_Comm    comm = mass.unknowns().communicator();
+    for (VectorOf<float> *vector : {&e, &r, &p, &s, &u, &w})
+      if (vector->get_partitioner() !=
+          mass.unknowns().unknown_layout()->partitioner(width))
+        mass.unknowns().initialize_vector(*vector, width);
+    for (VectorOf<float> *vector : {&e, &p, &s})
+      std::fill_n(vector->begin(), n, 0.f);
+    // Entries of order 1.
+    Columns<width> scale{}, rr{};
+    for (int c = 0; c < width; ++c)
+      if (squares[c] > 0.)
+        {
+          rr[c]    = x.size() / width;
+          scale[c] = std::sqrt(rr[c] / squares[c]);
+        }
+    for (std::size_t i = 0; i < n; ++i)
+      r.local_element(i) = scale[i % width] * residual.local_element(i);
+
+    double         ratio = std::numeric_limits<double>::infinity();
+    Columns<width> alpha{}, beta{}, gamma{}, curvature{}, ss{};
+    for (unsigned int first = k; ratio > goal && k < max_iterations;)
+      {
+        precondition(u, r, width, n_fields * dim);
+        mass.vmult(w, u, width);
+        const auto     dot = dots<width>(r, u, w, s, comm);
+        Columns<width> squares_now{};
+        for (int c = 0; c < width; ++c)
+          {
+            const double ru = dot[r_u][c];
+            // A preconditioner that may change between iterations needs the
+            // beta of Polak and Ribiere.
+            beta[c]      = gamma[c] <= 0. ? 0.
+                           : other_preconditioner
+                             ? -alpha[c] * dot[u_s][c] / gamma[c]
+                             : ru / gamma[c];
+            curvature[c] = dot[u_w][c] + 2. * beta[c] * dot[u_s][c] +
+                           beta[c] * beta[c] * curvature[c];
+            alpha[c] = curvature[c] > 0. ? ru / curvature[c] : 0.;
+            gamma[c] = ru;
+            ss[c]    = dot[w_w][c] + 2. * beta[c] * dot[w_s][c] +
+                    beta[c] * beta[c] * ss[c];
+            if (k > first)
+              rr[c] = dot[r_r][c];
+            // The difference has round-off of single precision.
+            const double rs = dot[r_w][c] + beta[c] * dot[r_s][c];
+            const double new_rr =
+              rr[c] + alpha[c] * (alpha[c] * ss[c] - 2. * rs);
+            if (scale[c] > 0.)
+              squares_now[c] =
+                std::max(new_rr, 1e-5 * rr[c]) / (scale[c] * scale[c]);
+            if (std::isnan(new_rr))
+              squares_now[c] = new_rr;
+          }
+        make_step<width>(e, r, p, s, u, w, alpha, beta);
+        ++k;
+        ratio = largest_ratio(norms_of<width>(squares_now, n_fields, dim),
+                              target,
+                              n_fields);
+        if (!std::isfinite(ratio))
+          break;
+      }
+    for (std::size_t i = 0; i < n; ++i)
+      if (scale[i % width] > 0.)
+        x.local_element(i) += e.local_element(i) / (unit * scale[i % width]);
+    return ratio;
+  }
+
+
+
+  template <int dim>
+  template <int width>
   void
   ExtendedMassSolver<dim>::remove_mean_residual(
-    VectorType &x, const VectorType &r, const unsigned int n_fields) const
+    VectorType &x, const VectorType &b, const unsigned int n_fields) const
   {
-    const auto    &is_constrained = mass.unknowns().has_constrained();
-    Columns<width> sums{};
-    for (unsigned int i = 0; i < r.locally_owned_size(); i += width)
+    const auto &is_constrained = mass.unknowns().has_constrained();
+
+    std::array<Columns<width>, 1> sums{};
+    for (std::size_t u = 0; u < column_sums.locally_owned_size(); ++u)
       for (int c = 0; c < width; ++c)
-        sums[c] += r.local_element(i + c);
-    add_up<width>(sums, mass.unknowns().communicator());
+        sums[0][c] +=
+          b.local_element(u * width + c) -
+          column_sums.local_element(u) * x.local_element(u * width + c);
+    add_up(sums, mass.unknowns().communicator());
     for (unsigned int c = 0; c < n_fields * dim; ++c)
       if (!is_constrained[c % dim] && total_mass > 0.)
-        for (unsigned int i = 0; i < x.locally_owned_size(); i += width)
-          x.local_element(i + c) += sums[c] / total_mass;
+        for (std::size_t i = c; i < x.locally_owned_size(); i += width)
+          x.local_element(i) += sums[0][c] / total_mass;
   }
 
 

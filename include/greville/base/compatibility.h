@@ -30,6 +30,10 @@ namespace greville
    */
   using VectorType = dealii::LinearAlgebra::distributed::Vector<double>;
 
+  /// A VectorType in @p Number.
+  template <typename Number>
+  using VectorOf = dealii::LinearAlgebra::distributed::Vector<Number>;
+
   template <int dim>
   using DistributedTriangulation =
     dealii::parallel::distributed::Triangulation<dim>;

@@ -60,8 +60,22 @@ namespace greville
     void
     solve(double *x, const unsigned int width) const;
 
+    /// The same for A / @p unit, for entries of order 1.
+    void
+    solve(float *x, const unsigned int width, const double unit) const;
+
   private:
-    using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
+    template <typename Number>
+    using Vectors =
+      std::array<dealii::LinearAlgebra::distributed::Vector<Number>, 9>;
+
+    /// Solve on the domains, with vectors of them.
+    template <typename Number>
+    void
+    solve(Number            *x,
+          const unsigned int width,
+          const double       unit,
+          Vectors<Number>   &vectors) const;
 
     void
     factorize_domain(const UpperTriangle                   &matrix,
@@ -83,8 +97,9 @@ namespace greville
     std::vector<float>        weights; // by row of factors
     IncompleteCholesky        factors;
 
-    mutable std::vector<float>    rows;       // of factors
-    mutable std::array<Vector, 9> all_values; // of the domain, by width
+    mutable std::vector<float> rows;    // of factors
+    mutable Vectors<double>    doubles; // of the domain, by width
+    mutable Vectors<float>     floats;
   };
 } // namespace greville
 

@@ -95,10 +95,18 @@ namespace greville
 
     /**
      * Compute y = A x for @p width columns; constrained entries give and get
-     * zero. Ghost entries of x are updated.
+     * zero. Ghost entries of x are updated. In single precision, y = A / unit x
+     * with the unit of StencilMatrix::make_single().
      */
+    template <typename Number>
     void
-    vmult(VectorType &y, VectorType &x, const unsigned int width) const;
+    vmult(VectorOf<Number>  &y,
+          VectorOf<Number>  &x,
+          const unsigned int width) const;
+
+    /// Collective. Compute the sums of the columns of A without constraints.
+    void
+    column_sums(VectorType &sums) const;
 
     /**
      * Subtract from @p rows the contribution E^T M~ (E h) of the constrained
@@ -140,8 +148,13 @@ namespace greville
      * Return the entries that this process contributes to A between its
      * unknowns. Unknowns that are constrained in all @p components (bits) have
      * a diagonal entry only; unknowns constrained in some components are kept.
-     * On one process, the result is A.
+     * On one process, the result is A without the entries of M~ beyond
+     * @p reach, see StencilMatrix::for_each_entry().
      */
+    UpperTriangle
+    local_entries(const unsigned int components, const int reach) const;
+
+    /// The same with all entries.
     UpperTriangle
     local_entries(const unsigned int components) const;
 

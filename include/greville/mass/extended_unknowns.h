@@ -82,8 +82,9 @@ namespace greville
     unknown_functions() const;
 
     /// Initialize a vector of @p width columns with the ghosts of multiply().
+    template <typename Number>
     void
-    initialize_vector(VectorType &vector, const unsigned int width) const;
+    initialize_vector(VectorOf<Number> &vector, const unsigned int width) const;
 
     const std::shared_ptr<const InterleavedLayout> &
     unknown_layout() const;
@@ -93,12 +94,13 @@ namespace greville
      * places, given as @p product(y, x), which computes y = B x. Constrained
      * entries give and get zero. Ghost entries of x are updated.
      */
+    template <typename Number>
     void
     multiply(
-      VectorType                                          &y,
-      VectorType                                          &x,
+      VectorOf<Number>                                    &y,
+      VectorOf<Number>                                    &x,
       const unsigned int                                   width,
-      const std::function<void(double *, const double *)> &product) const;
+      const std::function<void(Number *, const Number *)> &product) const;
 
     /// Call visit(u, E_iu) for the unknowns u of the function at place @p i.
     template <typename Visit>
@@ -170,8 +172,10 @@ namespace greville
     extend(VectorField<dim> &field, const VectorType &weights) const;
 
     /// Set the constrained entries of @p x to zero.
+    template <typename Number>
     void
-    zero_constrained_unknowns(VectorType &x, const unsigned int width) const;
+    zero_constrained_unknowns(VectorOf<Number>  &x,
+                              const unsigned int width) const;
 
   private:
     friend class ExtendedMass<dim>;
@@ -197,20 +201,23 @@ namespace greville
                   const unsigned int               width,
                   const unsigned int               component = 0) const;
 
-    /// Compute place_x = E x, at all places.
+    /// Compute @p values = E x at the places.
+    template <typename Number>
     void
-    expand(const double *x, const unsigned int width) const;
+    expand(const Number *x, const unsigned int width, Number *values) const;
 
-    /// Compute y = E^T place_y.
+    /// Compute y = E^T @p values.
+    template <typename Number>
     void
-    collect(double *y, const unsigned int width) const;
+    collect(Number *y, const unsigned int width, const Number *values) const;
 
     /// Copy a component of a field to the places, with the ghosts of others.
     void
     to_places(const VectorType &component) const;
 
+    template <typename Number>
     void
-    zero_constrained(double *values, const unsigned int width) const;
+    zero_constrained(Number *values, const unsigned int width) const;
 
     /// Call visit(f, place) for the first @p n_functions local functions if
     /// they are active.
@@ -258,6 +265,7 @@ namespace greville
     std::array<bool, dim> component_has_constrained{};
 
     mutable ZeroedArray<double> place_x, place_y;
+    mutable ZeroedArray<float>  single_x, single_y;
     mutable VectorType          column; // of unknowns
 
     /// Collective. Number the unknowns and set E.

@@ -93,14 +93,23 @@ namespace greville
       std::size_t stride;
     };
 
-    /// Return the entries of a @p line of cell_place().
-    CellLine
-    cell_line(const unsigned int cell, const unsigned int line)
+    /// Set the n^(dim - 1) lines of a cell, n = p + 1.
+    template <int n>
+    void
+    find_lines(const unsigned int cell, CellLine *lines) const
     {
-      const unsigned int place = cell_place(cell, 0, line);
-      const unsigned int n     = spline_space->degree() + 1;
-      return {values.data() + first_entry(place),
-              line_size[line_of[place]] * n};
+      const unsigned int place =
+        place_of[spline_space->cell_functions(cell)[0]];
+      const unsigned int first = line_of[place];
+      for (unsigned int z = 0; z < (dim == 3 ? n : 1); ++z)
+        for (unsigned int y = 0; y < n; ++y)
+          {
+            const unsigned int line = first + y + z * n_lines_y;
+            const std::size_t  x    = int(place) - line_begin[first] +
+                                  line_begin[line] - int(line_places[line]);
+            *lines++ = {values.data() + entries_begin[line] + x * n,
+                        std::size_t(line_size[line]) * n};
+          }
     }
 
     /// Return the images of local functions: function and place.
@@ -164,8 +173,16 @@ namespace greville
     }
 
     /**
-     * Call visit(j, M_ij) for all places j of row @p i, ascending.
+     * Call visit(j, M_ij) for all places j of row @p i with @f$ |i_d - j_d|
+     * \le @f$ @p reach, ascending.
      */
+    template <typename Visit>
+    void
+    for_each_entry(const unsigned int i,
+                   const Visit       &visit,
+                   const int          reach) const;
+
+    /// The same for all entries.
     template <typename Visit>
     void
     for_each_entry(const unsigned int i, const Visit &visit) const;
@@ -173,7 +190,9 @@ namespace greville
     /// Call visit(j, M_ij) for the places j >= i only, ascending.
     template <typename Visit>
     void
-    for_each_upper_entry(const unsigned int i, const Visit &visit) const;
+    for_each_upper_entry(const unsigned int i,
+                         const Visit       &visit,
+                         const int          reach) const;
 
     /**
      * Call visit(j, e) for all places j of the full stencil of row @p i,
@@ -228,6 +247,16 @@ namespace greville
     void
     vmult(double *y, const double *x, const unsigned int width) const;
 
+    /**
+     * Copy the entries divided by @p unit in single precision, for products y =
+     * M / unit x of 2, 4 or 8 vectors.
+     */
+    void
+    make_single(const double unit);
+
+    void
+    vmult(float *y, const float *x, const unsigned int width) const;
+
   private:
     /// Rows at consecutive places of a line.
     struct Segment
@@ -268,11 +297,21 @@ namespace greville
     /// for_each_place(), or for j >= i only.
     template <bool upper, typename Visit>
     void
-    visit_places(const unsigned int i, const Visit &visit) const;
+    visit_places(const unsigned int i,
+                 const int          reach,
+                 const Visit       &visit) const;
 
-    template <int n, int width>
+    /// Call visit(begin, n) for ranges of entries of the rows.
+    template <typename Visit>
     void
-    multiply(double *y, const double *x) const;
+    for_each_range(const Visit &visit) const;
+
+    template <int n, int width, typename Number>
+    void
+    multiply(Number       *y,
+             const Number *x,
+             const Number *entries,
+             const double  unit) const;
 
     /**
      * Return the distance from a place in @p line to the place with the same x
@@ -326,6 +365,8 @@ namespace greville
 
     std::vector<Segment>        segments;
     ZeroedArray<double>         values;
+    ZeroedArray<float>          single_values;
+    double                      single_unit = 1.;
     ZeroedArray<unsigned>       line_of;      // by place
     ZeroedArray<unsigned char>  is_decoupled; // by place
     std::vector<unsigned int>   decoupled_places;

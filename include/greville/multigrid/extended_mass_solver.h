@@ -35,6 +35,11 @@ namespace greville
    * A factorization serves max_age steps, unless unknowns change. It is made
    * when a solve needs a preconditioner: bodies in free flight need none.
    *
+   * Iterations are in single precision, with one sum over the processes each
+   * (@ref Chronopoulos1989 "Chronopoulos and Gear, 1989"), for the correction
+   * of a residual that is computed in double precision; a smaller tolerance
+   * than 1e-5 needs several corrections.
+   *
    * The residual of the solution is orthogonal to constants in columns without
    * constrained functions, so that momentum does not depend on the tolerance.
    */
@@ -87,50 +92,72 @@ namespace greville
     void
     factorize() const;
 
+    /// Set the matrix in single precision and the sums of its columns.
+    void
+    prepare();
+
     /**
-     * Compute z = the preconditioner times r, for @p width columns in blocks of
-     * dim.
+     * Compute z = the preconditioner of A / unit times r, for @p width columns
+     * in blocks of dim.
      */
     void
-    precondition(VectorType        &z,
-                 const VectorType  &r,
-                 const unsigned int width,
-                 const unsigned int n_columns) const;
+    precondition(VectorOf<float>       &z,
+                 const VectorOf<float> &r,
+                 const unsigned int     width,
+                 const unsigned int     n_columns) const;
 
     /// Squared norms of fields.
     using FieldNorms = std::array<double, 8>;
 
-    /**
-     * Set @p r, which contains the right-hand sides, to the residual. A guess
-     * that is worse than zero is discarded. Returns the norms of the residual.
-     */
+    /// Set r = b - A x. Returns the squares of the columns of r and b.
     template <int width>
-    FieldNorms
-    begin(VectorType        &x,
-          VectorType        &r,
-          const unsigned int n_fields,
-          const FieldNorms  &right_hand_sides) const;
+    std::array<std::array<double, width>, 2>
+    residual(VectorType &r, VectorType &x, const VectorType &b) const;
 
     template <int width>
     SolveResult
     iterate(VectorType                &x,
-            VectorType                &r,
+            const VectorType          &b,
             const unsigned int         n_fields,
             const std::vector<double> &shares,
             const unsigned int         max_iterations) const;
+
+    /**
+     * Add to @p x a solution of A e = @p residual in single precision, with
+     * norms of fields below @p goal times the @p target. @p squares are those
+     * of the columns of the residual. Counts the iterations in @p k. Returns
+     * the largest ratio of a norm and its target.
+     */
+    template <int width>
+    double
+    correct(VectorType                      &x,
+            const VectorType                &residual,
+            const std::array<double, width> &squares,
+            const FieldNorms                &target,
+            const unsigned int               n_fields,
+            const double                     goal,
+            const unsigned int               max_iterations,
+            unsigned int                    &k) const;
 
     /// Change x so that its residual is orthogonal to constants.
     template <int width>
     void
     remove_mean_residual(VectorType        &x,
-                         const VectorType  &r,
+                         const VectorType  &b,
                          const unsigned int n_fields) const;
 
     ExtendedMass<dim>         &mass;
     const SolverParameters    &parameters;
     const ColumnPreconditioner other_preconditioner;
 
-    double total_mass = 0.;
+    double total_mass = 0., unit = 1.;
+
+    bool       is_old = true; // unit, column_sums, and the single matrix
+    VectorType column_sums;
+
+    // Vectors of an iteration: correction, residual, direction and its product,
+    // preconditioned residual and its product.
+    mutable VectorOf<float> e, r, p, s, u, w;
 
     /// The number of steps that a factorization serves.
     static constexpr unsigned int max_age = 3;
