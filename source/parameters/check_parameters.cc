@@ -44,6 +44,11 @@ namespace greville
                              text_of(grid.lower[d]) + "."));
     if (has_body_grids())
       check_body_grids();
+    AssertThrow(solver.tolerance == 0. || solver.tolerance >= 1e-15,
+                ExcMessage("The parameter 'Solver/Tolerance' is <" +
+                           text_of(solver.tolerance) +
+                           ">; it has to be 0 or a number between 1e-15 and "
+                           "1."));
     // Output must stay inside the folder that a file names.
     AssertThrow(general.name.find('/') == std::string::npos &&
                   general.name != "..",

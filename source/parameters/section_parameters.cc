@@ -132,7 +132,14 @@ namespace greville
   void
   ConsistentSolverParameters::declare(ParameterHandler &prm)
   {
-    SolverParameters::declare(prm);
+    add_parameter(prm, "Tolerance", tolerance, Double(0., 1.))(
+      "Largest Euclidean norm of the residual over the norm of the right-hand "
+      "side at which iterations end. 0: in plane and 3D explicit steps without "
+      "pore water 1e-5 for order 1 or 2, 1e-6 for order 3 and 1e-7 for order "
+      "4, otherwise 1e-8. Unit: none.");
+    add_parameter(prm, "Maximum iterations", max_iterations, Integer(1))(
+      "Largest number of iterations; a solver that needs more has not "
+      "converged. Unit: iterations.");
     add_parameter(prm, "Method", method, Selection(mass_solver_methods()))(
       "Solver of the consistent mass: conjugate gradients for all components "
       "together, preconditioned by incomplete Cholesky factors (cg-ic0, the "

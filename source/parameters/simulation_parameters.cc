@@ -2,7 +2,11 @@
 
 #include <greville/base/parameters.h>
 #include <greville/materials/element_test.h>
+#include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace greville
 {
@@ -97,6 +101,21 @@ namespace greville
                                        "end\n",
                                        "defaults.prm"));
     return parameters.used();
+  }
+
+
+
+  double
+  SimulationParameters::mass_tolerance(const unsigned int degree) const
+  {
+    const double tight = solver.tight_tolerance();
+    // The norm of the residual hardly sees rows near the axis, whose mass is
+    // proportional to r.
+    return solver.tolerance > 0. || general.pore_water ||
+               grid.is_axisymmetric() ||
+               is_implicit_scheme(scheme.stress_update)
+             ? tight
+             : std::clamp(std::pow(10., -3. - degree), tight, 1e-5);
   }
 
 

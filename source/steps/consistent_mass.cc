@@ -14,6 +14,7 @@ namespace greville
                                       const Walls<dim>           &walls)
     : GridMass<dim>(orders, walls)
     , parameters(parameters)
+    , solver_parameters(parameters.solver)
     , walls(walls)
   {
     filling.reinit(this->space(),
@@ -21,7 +22,7 @@ namespace greville
                    parameters.scheme.averages_over_domains());
     mass_solver =
       std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
-                                                parameters.solver,
+                                                solver_parameters,
                                                 make_preconditioner());
   }
 
@@ -74,6 +75,9 @@ namespace greville
     const PointTransfer<dim>                       &point_transfer)
   {
     this->lumped_mass.copy_locally_owned_data_from(lumped);
+    // The scheme may change between stages.
+    solver_parameters.tolerance =
+      parameters.mass_tolerance(this->space().degree());
     bodies   = &all_bodies;
     transfer = &point_transfer;
     transfer->filling(*bodies, filled_part);

@@ -171,8 +171,9 @@ namespace greville
       }
     pressure = 0.;
 
-    unsigned int n_linear = 0;
-    double       first    = 0.;
+    const double tolerance = parameters.solver.tight_tolerance();
+    unsigned int n_linear  = 0;
+    double       first     = 0.;
     for (unsigned int k = 0;; ++k)
       {
         slide();
@@ -180,8 +181,7 @@ namespace greville
         const double norm = residual.l2_norm();
         if (k == 0)
           first = norm;
-        if (norm <=
-            std::max(parameters.solver.tolerance * first, water.round_off()))
+        if (norm <= std::max(tolerance * first, water.round_off()))
           break;
         if (k == most_iterations)
           throw StepFailed(
@@ -189,7 +189,7 @@ namespace greville
               " iterations of Newton's method: the residual is " +
               text_of(norm / first) +
               " of the first one, and 'Solver/Tolerance' is " +
-              text_of(parameters.solver.tolerance) + ". " +
+              text_of(tolerance) + ". " +
               describe_water_at_boundaries(parameters) +
               "The pressure changes less in shorter steps: take a smaller "
               "'Time/Step' or 'Time/CFL number'.",
@@ -201,7 +201,7 @@ namespace greville
                        u = change;
                      });
         const SolveResult result = solve_krylov(
-          {parameters.solver.tolerance, parameters.solver.max_iterations},
+          {tolerance, parameters.solver.max_iterations},
           [&](VectorType &rows, const VectorType &p) {
             water.spread(p, force);
             accelerate(field, force);

@@ -101,7 +101,7 @@ test_main()
             b.surface_loads.empty() &&
             b.used().find("block") == std::string::npos);
     check("defaults of others",
-          a.solver.tolerance == 1e-10 && b.solver.tolerance == 1e-8 &&
+          a.solver.tolerance == 1e-10 && b.solver.tolerance == 0. &&
             a.scheme.filter == 0.2 && b.scheme.filter == 0.4 &&
             a.scheme.mass == "consistent" && b.scheme.mass == "lumped");
 

@@ -123,12 +123,25 @@ namespace greville
 
 
   /**
-   * The solver of the consistent mass.
+   * The solver of the consistent mass, and of the pore pressure of explicit
+   * steps. A tolerance of 0 stands for SimulationParameters::mass_tolerance().
    */
   struct ConsistentSolverParameters : SolverParameters
   {
+    ConsistentSolverParameters()
+    {
+      tolerance = 0.;
+    }
+
     void
     declare(dealii::ParameterHandler &prm);
+
+    /// Return the tolerance for all but the mass of explicit steps.
+    double
+    tight_tolerance() const
+    {
+      return tolerance > 0. ? tolerance : SolverParameters().tolerance;
+    }
 
     /**
      * Return whether the preconditioner is a factorization, the cycle of

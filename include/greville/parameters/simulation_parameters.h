@@ -164,6 +164,15 @@ namespace greville
       return used_text;
     }
 
+    /**
+     * Return the tolerance of the solver of the consistent mass: by default
+     * that of errors which are small compared with errors of B-splines of order
+     * @p degree in explicit steps. With pore water the mass is solved in each
+     * product of the solver of the pressure, which is as accurate.
+     */
+    double
+    mass_tolerance(const unsigned int degree) const;
+
   private:
     /// Read the values of @p lines, which come from @p file.
     void

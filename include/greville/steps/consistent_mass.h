@@ -155,6 +155,7 @@ namespace greville
     assemble();
 
     const SimulationParameters              &parameters;
+    SolverParameters                         solver_parameters;
     const Walls<dim>                        &walls;
     std::vector<double>                      filled_part; // of owned cells
     CellFilling<dim>                         filling;
