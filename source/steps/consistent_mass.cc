@@ -75,9 +75,6 @@ namespace greville
     const PointTransfer<dim>                       &point_transfer)
   {
     this->lumped_mass.copy_locally_owned_data_from(lumped);
-    // The scheme may change between stages.
-    solver_parameters.tolerance =
-      parameters.mass_tolerance(this->space().degree());
     bodies   = &all_bodies;
     transfer = &point_transfer;
     transfer->filling(*bodies, filled_part);
@@ -133,6 +130,24 @@ namespace greville
 
 
   template <int dim>
+  bool
+  ConsistentMass<dim>::has_guess(
+    const std::vector<VectorField<dim> *> &fields) const
+  {
+    int found = 0;
+    for (const VectorField<dim> *field : fields)
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int i = 0;
+             i < (*field)[d].locally_owned_size() && found == 0;
+             ++i)
+          found = (*field)[d].local_element(i) != 0. &&
+                  ((this->constrained_components(i) >> d) & 1) == 0;
+    return Utilities::MPI::max(found, this->space().communicator()) > 0;
+  }
+
+
+
+  template <int dim>
   void
   ConsistentMass<dim>::solve(const std::vector<VectorField<dim> *>       &x,
                              const std::vector<const VectorField<dim> *> &b,
@@ -141,6 +156,11 @@ namespace greville
     AssertThrow(x.size() == b.size(), ExcDimensionMismatch(x.size(), b.size()));
     if (!is_assembled)
       assemble();
+    // An error of a first solution would stay in the guesses of a uniform
+    // motion.
+    solver_parameters.tolerance =
+      has_guess(x) ? parameters.mass_tolerance(this->space().degree())
+                   : parameters.solver.tight_tolerance();
     const SolveResult result = mass_solver->solve(x, b, shares);
     AssertThrow(result.converged,
                 ErrorOnAll(

@@ -240,7 +240,8 @@ test_main()
   test("APIC", text.with("Scheme", {"Transfer = APIC"}), false);
   test("consistent",
        text.with("Scheme", {"Mass = consistent"})
-         .with("Walls", {"Bottom = sliding", "Bottom friction = 0"}),
+         .with("Walls", {"Bottom = sliding", "Bottom friction = 0"})
+         .with("Solver", {"Tolerance = 1e-10"}),
        true);
   test_stages();
 }

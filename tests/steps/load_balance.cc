@@ -166,6 +166,7 @@ namespace
       flying.with("Load balance", {"Threshold = 1", "Check every = 7"})
         .with("Scheme", {"Mass = consistent"})
         .with("Walls", {"Bottom = sliding", "Bottom friction = 0"})
+        .with("Solver", {"Tolerance = 1e-13"})
         .with("Time", {"Maximum steps = 1000"});
     const auto run_steps = [](Simulation<2> &simulation, const unsigned int n) {
       for (unsigned int k = 0; k < n; ++k)
@@ -199,8 +200,7 @@ namespace
     check("partitions in between",
           !is_parallel() || run->state().n_partitions >= 5);
 
-    Simulated<2> alone(text.with("Solver", {"Tolerance = 1e-13"}),
-                       MPI_COMM_SELF);
+    Simulated<2> alone(text, MPI_COMM_SELF);
     set_from(alone.simulation, read_tables("state.h5", MPI_COMM_SELF));
     run_steps(alone.simulation, 15);
     check("on one process",

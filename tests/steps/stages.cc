@@ -131,7 +131,8 @@ namespace
                 const std::vector<std::string> &scheme,
                 const std::string              &order)
   {
-    const Text   text = block(order).with("Scheme", scheme);
+    const Text text =
+      block(order).with("Scheme", scheme).with("Solver", {"Tolerance = 1e-10"});
     Simulated<2> one(text), two(in_two_stages(text));
     one.run();
     two.run();

@@ -149,6 +149,7 @@ namespace
       result.add("Simulation", {"Bodies = " + bodies, "Materials = solid"})
         .add("Grid", {"Cells = 20, 20"})
         .add("Scheme", total)
+        .add("Solver", {"Tolerance = 1e-10"})
         .add("Material solid",
              {"Model = linear-elastic",
               "Density = 1",

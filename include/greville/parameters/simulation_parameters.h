@@ -165,10 +165,10 @@ namespace greville
     }
 
     /**
-     * Return the tolerance of the solver of the consistent mass: by default
-     * that of errors which are small compared with errors of B-splines of order
-     * @p degree in explicit steps. With pore water the mass is solved in each
-     * product of the solver of the pressure, which is as accurate.
+     * Return the tolerance of the solver of the consistent mass. By default,
+     * its errors in explicit steps are small compared with errors of B-splines
+     * of order @p degree. With pore water, the solver of the pressure solves
+     * for the mass in each of its products, which needs the same tolerance.
      */
     double
     mass_tolerance(const unsigned int degree) const;

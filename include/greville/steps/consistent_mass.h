@@ -148,6 +148,13 @@ namespace greville
     }
 
     /**
+     * Collective. Return whether an unconstrained coefficient of @p fields is
+     * not zero.
+     */
+    bool
+    has_guess(const std::vector<VectorField<dim> *> &fields) const;
+
+    /**
      * Collective. Assemble the matrix of the points of the last update(), and
      * update its solver.
      */
