@@ -4,6 +4,8 @@
 #include <greville/parameters/names.h>
 #include <greville/steps/consistent_mass.h>
 
+#include <algorithm>
+
 namespace greville
 {
   using namespace dealii;
@@ -134,15 +136,19 @@ namespace greville
   ConsistentMass<dim>::has_guess(
     const std::vector<VectorField<dim> *> &fields) const
   {
-    int found = 0;
-    for (const VectorField<dim> *field : fields)
+    std::vector<int> found(fields.size(), 0);
+    for (unsigned int k = 0; k < fields.size(); ++k)
       for (unsigned int d = 0; d < dim; ++d)
-        for (unsigned int i = 0;
-             i < (*field)[d].locally_owned_size() && found == 0;
-             ++i)
-          found = (*field)[d].local_element(i) != 0. &&
-                  ((this->constrained_components(i) >> d) & 1) == 0;
-    return Utilities::MPI::max(found, this->space().communicator()) > 0;
+        {
+          const VectorType &values = (*fields[k])[d];
+          for (unsigned int i = 0;
+               i < values.locally_owned_size() && found[k] == 0;
+               ++i)
+            found[k] = values.local_element(i) != 0. &&
+                       ((this->constrained_components(i) >> d) & 1) == 0;
+        }
+    Utilities::MPI::max(found, this->space().communicator(), found);
+    return std::count(found.begin(), found.end(), 0) == 0;
   }
 
 

@@ -247,6 +247,7 @@ namespace
                    "Stress = -40; 20; 0; 15"})
             .with("Material solid", {"Model = neo-hookean"})
             .with("Newton", {"Tolerance = 1e-10"})
+            .with("Solver", {"Tolerance = 1e-10"})
             .with("Time", {"End = 0.3", "Step = 0.001"}));
         const Statistics<2> begin    = run->statistics();
         double              smallest = begin.strain, largest = 0., error = 0.;

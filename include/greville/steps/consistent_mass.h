@@ -148,8 +148,8 @@ namespace greville
     }
 
     /**
-     * Collective. Return whether an unconstrained coefficient of @p fields is
-     * not zero.
+     * Collective. Return whether each of @p fields has an unconstrained
+     * coefficient that is not zero.
      */
     bool
     has_guess(const std::vector<VectorField<dim> *> &fields) const;
