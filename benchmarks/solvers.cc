@@ -165,8 +165,10 @@ namespace
 
     std::vector<Method> methods;
 
-    IncompleteCholesky      cholesky;
-    ExtendedMassSolver<dim> solver(mass, parameters.solver);
+    IncompleteCholesky cholesky;
+    SolverParameters   solver_parameters = parameters.solver;
+    solver_parameters.tolerance          = parameters.solver.tight_tolerance();
+    ExtendedMassSolver<dim> solver(mass, solver_parameters);
     solver.update(true, 0.);
     methods.push_back(
       {"own",
@@ -193,7 +195,7 @@ namespace
         check_petsc(KSPSetType(ksp, KSPCG));
         check_petsc(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
         check_petsc(KSPSetTolerances(ksp,
-                                     parameters.solver.tolerance,
+                                     parameters.solver.tight_tolerance(),
                                      PETSC_DEFAULT,
                                      PETSC_DEFAULT,
                                      1000));
@@ -258,7 +260,7 @@ namespace
                 space.degree(),
                 n,
                 entries.values.size(),
-                parameters.solver.tolerance,
+                parameters.solver.tight_tolerance(),
                 n_columns);
     for (const Method &method : methods)
       {

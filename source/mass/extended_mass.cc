@@ -95,21 +95,6 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedMass<dim>::column_sums(VectorType &sums) const
-  {
-    E->for_each_active_place([&](const unsigned int, const std::size_t place) {
-      E->place_x[place] = 1.;
-    });
-    points_mass.vmult(E->place_y.data(), E->place_x.data(), 1);
-    E->initialize_vector(sums, 1);
-    E->collect(sums.begin(), 1, E->place_y.data());
-    sums.compress(VectorOperation::add);
-  }
-
-
-
-  template <int dim>
-  void
   ExtendedMass<dim>::subtract_constrained(
     VectorType                            &rows,
     const std::vector<VectorField<dim> *> &fields,

@@ -37,6 +37,7 @@ namespace greville
                         to[c] = is_owned && !((constrained >> bit[c]) & 1)
                                   ? from[c][f]
                                   : 0.;
+                      std::fill(to + n, to + width, 0.);
                     });
     for_each_active_image([&](const unsigned int, const std::size_t place) {
       std::fill_n(&place_y[place * width], width, 0.);

@@ -29,10 +29,12 @@ namespace greville
   ExtendedMassSolver<dim>::ExtendedMassSolver(
     ExtendedMass<dim>          &mass,
     const SolverParameters     &parameters,
-    const ColumnPreconditioner &preconditioner)
+    const ColumnPreconditioner &preconditioner,
+    const double                first_tolerance)
     : mass(mass)
     , parameters(parameters)
     , other_preconditioner(preconditioner)
+    , first_tolerance(first_tolerance)
   {}
 
 
@@ -95,7 +97,6 @@ namespace greville
     const double n = mass.unknowns().unknown_layout()->partitioner(1)->size();
     unit           = total_mass > 0. ? total_mass / n : 1.;
     mass.matrix().make_single(unit);
-    mass.column_sums(column_sums);
     is_old = false;
   }
 
@@ -389,25 +390,27 @@ namespace greville
 
   template <int dim>
   template <int width>
-  std::array<std::array<double, width>, 2>
+  std::array<std::array<double, width>, 4>
   ExtendedMassSolver<dim>::residual(VectorType       &r,
                                     VectorType       &x,
                                     const VectorType &b) const
   {
     mass.vmult(r, x, width);
-    std::array<Columns<width>, 2> squares{};
+    std::array<Columns<width>, 4> sums{};
 
     double       *r_i = r.begin();
-    const double *b_i = b.begin();
+    const double *b_i = b.begin(), *x_i = x.begin();
     for (std::size_t i = 0; i < b.locally_owned_size(); i += width)
       for (int c = 0; c < width; ++c)
         {
           r_i[i + c] = b_i[i + c] - r_i[i + c];
-          squares[0][c] += r_i[i + c] * r_i[i + c];
-          squares[1][c] += b_i[i + c] * b_i[i + c];
+          sums[0][c] += r_i[i + c] * r_i[i + c];
+          sums[1][c] += b_i[i + c] * b_i[i + c];
+          sums[2][c] += x_i[i + c] * x_i[i + c];
+          sums[3][c] += r_i[i + c];
         }
-    add_up(squares, mass.unknowns().communicator());
-    return squares;
+    add_up(sums, mass.unknowns().communicator());
+    return sums;
   }
 
 
@@ -423,9 +426,14 @@ namespace greville
   {
     VectorType r;
     mass.unknowns().initialize_vector(r, width);
-    auto       squares = residual<width>(r, x, b);
-    FieldNorms target  = norms_of<width>(squares[1], n_fields, dim);
-    FieldNorms now     = norms_of<width>(squares[0], n_fields, dim);
+    auto       sums      = residual<width>(r, x, b);
+    FieldNorms target    = norms_of<width>(sums[1], n_fields, dim);
+    FieldNorms now       = norms_of<width>(sums[0], n_fields, dim);
+    const auto guess     = norms_of<width>(sums[2], n_fields, dim);
+    double     tolerance = parameters.tolerance;
+    for (unsigned int k = 0; k < n_fields; ++k)
+      if (guess[k] == 0. && target[k] > 0.)
+        tolerance = std::min(tolerance, first_tolerance);
     // A guess that is worse than zero is discarded.
     for (unsigned int k = 0; k < n_fields; ++k)
       if (!(now[k] <= target[k]))
@@ -436,8 +444,8 @@ namespace greville
                 x.local_element(i) = 0.;
                 r.local_element(i) = b.local_element(i);
               }
-            squares[0][c] = squares[1][c];
-            now[k]        = target[k];
+            sums[0][c] = sums[1][c];
+            now[k]     = target[k];
           }
     for (unsigned int k = 0; k < shares.size(); ++k)
       target[k] = std::max(target[k], shares[k] * shares[k] * target[0]);
@@ -445,33 +453,39 @@ namespace greville
     // Single precision reduces a residual by this factor.
     constexpr double reduction = 1e-5;
     double           ratio     = largest_ratio(now, target, n_fields);
-    unsigned int     k         = 0;
-    while (ratio > parameters.tolerance && std::isfinite(ratio) &&
+    unsigned int     k = 0, n_vain = 0;
+    while (ratio > tolerance && std::isfinite(ratio) && n_vain < 3 &&
            k < max_iterations)
       {
         const double start = ratio;
-        const double goal  = std::max(parameters.tolerance, reduction * start);
-        ratio              = correct<width>(
-          x, r, squares[0], target, n_fields, goal, max_iterations, k);
-        if (goal <= parameters.tolerance || !std::isfinite(ratio))
-          break;
-        squares = residual<width>(r, x, b);
-        ratio   = largest_ratio(norms_of<width>(squares[0], n_fields, dim),
+        correct<width>(x,
+                       r,
+                       sums[0],
+                       target,
+                       n_fields,
+                       std::max(0.8 * tolerance, reduction * start),
+                       max_iterations,
+                       k);
+        sums  = residual<width>(r, x, b);
+        ratio = largest_ratio(norms_of<width>(sums[0], n_fields, dim),
                               target,
                               n_fields);
+        n_vain += ratio > 0.5 * start;
         // The residual consists of round-off.
         if (ratio > 0.1 * start && ratio < 1e-11)
-          {
-            ratio = std::min(ratio, parameters.tolerance);
-            break;
-          }
+          ratio = std::min(ratio, tolerance);
       }
-    remove_mean_residual<width>(x, b, n_fields);
+    // The residual becomes orthogonal to constants.
+    const auto &is_constrained = mass.unknowns().has_constrained();
+    for (unsigned int c = 0; c < n_fields * dim; ++c)
+      if (!is_constrained[c % dim] && total_mass > 0.)
+        for (std::size_t i = c; i < x.locally_owned_size(); i += width)
+          x.local_element(i) += sums[3][c] / total_mass;
 
     SolveResult result;
     result.iterations = k;
     result.reduction  = ratio;
-    result.converged  = ratio <= parameters.tolerance;
+    result.converged  = ratio <= tolerance;
     if (!result.converged)
       result.reason = reason_of_failure(ratio, k, target);
     return result;
@@ -481,7 +495,7 @@ namespace greville
 
   template <int dim>
   template <int width>
-  double
+  void
   ExtendedMassSolver<dim>::correct(VectorType                      &x,
                                    const VectorType                &residual,
                                    const std::array<double, width> &squares,
@@ -556,30 +570,6 @@ namespace greville
     for (std::size_t i = 0; i < n; ++i)
       if (scale[i % width] > 0.)
         x.local_element(i) += e.local_element(i) / (unit * scale[i % width]);
-    return ratio;
-  }
-
-
-
-  template <int dim>
-  template <int width>
-  void
-  ExtendedMassSolver<dim>::remove_mean_residual(
-    VectorType &x, const VectorType &b, const unsigned int n_fields) const
-  {
-    const auto &is_constrained = mass.unknowns().has_constrained();
-
-    std::array<Columns<width>, 1> sums{};
-    for (std::size_t u = 0; u < column_sums.locally_owned_size(); ++u)
-      for (int c = 0; c < width; ++c)
-        sums[0][c] +=
-          b.local_element(u * width + c) -
-          column_sums.local_element(u) * x.local_element(u * width + c);
-    add_up(sums, mass.unknowns().communicator());
-    for (unsigned int c = 0; c < n_fields * dim; ++c)
-      if (!is_constrained[c % dim] && total_mass > 0.)
-        for (std::size_t i = c; i < x.locally_owned_size(); i += width)
-          x.local_element(i) += sums[0][c] / total_mass;
   }
 
 

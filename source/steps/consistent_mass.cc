@@ -4,8 +4,6 @@
 #include <greville/parameters/names.h>
 #include <greville/steps/consistent_mass.h>
 
-#include <algorithm>
-
 namespace greville
 {
   using namespace dealii;
@@ -22,10 +20,11 @@ namespace greville
     filling.reinit(this->space(),
                    {},
                    parameters.scheme.averages_over_domains());
-    mass_solver =
-      std::make_unique<ExtendedMassSolver<dim>>(extended_mass,
-                                                solver_parameters,
-                                                make_preconditioner());
+    mass_solver = std::make_unique<ExtendedMassSolver<dim>>(
+      extended_mass,
+      solver_parameters,
+      make_preconditioner(),
+      parameters.solver.tight_tolerance());
   }
 
 
@@ -132,28 +131,6 @@ namespace greville
 
 
   template <int dim>
-  bool
-  ConsistentMass<dim>::has_guess(
-    const std::vector<VectorField<dim> *> &fields) const
-  {
-    std::vector<int> found(fields.size(), 0);
-    for (unsigned int k = 0; k < fields.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          const VectorType &values = (*fields[k])[d];
-          for (unsigned int i = 0;
-               i < values.locally_owned_size() && found[k] == 0;
-               ++i)
-            found[k] = values.local_element(i) != 0. &&
-                       ((this->constrained_components(i) >> d) & 1) == 0;
-        }
-    Utilities::MPI::max(found, this->space().communicator(), found);
-    return std::count(found.begin(), found.end(), 0) == 0;
-  }
-
-
-
-  template <int dim>
   void
   ConsistentMass<dim>::solve(const std::vector<VectorField<dim> *>       &x,
                              const std::vector<const VectorField<dim> *> &b,
@@ -162,11 +139,8 @@ namespace greville
     AssertThrow(x.size() == b.size(), ExcDimensionMismatch(x.size(), b.size()));
     if (!is_assembled)
       assemble();
-    // An error of a first solution would stay in the guesses of a uniform
-    // motion.
     solver_parameters.tolerance =
-      has_guess(x) ? parameters.mass_tolerance(this->space().degree())
-                   : parameters.solver.tight_tolerance();
+      parameters.mass_tolerance(this->space().degree());
     const SolveResult result = mass_solver->solve(x, b, shares);
     AssertThrow(result.converged,
                 ErrorOnAll(

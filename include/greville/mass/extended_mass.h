@@ -104,10 +104,6 @@ namespace greville
           VectorOf<Number>  &x,
           const unsigned int width) const;
 
-    /// Collective. Compute the sums of the columns of A without constraints.
-    void
-    column_sums(VectorType &sums) const;
-
     /**
      * Subtract from @p rows the contribution E^T M~ (E h) of the constrained
      * coefficients h of the fields, which need not be zero.

@@ -48,12 +48,15 @@ namespace greville
   {
   public:
     /**
-     * Parameters and mass are kept by reference. If no @p preconditioner is
-     * given, this class factorizes the matrix.
+     * Parameters and mass are kept by reference. The @p first_tolerance is for
+     * solves without a guess, whose errors would stay in the guesses of a
+     * uniform motion. If no @p preconditioner is given, this class factorizes
+     * the matrix.
      */
     ExtendedMassSolver(ExtendedMass<dim>          &mass,
                        const SolverParameters     &parameters,
-                       const ColumnPreconditioner &preconditioner = {});
+                       const ColumnPreconditioner &preconditioner  = {},
+                       const double                first_tolerance = 1.);
 
     /**
      * Collective. Update after a change of the mass, and of the set of unknowns
@@ -92,7 +95,7 @@ namespace greville
     void
     factorize() const;
 
-    /// Set the matrix in single precision and the sums of its columns.
+    /// Set the matrix in single precision.
     void
     prepare();
 
@@ -109,9 +112,12 @@ namespace greville
     /// Squared norms of fields.
     using FieldNorms = std::array<double, 8>;
 
-    /// Set r = b - A x. Returns the squares of the columns of r and b.
+    /**
+     * Set r = b - A x. Returns the squares of the columns of r, b and x, and
+     * the sums of the columns of r.
+     */
     template <int width>
-    std::array<std::array<double, width>, 2>
+    std::array<std::array<double, width>, 4>
     residual(VectorType &r, VectorType &x, const VectorType &b) const;
 
     template <int width>
@@ -125,11 +131,10 @@ namespace greville
     /**
      * Add to @p x a solution of A e = @p residual in single precision, with
      * norms of fields below @p goal times the @p target. @p squares are those
-     * of the columns of the residual. Counts the iterations in @p k. Returns
-     * the largest ratio of a norm and its target.
+     * of the columns of the residual. Counts the iterations in @p k.
      */
     template <int width>
-    double
+    void
     correct(VectorType                      &x,
             const VectorType                &residual,
             const std::array<double, width> &squares,
@@ -139,21 +144,14 @@ namespace greville
             const unsigned int               max_iterations,
             unsigned int                    &k) const;
 
-    /// Change x so that its residual is orthogonal to constants.
-    template <int width>
-    void
-    remove_mean_residual(VectorType        &x,
-                         const VectorType  &b,
-                         const unsigned int n_fields) const;
-
     ExtendedMass<dim>         &mass;
     const SolverParameters    &parameters;
     const ColumnPreconditioner other_preconditioner;
+    const double               first_tolerance;
 
     double total_mass = 0., unit = 1.;
 
-    bool       is_old = true; // unit, column_sums, and the single matrix
-    VectorType column_sums;
+    bool is_old = true; // unit and the matrix in single precision
 
     // Vectors of an iteration: correction, residual, direction and its product,
     // preconditioned residual and its product.

@@ -148,13 +148,6 @@ namespace greville
     }
 
     /**
-     * Collective. Return whether each of @p fields has an unconstrained
-     * coefficient that is not zero.
-     */
-    bool
-    has_guess(const std::vector<VectorField<dim> *> &fields) const;
-
-    /**
      * Collective. Assemble the matrix of the points of the last update(), and
      * update its solver.
      */
