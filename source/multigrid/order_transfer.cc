@@ -75,18 +75,29 @@ namespace greville
 
 
   template <int dim>
+  typename OrderTransfer<dim>::Kind
+  OrderTransfer<dim>::kind_of(const std::string &name)
+  {
+    return inverse_masses<dim>().count(name) > 0 ? Kind::inverse
+           : name == "ic0-l2"                    ? Kind::ic0
+           : name == "transpose"                 ? Kind::transpose
+                                                 : Kind::lumped;
+  }
+
+
+
+  template <int dim>
   OrderTransfer<dim>::OrderTransfer(
     const std::vector<const LevelOperator<dim> *> &levels,
     const std::string                             &p,
     const std::string                             &r,
     const std::string                             &weighting)
     : steps(levels.size() - 1)
-    , prolongation(p)
-    , restriction(r)
+    , prolongation(kind_of(p))
+    , restriction(kind_of(r))
     , inverses(levels.size())
-    , prolongates_by_inverse(inverse_masses<dim>().count(p) > 0)
-    , restricts_by_inverse(inverse_masses<dim>().count(r) > 0)
   {
+    const bool is_unit = weighting == "unit";
     for (unsigned int l = 1; l < levels.size(); ++l)
       {
         const LevelOperator<dim>  &fine    = *levels[l];
@@ -99,7 +110,7 @@ namespace greville
         step.fine_level   = &fine;
         step.coarse_level = &coarse;
 
-        if (weighting == "unit" || !density)
+        if (is_unit || !density)
           step.unit_weights = std::make_unique<DensityWeights<dim>>(
             fine.space(),
             fine.space().degree() + 1,
@@ -134,15 +145,14 @@ namespace greville
 
     const auto make_inverse = [&](const std::string &name,
                                   const unsigned int l) {
-      return inverse_masses<dim>().at(name)(*levels[l],
-                                            weighting == "unit" ||
-                                              !levels[l]->transfer_weights());
+      return inverse_masses<dim>().at(
+        name)(*levels[l], is_unit || !levels[l]->transfer_weights());
     };
     for (unsigned int l = 0; l < levels.size(); ++l)
-      if (prolongates_by_inverse && l > 0)
-        inverses[l] = make_inverse(prolongation, l);
-      else if (restricts_by_inverse && l + 1 < levels.size())
-        inverses[l] = make_inverse(restriction, l);
+      if (prolongation == Kind::inverse && l > 0)
+        inverses[l] = make_inverse(p, l);
+      else if (restriction == Kind::inverse && l + 1 < levels.size())
+        inverses[l] = make_inverse(r, l);
   }
 
 
@@ -158,9 +168,9 @@ namespace greville
     step.coarse      = src;
     step.coarse_level->distribute(step.coarse, component);
     step.cross.vmult(dst, step.coarse);
-    if (prolongates_by_inverse)
+    if (prolongation == Kind::inverse)
       inverses[to_level]->vmult(dst, dst);
-    else if (prolongation == "lumped-l2")
+    else if (prolongation == Kind::lumped)
       dst.scale(step.inverse_row_sums);
     else
       step.fine_level->condense(dst, component);
@@ -177,11 +187,11 @@ namespace greville
   {
     const Step &step = steps[from_level - 1];
     step.fine        = src;
-    if (restriction == "transpose")
+    if (restriction == Kind::transpose)
       {
-        if (prolongates_by_inverse)
+        if (prolongation == Kind::inverse)
           inverses[from_level]->vmult(step.fine, step.fine);
-        else if (prolongation == "lumped-l2")
+        else if (prolongation == Kind::lumped)
           step.fine.scale(step.inverse_row_sums);
         else
           step.fine_level->distribute(step.fine, component);
@@ -191,7 +201,7 @@ namespace greville
       }
     step.fine_level->distribute(step.fine, component);
     step.cross.Tvmult(dst, step.fine);
-    if (restricts_by_inverse)
+    if (restriction == Kind::inverse)
       inverses[from_level - 1]->vmult(dst, dst);
     else
       dst.scale(step.inverse_column_sums);
@@ -216,7 +226,7 @@ namespace greville
                             const unsigned int component) {
                           prolongate_component(to_level, to, from, component);
                         });
-    if (prolongation == "ic0-l2")
+    if (prolongation == Kind::ic0)
       step.fine_level->apply_inverse_mass(dst);
   }
 
@@ -230,7 +240,7 @@ namespace greville
   {
     const Step       &step = steps[from_level - 1];
     const VectorType *from = &src;
-    if (prolongation == "ic0-l2" && restriction == "transpose")
+    if (prolongation == Kind::ic0 && restriction == Kind::transpose)
       {
         step.fine_sum = src;
         step.fine_level->apply_inverse_mass(step.fine_sum);

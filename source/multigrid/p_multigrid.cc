@@ -66,6 +66,9 @@ namespace greville
     : levels(levels)
     , parameters(parameters)
     , coarse_tolerance(coarse_tolerance)
+    , type(parameters.cycle == "V"   ? Cycle::V
+           : parameters.cycle == "W" ? Cycle::W
+                                     : Cycle::F)
     , is_symmetric(parameters.restriction == "transpose")
     , has_coarse(parameters.has_coarse_levels())
     , transfer(levels,
@@ -116,11 +119,7 @@ namespace greville
   PMultigrid<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     b.back() = src;
-    cycle(levels.size() - 1,
-          parameters.cycle == "V"   ? Cycle::V
-          : parameters.cycle == "W" ? Cycle::W
-                                    : Cycle::F,
-          true);
+    cycle(levels.size() - 1, type, true);
     dst = x.back();
   }
 

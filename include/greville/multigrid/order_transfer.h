@@ -134,12 +134,22 @@ namespace greville
       mutable VectorType fine_sum, coarse_sum; // vectors of all components
     };
 
+    enum class Kind
+    {
+      lumped,
+      ic0,       // prolongation
+      transpose, // restriction
+      inverse    // of add_inverse_mass()
+    };
+
+    static Kind
+    kind_of(const std::string &name);
+
     std::vector<Step> steps; // [level - 1]
-    std::string       prolongation, restriction;
+    Kind              prolongation, restriction;
 
     // Approximate inverses of add_inverse_mass(), on the levels that use them.
     std::vector<std::unique_ptr<Preconditioner>> inverses;
-    bool prolongates_by_inverse, restricts_by_inverse;
   };
 } // namespace greville
 

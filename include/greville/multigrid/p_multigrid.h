@@ -132,6 +132,7 @@ namespace greville
     const Levels                                 levels;
     const PMultigridParameters                   parameters;
     const double                                 coarse_tolerance;
+    const Cycle                                  type;
     const bool                                   is_symmetric, has_coarse;
     OrderTransfer<dim>                           transfer;
     std::vector<std::unique_ptr<Preconditioner>> smoothers;
