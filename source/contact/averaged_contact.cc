@@ -96,7 +96,130 @@ namespace greville
 
 
 
-    /// Return the force of a key of area @p weight.
+    /// The contact pressure of a key, and minus its derivative by the gap.
+    struct KeyPressure
+    {
+      double value, stiffness;
+    };
+
+
+
+    /**
+     * Return the pressure for a gap that grows by @p motion up to now, the part
+     * @p share of the step, and from @p first to @p last by @p change in all.
+     */
+    KeyPressure
+    pressure_of_key(const ContactLaw &law,
+                    const double      gap,
+                    const double      first,
+                    const double      last,
+                    const double      change,
+                    const double      motion,
+                    const double      rate,
+                    const double      share,
+                    const double      given_pressure)
+    {
+      KeyPressure result{given_pressure - law.stiffness * gap -
+                           law.viscosity * rate * motion,
+                         law.stiffness + law.viscosity * rate};
+      if (share < 1. && first * last < 0. && given_pressure == 0.)
+        {
+          // The fraction of the motion during which the gap is negative.
+          const double depth  = std::abs(std::min(first, last));
+          const double inside = std::abs(std::min(first, last) / change);
+          result.value        = 0.5 * law.stiffness * inside * depth;
+          result.stiffness *=
+            last < 0. ? 2. * inside * (1. - 0.5 * inside) : inside * inside;
+        }
+      result.value = std::max(0., result.value);
+      return result;
+    }
+
+
+
+    /// The shear of a key with its derivative; @p slips without adhesion, too.
+    template <int dim>
+    struct KeyShear
+    {
+      Tensor<1, dim> stress, slip;
+      Tensor<2, dim> stiffness;
+      bool           slips;
+    };
+
+
+
+    /**
+     * Return the shear of a key after the elastic slip @p old and the motion
+     * @p step along the surface, and set the members of @p result that belong
+     * to sliding. @p pores is the weight of the sides with pores.
+     */
+    template <int dim>
+    KeyShear<dim>
+    shear_of_key(const ContactLaw     &law,
+                 const KeyPressure    &pressure,
+                 const Tensor<1, dim> &n,
+                 const Tensor<1, dim> &old,
+                 const Tensor<1, dim> &step,
+                 const double          rate,
+                 const double          pores,
+                 const double          pore_pressure,
+                 const bool            with_tangent,
+                 KeyForce<dim>        &result)
+    {
+      const double stiffness      = law.shear_stiffness + law.viscosity * rate;
+      const Tensor<2, dim> across = outer_product(n, n);
+      KeyShear<dim>        shear;
+      shear.slip = old + step;
+      shear.stress =
+        -law.shear_stiffness * shear.slip - law.viscosity * rate * step;
+      shear.stiffness =
+        stiffness * (Tensor<2, dim>(unit_symmetric_tensor<dim>()) - across);
+      const double speed   = rate * step.norm();
+      double       largest = pressure.value > 0. ? law.adhesion : 0.;
+      // Suction is limited by the contact pressure, so that the strength is
+      // continuous as the pressure vanishes.
+      const double mean_pore = pores > 0. ? pore_pressure / pores : 0.;
+      const bool   is_capped = mean_pore < -pressure.value;
+      const double effective = is_capped
+                                 ? 2. * pressure.value
+                                 : std::max(0., pressure.value - mean_pore);
+      if (pressure.value > 0. && law.friction)
+        largest += law.friction->strength(effective, speed);
+      const double size = shear.stress.norm();
+      shear.slips       = size > largest || largest == 0.;
+      if (size > largest)
+        {
+          const Tensor<1, dim> direction = shear.stress / size;
+          result.direction               = direction;
+          result.sticking = shear.stiffness + pressure.stiffness * across;
+          shear.stiffness -= stiffness * outer_product(direction, direction);
+          shear.stiffness *= largest / size;
+          shear.stress *= largest / size;
+          if (with_tangent && pressure.value > 0. && effective > 0. &&
+              law.friction)
+            {
+              const FrictionLaw::Slopes slopes =
+                law.friction->slopes(effective, speed);
+              result.coupling = (is_capped ? 2. : 1.) * slopes.by_pressure *
+                                pressure.stiffness *
+                                outer_product(direction, n);
+              if (pores > 0. && !is_capped)
+                result.by_pore_pressure =
+                  -slopes.by_pressure / pores * direction;
+              if (speed > 0.)
+                result.coupling -= slopes.by_speed * rate / step.norm() *
+                                   outer_product(direction, step);
+            }
+          shear.slip = -shear.stress / law.shear_stiffness;
+        }
+      else if (largest == 0.)
+        shear.stiffness = Tensor<2, dim>();
+      return shear;
+    }
+
+
+
+    /// Return the force of a key, and add its area to @p area.
     template <int dim>
     KeyForce<dim>
     force_of_key(const ContactLaw   &law,
@@ -114,7 +237,6 @@ namespace greville
         return result;
       const double all =
         law.has_two_sides && law.both_measure ? w[0] + w[1] : w[0];
-      // The weight of the sides with pores.
       const double pores =
         (law.has_pores_on(0) ? w[0] : 0.) + (law.has_pores_on(1) ? w[1] : 0.);
       const double         weight = 2. * w[0] * w[1] / (w[0] + w[1]);
@@ -122,106 +244,62 @@ namespace greville
       const Tensor<1, dim> n      = sums.normal / sums.normal.norm();
       const Tensor<1, dim> du   = sums.motion[0] / w[0] - sums.motion[1] / w[1];
       const double         rate = dt > 0. ? 1. / dt : 0.;
-      const Tensor<2, dim> plane =
-        Tensor<2, dim>(unit_symmetric_tensor<dim>()) - outer_product(n, n);
       // The gaps at both ends of the step.
       const double change = du * n / share;
       const double first = gap - share * change, last = first + change;
       const double smallest_gap = share < 1. ? std::min(first, last) : gap;
       if (smallest_gap >= law.touching && given_pressure == 0.)
         return result;
-      double pressure =
-        given_pressure - law.stiffness * gap - law.viscosity * rate * (du * n);
-      double normal_stiffness = law.stiffness + law.viscosity * rate;
-      if (share < 1. && first * last < 0. && given_pressure == 0.)
-        {
-          // The fraction of the motion during which the gap is negative.
-          const double inside = std::abs(std::min(first, last) / change);
-          pressure =
-            0.5 * law.stiffness * inside * std::abs(std::min(first, last));
-          normal_stiffness *=
-            last < 0. ? 2. * inside * (1. - 0.5 * inside) : inside * inside;
-        }
-      pressure = std::max(0., pressure);
-      if (smallest_gap >= 0. && pressure == 0.)
+      const KeyPressure pressure = pressure_of_key(
+        law, gap, first, last, change, du * n, rate, share, given_pressure);
+      if (smallest_gap >= 0. && pressure.value == 0.)
         {
           // At this kink, the derivative for imminent pressure is used.
           if (gap >= law.touching)
             return result;
-          result.shares[0] = weight / w[0];
-          result.shares[1] = weight / w[1];
-          result.stiffness = law.stiffness * outer_product(n, n);
+          result.shares[0]            = weight / w[0];
+          result.shares[1]            = weight / w[1];
+          const Tensor<2, dim> across = outer_product(n, n);
+          result.stiffness            = law.stiffness * across;
           if (law.friction && law.friction->strength(1., 0.) > 0.)
-            result.stiffness += law.shear_stiffness * plane;
+            result.stiffness +=
+              law.shear_stiffness *
+              (Tensor<2, dim>(unit_symmetric_tensor<dim>()) - across);
           return result;
         }
-      const auto tangential = [&](const Tensor<1, dim> &vector) {
+      const auto along = [&](const Tensor<1, dim> &vector) {
         return vector - (vector * n) * n;
       };
-      const Tensor<1, dim> mean = sums.slip / all;
-      const Tensor<1, dim> step = tangential(du);
-      Tensor<1, dim>       slip = tangential(mean) + step;
-      Tensor<1, dim>       shear =
-        -law.shear_stiffness * slip - law.viscosity * rate * step;
-      const double speed         = rate * step.norm();
-      double       largest_shear = pressure > 0. ? law.adhesion : 0.;
-      // Suction is limited by the contact pressure, so that the strength is
-      // continuous as the pressure vanishes.
-      const double mean_pore = pores > 0. ? sums.pore_pressure / pores : 0.;
-      const bool   is_capped = mean_pore < -pressure;
-      const double effective =
-        is_capped ? 2. * pressure : std::max(0., pressure - mean_pore);
-      if (pressure > 0. && law.friction)
-        largest_shear += law.friction->strength(effective, speed);
-      Tensor<2, dim> stiffness =
-        (law.shear_stiffness + law.viscosity * rate) * plane;
-      const bool slides = shear.norm() > largest_shear;
-      if (slides)
-        {
-          const Tensor<1, dim> direction = shear / shear.norm();
-          result.direction               = direction;
-          result.sticking = stiffness + normal_stiffness * outer_product(n, n);
-          stiffness -= (law.shear_stiffness + law.viscosity * rate) *
-                       outer_product(direction, direction);
-          stiffness *= largest_shear / shear.norm();
-          shear *= largest_shear / shear.norm();
-          if (with_tangent && pressure > 0. && effective > 0. && law.friction)
-            {
-              const FrictionLaw::Slopes slopes =
-                law.friction->slopes(effective, speed);
-              result.coupling = (is_capped ? 2. : 1.) * slopes.by_pressure *
-                                normal_stiffness * outer_product(direction, n);
-              if (pores > 0. && !is_capped)
-                result.by_pore_pressure =
-                  -slopes.by_pressure / pores * direction;
-              if (speed > 0.)
-                result.coupling -= slopes.by_speed * rate / step.norm() *
-                                   outer_product(direction, step);
-            }
-          slip = -shear / law.shear_stiffness;
-        }
-      else if (largest_shear == 0.)
-        stiffness = Tensor<2, dim>();
-      if (pressure > 0.)
-        {
-          stiffness += normal_stiffness * outer_product(n, n);
-          result.state =
-            double(slides || largest_shear == 0. ? ContactState::slip
-                                                 : ContactState::stick);
-        }
-      const Tensor<1, dim> force = weight * (pressure * n + shear);
+      const Tensor<1, dim> mean  = sums.slip / all;
+      const KeyShear<dim>  shear = shear_of_key(law,
+                                               pressure,
+                                               n,
+                                               along(mean),
+                                               along(du),
+                                               rate,
+                                               pores,
+                                               sums.pore_pressure,
+                                               with_tangent,
+                                               result);
+      const Tensor<1, dim> force = weight * (pressure.value * n + shear.stress);
       result.force[0]            = force / w[0];
       result.force[1]            = -force / w[1];
-      result.slip_change         = slip - mean;
+      result.slip_change         = shear.slip - mean;
       result.is_active           = 1.;
-      result.pressure            = pressure;
+      result.pressure            = pressure.value;
       result.shares[0]           = weight / w[0];
       result.shares[1]           = weight / w[1];
-      result.stiffness           = stiffness;
-      if (pressure > 0.)
-        area += weight;
+      result.stiffness           = shear.stiffness;
+      if (pressure.value > 0.)
+        {
+          result.stiffness += pressure.stiffness * outer_product(n, n);
+          result.state =
+            double(shear.slips ? ContactState::slip : ContactState::stick);
+          area += weight;
+        }
       return result;
     }
+
 
 
     template <int dim>

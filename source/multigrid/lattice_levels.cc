@@ -32,6 +32,141 @@ namespace greville
       check_petsc(VecScale(handle, regularization));
       check_petsc(MatDiagonalSet(matrix, handle, ADD_VALUES));
     }
+
+
+
+    /**
+     * The coarse functions of an unknown, one or two in each direction, with
+     * equal weights. Keys are positions in the lattice with components.
+     */
+    template <int dim>
+    struct CoarseKeys
+    {
+      static constexpr unsigned int max_number = 1 << dim;
+
+      /// Set the keys of an unknown, and return their number.
+      unsigned int
+      operator()(const MultiIndex<dim> &position,
+                 const unsigned int     component,
+                 std::uint64_t (&keys)[max_number]) const
+      {
+        keys[0]              = component;
+        unsigned int  n      = 1;
+        std::uint64_t stride = n_components;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const unsigned int lower = position[d] / 2;
+            if (position[d] % 2 == 1)
+              {
+                const unsigned int upper = (lower + 1) % size[d];
+                for (unsigned int k = 0; k < n; ++k)
+                  keys[n + k] = keys[k] + stride * upper;
+              }
+            for (unsigned int k = 0; k < n; ++k)
+              keys[k] += stride * lower;
+            n *= 1 + position[d] % 2;
+            stride *= size[d];
+          }
+        return n;
+      }
+
+      const MultiIndex<dim> size;
+      const unsigned int    n_components;
+    };
+
+
+
+    /**
+     * Collective. Return the owned ones of the @p wanted keys, and number all
+     * keys in @p list. All processes share this list; the first process that
+     * needs a key owns it.
+     */
+    std::vector<std::uint64_t>
+    number_keys(LinearAlgebra::distributed::Vector<double> &list,
+                const std::vector<std::uint64_t>           &wanted,
+                const std::uint64_t                         n_keys,
+                const MPI_Comm                              comm)
+    {
+      const unsigned int me          = Utilities::MPI::this_mpi_process(comm);
+      const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
+      IndexSet           mine(n_keys), others(n_keys);
+      mine.add_range(n_keys * me / n_processes,
+                     n_keys * (me + 1) / n_processes);
+      others.add_indices(wanted.begin(), wanted.end());
+      list.reinit(mine, others, comm);
+      list = n_processes;
+      for (unsigned int i = 0; i < list.get_partitioner()->n_ghost_indices();
+           ++i)
+        list.local_element(list.locally_owned_size() + i) = n_processes;
+      for (const std::uint64_t key : wanted)
+        list(key) = me;
+      list.compress(VectorOperation::min);
+      list.update_ghost_values();
+      std::vector<std::uint64_t> owned;
+      for (const std::uint64_t key : wanted)
+        if (list(key) == me)
+          owned.push_back(key);
+
+      // The numbers of the keys.
+      const std::uint64_t n_owned = owned.size();
+      const std::uint64_t first   = sum_before(n_owned, comm);
+      list.zero_out_ghost_values();
+      list = 0.;
+      for (std::uint64_t k = 0; k < n_owned; ++k)
+        list(owned[k]) = first + k;
+      list.compress(VectorOperation::add);
+      list.update_ghost_values();
+      return owned;
+    }
+
+
+
+    /**
+     * Collective. Return the interpolation to unknowns from coarse ones with
+     * the numbers in @p list.
+     */
+    template <int dim, typename Unknowns>
+    PetscMatrix
+    interpolation(const Unknowns                                   &unknowns,
+                  const CoarseKeys<dim>                            &keys_of,
+                  const LinearAlgebra::distributed::Vector<double> &list,
+                  const std::size_t                                 n_owned,
+                  const MatType                                     type)
+    {
+      constexpr unsigned int max_number = CoarseKeys<dim>::max_number;
+      Mat                    handle;
+      check_petsc(MatCreate(list.get_mpi_communicator(), &handle));
+      PetscMatrix result(handle);
+      check_petsc(MatSetSizes(
+        handle, unknowns.size(), n_owned, PETSC_DETERMINE, PETSC_DETERMINE));
+      check_petsc(MatSetType(handle, type));
+      check_petsc(MatSeqAIJSetPreallocation(handle, max_number, nullptr));
+      check_petsc(MatMPIAIJSetPreallocation(
+        handle, max_number, nullptr, max_number, nullptr));
+      PetscInt row;
+      check_petsc(MatGetOwnershipRange(handle, &row, nullptr));
+      for (const auto &u : unknowns)
+        {
+          if (!u.is_constrained)
+            {
+              std::uint64_t      keys[max_number];
+              PetscInt           columns[max_number];
+              PetscScalar        weights[max_number];
+              const unsigned int n = keys_of(u.position, u.component, keys);
+              for (unsigned int k = 0; k < n; ++k)
+                {
+                  columns[k] = static_cast<PetscInt>(list(keys[k]));
+                  weights[k] = 1. / n;
+                }
+              check_petsc(MatSetValues(
+                handle, 1, &row, n, columns, weights, INSERT_VALUES));
+            }
+          ++row;
+        }
+      check_petsc(MatAssemblyBegin(handle, MAT_FINAL_ASSEMBLY));
+      check_petsc(MatAssemblyEnd(handle, MAT_FINAL_ASSEMBLY));
+      return result;
+    }
   } // namespace
 
 
@@ -108,98 +243,23 @@ namespace greville
         n_keys *= coarse_size[d];
       }
     checked_index<types::global_dof_index>(n_keys, "functions of a level");
-    // The coarse functions of an unknown, one or two in each direction, with
-    // equal weights. Keys are positions in the lattice with components.
-    constexpr unsigned int max_coarse_functions = 1 << dim;
-    const auto with_keys = [&](const Unknown &u, const auto &visit) {
-      std::uint64_t keys[max_coarse_functions] = {u.component};
-      unsigned int  n                          = 1;
-      std::uint64_t stride                     = n_components;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          const unsigned int lower = u.position[d] / 2;
-          if (u.position[d] % 2 == 1)
-            {
-              const unsigned int upper = (lower + 1) % coarse_size[d];
-              for (unsigned int k = 0; k < n; ++k)
-                keys[n + k] = keys[k] + stride * upper;
-            }
-          for (unsigned int k = 0; k < n; ++k)
-            keys[k] += stride * lower;
-          n *= 1 + u.position[d] % 2;
-          stride *= coarse_size[d];
-        }
-      visit(keys, n);
-    };
+    const CoarseKeys<dim>      keys_of{coarse_size, n_components};
     std::vector<std::uint64_t> wanted;
     for (const Unknown &u : unknowns)
       if (!u.is_constrained)
-        with_keys(u, [&](const std::uint64_t *keys, const unsigned int n) {
+        {
+          std::uint64_t      keys[CoarseKeys<dim>::max_number];
+          const unsigned int n = keys_of(u.position, u.component, keys);
           wanted.insert(wanted.end(), keys, keys + n);
-        });
+        }
     std::sort(wanted.begin(), wanted.end());
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
 
-    // All processes share the list of keys; the first process that needs a key
-    // owns it.
-    const unsigned int me          = Utilities::MPI::this_mpi_process(comm);
-    const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);
-    IndexSet           mine(n_keys), others(n_keys);
-    mine.add_range(n_keys * me / n_processes, n_keys * (me + 1) / n_processes);
-    others.add_indices(wanted.begin(), wanted.end());
-    LinearAlgebra::distributed::Vector<double> list(mine, others, comm);
-    list = n_processes;
-    for (unsigned int i = 0; i < list.get_partitioner()->n_ghost_indices(); ++i)
-      list.local_element(list.locally_owned_size() + i) = n_processes;
-    for (const std::uint64_t key : wanted)
-      list(key) = me;
-    list.compress(VectorOperation::min);
-    list.update_ghost_values();
-    std::vector<std::uint64_t> owned;
-    for (const std::uint64_t key : wanted)
-      if (list(key) == me)
-        owned.push_back(key);
-
-    // The numbers of the keys.
-    const std::uint64_t n_owned = owned.size();
-    const std::uint64_t first   = sum_before(n_owned, comm);
-    list.zero_out_ghost_values();
-    list = 0.;
-    for (std::uint64_t k = 0; k < n_owned; ++k)
-      list(owned[k]) = first + k;
-    list.compress(VectorOperation::add);
-    list.update_ghost_values();
-
-    Mat handle;
-    check_petsc(MatCreate(comm, &handle));
-    PetscMatrix result(handle);
-    check_petsc(MatSetSizes(
-      handle, unknowns.size(), n_owned, PETSC_DETERMINE, PETSC_DETERMINE));
-    check_petsc(MatSetType(handle, type));
-    check_petsc(
-      MatSeqAIJSetPreallocation(handle, max_coarse_functions, nullptr));
-    check_petsc(MatMPIAIJSetPreallocation(
-      handle, max_coarse_functions, nullptr, max_coarse_functions, nullptr));
-    PetscInt row;
-    check_petsc(MatGetOwnershipRange(handle, &row, nullptr));
-    for (const Unknown &u : unknowns)
-      {
-        if (!u.is_constrained)
-          with_keys(u, [&](const std::uint64_t *keys, const unsigned int n) {
-            PetscInt    columns[max_coarse_functions];
-            PetscScalar weights[max_coarse_functions];
-            for (unsigned int k = 0; k < n; ++k)
-              {
-                columns[k] = static_cast<PetscInt>(list(keys[k]));
-                weights[k] = 1. / n;
-              }
-            check_petsc(MatSetValues(
-              handle, 1, &row, n, columns, weights, INSERT_VALUES));
-          });
-        ++row;
-      }
-    check_petsc(MatAssemblyBegin(handle, MAT_FINAL_ASSEMBLY));
-    check_petsc(MatAssemblyEnd(handle, MAT_FINAL_ASSEMBLY));
+    LinearAlgebra::distributed::Vector<double> list;
+    const std::vector<std::uint64_t>           owned =
+      number_keys(list, wanted, n_keys, comm);
+    PetscMatrix result =
+      interpolation(unknowns, keys_of, list, owned.size(), type);
 
     size = coarse_size;
     unknowns.clear();

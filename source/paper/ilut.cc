@@ -11,26 +11,77 @@ namespace greville
 {
   using namespace dealii;
 
-  ILUT::ILUT(const Mat    matrix,
-             const double drop_tolerance,
-             const double fill_factor)
+  /// The row in work, by column, and the columns that are set.
+  struct ILUT::Row
   {
-    PetscInt n;
-    check_petsc(MatGetLocalSize(matrix, &n, nullptr));
-    inverse_diagonal.reserve(n);
+    explicit Row(const unsigned int n)
+      : values(n, 0.)
+      , is_set(n, 0)
+    {}
 
-    using Entry = std::pair<unsigned int, double>;
-    std::vector<double>        row(n, 0.); // the row in work, by column
-    std::vector<unsigned char> is_set(n, 0);
-    std::vector<unsigned int>  in_row;
-    std::vector<Entry>         kept;
-    std::priority_queue<unsigned int,
-                        std::vector<unsigned int>,
-                        std::greater<unsigned int>>
-      to_eliminate;
+    /// Take row @p i of the matrix, and return its Euclidean norm.
+    double
+    load(const Mat matrix, const unsigned int i)
+    {
+      PetscInt           n_columns;
+      const PetscInt    *numbers;
+      const PetscScalar *entries;
+      check_petsc(MatGetRow(matrix, i, &n_columns, &numbers, &entries));
+      double square = 0.;
+      n_lower = n_upper = 0;
+      columns.clear();
+      for (PetscInt k = 0; k < n_columns; ++k)
+        {
+          const unsigned int j = numbers[k];
+          square += entries[k] * entries[k];
+          add(j, entries[k], i);
+          n_lower += j < i;
+          n_upper += j > i;
+        }
+      check_petsc(MatRestoreRow(matrix, i, &n_columns, &numbers, &entries));
+      return std::sqrt(square);
+    }
 
-    // Keep the largest entries, ordered by column.
-    const auto append = [&](Triangle &triangle, const std::size_t n_max) {
+    /// Eliminate the entries before column @p i, or drop small ones.
+    void
+    eliminate(const unsigned int         i,
+              const Triangle            &upper,
+              const std::vector<double> &inverse_diagonal,
+              const double               drop_tolerance)
+    {
+      while (!to_eliminate.empty())
+        {
+          const unsigned int k = to_eliminate.top();
+          to_eliminate.pop();
+          const double factor = values[k] * inverse_diagonal[k];
+          if (std::abs(factor) <= drop_tolerance)
+            {
+              values[k] = 0.;
+              continue;
+            }
+          values[k] = factor;
+          for (std::size_t l = upper.begin[k]; l < upper.begin[k + 1]; ++l)
+            {
+              const unsigned int j = upper.columns[l];
+              if (!is_set[j])
+                add(j, 0., i);
+              values[j] -= factor * upper.values[l];
+            }
+        }
+    }
+
+    /// Append the @p n_max largest of the entries that a function accepts.
+    template <typename Accepts>
+    void
+    append_to(Triangle         &triangle,
+              const std::size_t n_max,
+              const Accepts    &accepts) const
+    {
+      using Entry = std::pair<unsigned int, double>;
+      std::vector<Entry> kept;
+      for (const unsigned int j : columns)
+        if (accepts(j, values[j]))
+          kept.emplace_back(j, values[j]);
       if (kept.size() > n_max)
         {
           std::nth_element(kept.begin(),
@@ -50,82 +101,60 @@ namespace greville
           triangle.values.push_back(entry.second);
         }
       triangle.begin.push_back(triangle.columns.size());
-    };
+    }
 
+    void
+    add(const unsigned int j, const double value, const unsigned int i)
+    {
+      is_set[j] = 1;
+      values[j] = value;
+      columns.push_back(j);
+      if (j < i)
+        to_eliminate.push(j);
+    }
+
+    std::vector<double>        values;
+    std::vector<unsigned char> is_set;
+    std::vector<unsigned int>  columns;
+    unsigned int               n_lower = 0, n_upper = 0; // in the matrix
+    std::priority_queue<unsigned int,
+                        std::vector<unsigned int>,
+                        std::greater<unsigned int>>
+      to_eliminate;
+  };
+
+
+
+  ILUT::ILUT(const Mat    matrix,
+             const double drop_tolerance,
+             const double fill_factor)
+  {
+    PetscInt n;
+    check_petsc(MatGetLocalSize(matrix, &n, nullptr));
+    inverse_diagonal.reserve(n);
+    Row row(n);
     for (unsigned int i = 0; i < static_cast<unsigned int>(n); ++i)
       {
-        PetscInt           n_columns;
-        const PetscInt    *columns;
-        const PetscScalar *values;
-        check_petsc(MatGetRow(matrix, i, &n_columns, &columns, &values));
-        double       norm    = 0.;
-        unsigned int n_lower = 0, n_upper = 0;
-        in_row.clear();
-        for (PetscInt k = 0; k < n_columns; ++k)
-          {
-            const unsigned int j = columns[k];
-            norm += values[k] * values[k];
-            row[j]    = values[k];
-            is_set[j] = 1;
-            in_row.push_back(j);
-            if (j < i)
-              {
-                to_eliminate.push(j);
-                ++n_lower;
-              }
-            else if (j > i)
-              ++n_upper;
-          }
-        check_petsc(MatRestoreRow(matrix, i, &n_columns, &columns, &values));
-        norm                   = std::sqrt(norm);
-        const double threshold = drop_tolerance * norm;
-
-        while (!to_eliminate.empty())
-          {
-            const unsigned int k = to_eliminate.top();
-            to_eliminate.pop();
-            const double factor = row[k] * inverse_diagonal[k];
-            if (std::abs(factor) <= drop_tolerance)
-              {
-                row[k] = 0.;
-                continue;
-              }
-            row[k] = factor;
-            for (std::size_t l = upper.begin[k]; l < upper.begin[k + 1]; ++l)
-              {
-                const unsigned int j = upper.columns[l];
-                if (!is_set[j])
-                  {
-                    is_set[j] = 1;
-                    row[j]    = 0.;
-                    in_row.push_back(j);
-                    if (j < i)
-                      to_eliminate.push(j);
-                  }
-                row[j] -= factor * upper.values[l];
-              }
-          }
-
-        const unsigned int half = (n_lower + n_upper) / 2;
-        const auto         keep = [&](const bool is_lower) {
-          kept.clear();
-          for (const unsigned int j : in_row)
-            if (is_lower ? (j < i && row[j] != 0.)
-                                 : (j > i && std::abs(row[j]) > threshold))
-              kept.emplace_back(j, row[j]);
-        };
-        keep(true);
-        append(lower, fill_factor * std::max(n_lower, half));
-        keep(false);
-        append(upper, fill_factor * std::max(n_upper, half));
-
-        AssertThrow(is_set[i] && std::abs(row[i]) > 1e-15 * norm,
+        const double norm = row.load(matrix, i), least = drop_tolerance * norm;
+        row.eliminate(i, upper, inverse_diagonal, drop_tolerance);
+        const unsigned int half = (row.n_lower + row.n_upper) / 2;
+        row.append_to(lower,
+                      fill_factor * std::max(row.n_lower, half),
+                      [&](const unsigned int j, const double value) {
+                        return j < i && value != 0.;
+                      });
+        row.append_to(upper,
+                      fill_factor * std::max(row.n_upper, half),
+                      [&](const unsigned int j, const double value) {
+                        return j > i && std::abs(value) > least;
+                      });
+        AssertThrow(row.is_set[i] && std::abs(row.values[i]) > 1e-15 * norm,
                     ExcMessage("ILUT found a vanishing pivot in row " +
                                std::to_string(i) + " of " + std::to_string(n) +
                                "."));
-        inverse_diagonal.push_back(1. / row[i]);
-        for (const unsigned int j : in_row)
-          is_set[j] = 0;
+        inverse_diagonal.push_back(1. / row.values[i]);
+        for (const unsigned int j : row.columns)
+          row.is_set[j] = 0;
       }
   }
 

@@ -49,6 +49,69 @@ namespace greville
       check_petsc(ISDestroy(&is));
       return result;
     }
+
+
+
+    /**
+     * Collective. Return the numbers in the domain, ascending, and set its
+     * matrix, which @p copy owns if it is not a part of @p matrix.
+     */
+    std::vector<PetscInt>
+    domain_of_process(const Mat                            matrix,
+                      const std::pair<PetscInt, PetscInt> &range,
+                      const unsigned int                   overlap,
+                      const MPI_Comm                       comm,
+                      Mat                                 &local_matrix,
+                      PetscMatrix                         &copy)
+    {
+      std::vector<PetscInt> numbers(range.second - range.first);
+      std::iota(numbers.begin(), numbers.end(), range.first);
+      if (Utilities::MPI::n_mpi_processes(comm) == 1)
+        {
+          check_petsc(
+            MatMPIAIJGetSeqAIJ(matrix, &local_matrix, nullptr, nullptr));
+          return numbers;
+        }
+      IS is = make_indices(numbers);
+      check_petsc(MatIncreaseOverlap(matrix, 1, &is, overlap));
+      check_petsc(ISSort(is));
+      Mat *matrices;
+      check_petsc(MatCreateSubMatrices(
+        matrix, 1, &is, &is, MAT_INITIAL_MATRIX, &matrices));
+      check_petsc(
+        PetscObjectReference(reinterpret_cast<PetscObject>(matrices[0])));
+      copy.reset(matrices[0]);
+      local_matrix = copy.get();
+      check_petsc(MatDestroySubMatrices(1, &matrices));
+      return take_indices(is);
+    }
+
+
+
+    /// Return the ordering of rows with these positions in the grid.
+    std::vector<PetscInt>
+    permutation_of(const Mat                         local_matrix,
+                   const std::string                &ordering,
+                   const std::vector<std::uint64_t> &positions)
+    {
+      std::vector<PetscInt> permutation(positions.size());
+      std::iota(permutation.begin(), permutation.end(), 0);
+      if (ordering == "lexicographic")
+        std::sort(permutation.begin(),
+                  permutation.end(),
+                  [&](const PetscInt a, const PetscInt b) {
+                    return positions[a] < positions[b];
+                  });
+      else if (!permutation.empty())
+        {
+          IS rows, columns;
+          check_petsc(
+            MatGetOrdering(local_matrix, ordering.c_str(), &rows, &columns));
+          permutation = take_indices(rows);
+          check_petsc(ISDestroy(&columns));
+        }
+      return permutation;
+    }
   } // namespace
 
 
@@ -73,29 +136,10 @@ namespace greville
     AssertThrow(PetscInt(n_owned) == range.second - range.first,
                 ExcDimensionMismatch(n_owned, range.second - range.first));
 
-    // The numbers in the domain, ascending.
-    Mat                   local_matrix;
-    PetscMatrix           local_copy;
-    std::vector<PetscInt> domain_numbers(n_owned);
-    std::iota(domain_numbers.begin(), domain_numbers.end(), range.first);
-    if (Utilities::MPI::n_mpi_processes(comm) == 1)
-      check_petsc(MatMPIAIJGetSeqAIJ(matrix, &local_matrix, nullptr, nullptr));
-    else
-      {
-        IS is = make_indices(domain_numbers);
-        check_petsc(MatIncreaseOverlap(matrix, 1, &is, overlap));
-        check_petsc(ISSort(is));
-        Mat *matrices;
-        check_petsc(MatCreateSubMatrices(
-          matrix, 1, &is, &is, MAT_INITIAL_MATRIX, &matrices));
-        check_petsc(
-          PetscObjectReference(reinterpret_cast<PetscObject>(matrices[0])));
-        local_copy.reset(matrices[0]);
-        local_matrix = local_copy.get();
-        check_petsc(MatDestroySubMatrices(1, &matrices));
-        domain_numbers = take_indices(is);
-      }
-
+    Mat                         local_matrix;
+    PetscMatrix                 local_copy;
+    const std::vector<PetscInt> domain_numbers =
+      domain_of_process(matrix, range, overlap, comm, local_matrix, local_copy);
     IndexSet ghosts(n_all);
     for (const PetscInt number : domain_numbers)
       if (number < range.first || number >= range.second)
@@ -115,22 +159,8 @@ namespace greville
       function_positions.push_back(values.local_element(i));
     values.zero_out_ghost_values();
 
-    std::vector<PetscInt> permutation(order.size());
-    std::iota(permutation.begin(), permutation.end(), 0);
-    if (ordering == "lexicographic")
-      std::sort(permutation.begin(),
-                permutation.end(),
-                [&](const PetscInt a, const PetscInt b) {
-                  return function_positions[a] < function_positions[b];
-                });
-    else if (!permutation.empty())
-      {
-        IS rows, columns;
-        check_petsc(
-          MatGetOrdering(local_matrix, ordering.c_str(), &rows, &columns));
-        permutation = take_indices(rows);
-        check_petsc(ISDestroy(&columns));
-      }
+    const std::vector<PetscInt> permutation =
+      permutation_of(local_matrix, ordering, function_positions);
     if (!std::is_sorted(permutation.begin(), permutation.end()))
       {
         IS is = make_indices(permutation);
@@ -147,18 +177,7 @@ namespace greville
       }
 
     if (is_symmetric)
-      {
-        // Count the domains that hold an entry.
-        values = 0.;
-        for (const unsigned int i : order)
-          values.local_element(i) = 1.;
-        values.compress(VectorOperation::add);
-        values.update_ghost_values();
-        for (const unsigned int i : order)
-          weights.push_back(1. / std::sqrt(values.local_element(i)));
-        values.zero_out_ghost_values();
-      }
-
+      set_weights();
     run_on_all(
       [&]() {
         if (!order.empty())
@@ -167,6 +186,23 @@ namespace greville
       comm);
     if (is_symmetric && Utilities::MPI::n_mpi_processes(comm) > 1)
       scale = std::min(1., largest_allowed / largest_eigenvalue_with(level));
+  }
+
+
+
+  template <int dim>
+  void
+  AdditiveSchwarz<dim>::set_weights()
+  {
+    // Count the domains that hold an entry.
+    values = 0.;
+    for (const unsigned int i : order)
+      values.local_element(i) = 1.;
+    values.compress(VectorOperation::add);
+    values.update_ghost_values();
+    for (const unsigned int i : order)
+      weights.push_back(1. / std::sqrt(values.local_element(i)));
+    values.zero_out_ghost_values();
   }
 
 

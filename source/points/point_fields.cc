@@ -56,6 +56,19 @@ namespace greville
 
 
 
+    /// Return the value of a field that not all bodies have; 0 without it.
+    template <int dim>
+    double
+    value_of(const ConstPointRef<dim> p,
+             const Body<dim>         &body,
+             const std::string       &name)
+    {
+      const PointField *field = body.points.layout().find(name);
+      return field ? p[field->first] : 0.;
+    }
+
+
+
     template <int dim>
     void
     add_history(std::vector<OutputField<dim>> &fields,
@@ -67,17 +80,81 @@ namespace greville
           if (std::find(names.begin(), names.end(), name) == names.end())
             names.push_back(name);
       for (const std::string &name : names)
-        fields.push_back({"history",
-                          {name},
-                          false,
-                          [name](const ConstPointRef<dim> p,
-                                 const Body<dim>         &body,
-                                 const unsigned int,
-                                 double *values) {
-                            const PointField *field =
-                              body.points.layout().find(name);
-                            values[0] = field ? p[field->first] : 0.;
-                          }});
+        fields.push_back(
+          {"history",
+           {name},
+           false,
+           [name](const ConstPointRef<dim> p,
+                  const Body<dim>         &body,
+                  const unsigned int,
+                  double *values) { values[0] = value_of(p, body, name); }});
+    }
+
+
+
+    template <int dim, typename Value>
+    OutputField<dim>
+    vector_field(const std::string &name, const Value &value)
+    {
+      return {name,
+              std::vector<std::string>(dim, name),
+              true,
+              [value](const ConstPointRef<dim> p,
+                      const Body<dim> &,
+                      const unsigned int,
+                      double *values) {
+                const Tensor<1, dim> vector = value(p);
+                for (unsigned int d = 0; d < dim; ++d)
+                  values[d] = vector[d];
+              }};
+    }
+
+
+
+    template <int dim, typename Write>
+    OutputField<dim>
+    tensor_field(const std::string              &name,
+                 const std::vector<std::string> &components,
+                 const Write                    &write)
+    {
+      return {name,
+              components,
+              false,
+              [write](const ConstPointRef<dim> p,
+                      const Body<dim> &,
+                      const unsigned int,
+                      double *values) { write(p, values); }};
+    }
+
+
+
+    /// @p value takes a point, its body and the number of the body.
+    template <int dim, typename Value>
+    OutputField<dim>
+    scalar_field(const std::string &name, const Value &value)
+    {
+      return {name,
+              {name},
+              false,
+              [value](const ConstPointRef<dim> p,
+                      const Body<dim>         &body,
+                      const unsigned int       b,
+                      double *values) { values[0] = value(p, body, b); }};
+    }
+
+
+
+    template <int dim>
+    void
+    write_strain(const ConstPointRef<dim> p, double *values)
+    {
+      const Tensor<2, 3> F = p.F();
+      const Tensor<2, 3> E =
+        0.5 * (transpose(F) * F - unit_symmetric_tensor<3>());
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = i; j < 3; ++j)
+          if (dim == 3 || i == j || j < 2)
+            values[PointLayout<dim>::stress_index(i, j)] = E[i][j];
     }
 
 
@@ -87,108 +164,64 @@ namespace greville
     std::vector<OutputField<dim>>
     all_fields(const unsigned int process)
     {
-      using Layout = PointLayout<dim>;
-      using Ref    = ConstPointRef<dim>;
-      std::vector<OutputField<dim>> fields;
-
-      const auto add_vector = [&](const std::string &name, const auto &value) {
-        fields.push_back({name,
-                          std::vector<std::string>(dim, name),
-                          true,
-                          [value](const Ref p,
-                                  const Body<dim> &,
-                                  const unsigned int,
-                                  double *values) {
-                            const Tensor<1, dim> vector = value(p);
-                            for (unsigned int d = 0; d < dim; ++d)
-                              values[d] = vector[d];
-                          }});
+      using Layout      = PointLayout<dim>;
+      using Ref         = ConstPointRef<dim>;
+      const auto scalar = [](const std::string &name, const auto &value) {
+        return scalar_field<dim>(name,
+                                 [value](const Ref p,
+                                         const Body<dim> &,
+                                         const unsigned int) -> double {
+                                   return value(p);
+                                 });
       };
-      const auto add_scalar = [&](const std::string &name, const auto &value) {
-        fields.push_back(
-          {name,
-           {name},
-           false,
-           [value](const Ref p,
-                   const Body<dim> &,
-                   const unsigned int b,
-                   double            *values) { values[0] = value(p, b); }});
-      };
-      const auto add_tensor = [&](const std::string              &name,
-                                  const std::vector<std::string> &components,
-                                  const auto                     &write) {
-        fields.push_back({name,
-                          components,
-                          false,
-                          [write](const Ref p,
-                                  const Body<dim> &,
-                                  const unsigned int,
-                                  double *values) { write(p, values); }});
-      };
-
-      add_vector("velocity", [](const Ref p) { return p.velocity(); });
-      add_vector("displacement",
-                 [](const Ref p) { return p.position() - p.reference(); });
-      add_tensor("stress",
-                 symmetric<dim>("stress"),
-                 [](const Ref p, double *values) {
-                   for (unsigned int k = 0; k < Layout::n_stress; ++k)
-                     values[k] = p.stress(k);
-                 });
-      add_scalar("pressure", [](const Ref p, const unsigned int) {
-        return mean_pressure(p.stress());
-      });
-      add_scalar("von_mises", [](const Ref p, const unsigned int) {
-        return std::sqrt(1.5) * deviator(p.stress()).norm();
-      });
-      add_scalar("J", [](const Ref p, const unsigned int) { return p.J(); });
-      add_scalar("density", [](const Ref p, const unsigned int) {
-        return p.mass() / p.volume();
-      });
-      add_scalar("body", [](const Ref, const unsigned int b) { return b; });
-      add_scalar("id", [](const Ref p, const unsigned int) { return p.id(); });
-      add_vector("reference", [](const Ref p) { return p.reference(); });
-      add_tensor("F", components_of_F<dim>(), [](const Ref p, double *values) {
-        for (unsigned int k = 0; k < Layout::n_F; ++k)
-          values[k] = p[Layout::F + k];
-      });
-      add_tensor("strain",
-                 symmetric<dim>("strain"),
-                 [](const Ref p, double *values) {
-                   const Tensor<2, 3> F = p.F();
-                   const Tensor<2, 3> E =
-                     0.5 * (transpose(F) * F - unit_symmetric_tensor<3>());
-                   for (unsigned int i = 0; i < 3; ++i)
-                     for (unsigned int j = i; j < 3; ++j)
-                       if (dim == 3 || i == j || j < 2)
-                         values[Layout::stress_index(i, j)] = E[i][j];
-                 });
-      add_scalar("mass",
-                 [](const Ref p, const unsigned int) { return p.mass(); });
-      add_scalar("volume",
-                 [](const Ref p, const unsigned int) { return p.volume(); });
-      fields.push_back(
-        {"size",
-         {"size"},
-         false,
-         [](const Ref        p,
-            const Body<dim> &body,
-            const unsigned int,
-            double *values) { values[0] = p.extent(body.points.layout()); }});
-      fields.push_back({"pore_pressure",
-                        {"pore_pressure"},
-                        false,
-                        [](const Ref        p,
-                           const Body<dim> &body,
-                           const unsigned int,
-                           double *values) {
-                          const PointField *field =
-                            body.points.layout().find("pore_pressure");
-                          values[0] = field ? p[field->first] : 0.;
-                        }});
-      add_scalar("process",
-                 [process](const Ref, const unsigned int) { return process; });
-      return fields;
+      return {
+        vector_field<dim>("velocity", [](const Ref p) { return p.velocity(); }),
+        vector_field<dim>("displacement",
+                          [](const Ref p) {
+                            return p.position() - p.reference();
+                          }),
+        tensor_field<dim>("stress",
+                          symmetric<dim>("stress"),
+                          [](const Ref p, double *values) {
+                            for (unsigned int k = 0; k < Layout::n_stress; ++k)
+                              values[k] = p.stress(k);
+                          }),
+        scalar("pressure",
+               [](const Ref p) { return mean_pressure(p.stress()); }),
+        scalar("von_mises",
+               [](const Ref p) {
+                 return std::sqrt(1.5) * deviator(p.stress()).norm();
+               }),
+        scalar("J", [](const Ref p) { return p.J(); }),
+        scalar("density", [](const Ref p) { return p.mass() / p.volume(); }),
+        scalar_field<dim>("body",
+                          [](const Ref, const Body<dim> &, const unsigned int b)
+                            -> double { return b; }),
+        scalar("id", [](const Ref p) { return p.id(); }),
+        vector_field<dim>("reference",
+                          [](const Ref p) { return p.reference(); }),
+        tensor_field<dim>("F",
+                          components_of_F<dim>(),
+                          [](const Ref p, double *values) {
+                            for (unsigned int k = 0; k < Layout::n_F; ++k)
+                              values[k] = p[Layout::F + k];
+                          }),
+        tensor_field<dim>("strain",
+                          symmetric<dim>("strain"),
+                          write_strain<dim>),
+        scalar("mass", [](const Ref p) { return p.mass(); }),
+        scalar("volume", [](const Ref p) { return p.volume(); }),
+        scalar_field<dim>(
+          "size",
+          [](const Ref p, const Body<dim> &body, const unsigned int) {
+            return p.extent(body.points.layout());
+          }),
+        scalar_field<dim>(
+          "pore_pressure",
+          [](const Ref p, const Body<dim> &body, const unsigned int) {
+            return value_of(p, body, "pore_pressure");
+          }),
+        scalar("process", [process](const Ref) { return process; })};
     }
   } // namespace
 

@@ -9,6 +9,101 @@ namespace greville
   using namespace dealii;
   using namespace internal;
 
+  namespace
+  {
+    /// Set h = grad u at the end of the trial step, and return its trace.
+    template <int dim, int n_pairs>
+    inline __attribute__((always_inline)) Simd
+    gradient_at_end(const Simd (&H)[n_pairs],
+                    const Simd (&M)[dim][dim],
+                    Simd (&h)[dim][dim])
+    {
+      Simd trace = 0.;
+      for (int i = 0; i < dim; ++i)
+        {
+          for (int j = 0; j < dim; ++j)
+            {
+              h[i][j] = H[i * dim] * M[0][j];
+              for (int J = 1; J < dim; ++J)
+                h[i][j] += H[i * dim + J] * M[J][j];
+            }
+          trace += h[i][i];
+        }
+      return trace;
+    }
+
+
+
+    /// Set T for the force, in which V p is @p Vp and V (q + e p) @p diagonal.
+    template <int dim, int n_pairs>
+    inline __attribute__((always_inline)) void
+    set_force(const Simd diagonal,
+              const Simd Vp,
+              const Simd (&M)[dim][dim],
+              const Simd (&h)[dim][dim],
+              Simd (&T)[n_pairs])
+    {
+      for (int i = 0; i < dim; ++i)
+        for (int J = 0; J < dim; ++J)
+          {
+            Simd sum = -diagonal * M[J][i];
+            for (int j = 0; j < dim; ++j)
+              sum += Vp * h[j][i] * M[J][j];
+            T[i * dim + J] = sum;
+          }
+    }
+
+
+
+    /**
+     * Set P for the rows by the change of the flow @p w, with @p k = dt V
+     * kappa.
+     */
+    template <int dim>
+    inline __attribute__((always_inline)) void
+    set_flow(const Simd k,
+             const Simd of_w,
+             const Simd (&w)[dim],
+             const Tensor<1, dim> &weight_of_water,
+             const Simd (&slope_p)[dim + 1],
+             const Simd (&M)[dim][dim],
+             const Simd (&h)[dim][dim],
+             Simd (&P)[dim + 1])
+    {
+      Simd s[dim];
+      for (int j = 0; j < dim; ++j)
+        {
+          Simd sum = 0.;
+          for (int J = 0; J < dim; ++J)
+            sum += M[J][j] * slope_p[J];
+          for (int i = 0; i < dim; ++i)
+            sum -= h[i][j] * (w[i] + weight_of_water[i]) + h[j][i] * w[i];
+          s[j] = k * sum + of_w * w[j];
+        }
+      for (int J = 0; J < dim; ++J)
+        {
+          P[J] = M[J][0] * s[0];
+          for (int j = 1; j < dim; ++j)
+            P[J] += M[J][j] * s[j];
+        }
+    }
+
+
+
+    /// Return the sums over lanes.
+    template <int size>
+    inline __attribute__((always_inline)) std::array<double, size>
+    reduce_lanes(const Simd (&sums)[size])
+    {
+      std::array<double, size> result;
+      for (int k = 0; k < size; k += 4)
+        store(reduce_four(sums + k), result.data() + k);
+      return result;
+    }
+  } // namespace
+
+
+
   template <int dim>
   void
   WaterTangents<dim>::set(
@@ -118,73 +213,35 @@ namespace greville
               {
                 Simd H[ShapeU::n_pairs], h[dim][dim], P[dim + 1];
                 shape_u.gradient(u, H);
-                Simd rate = 0.;
-                for (int i = 0; i < dim; ++i)
-                  {
-                    for (int j = 0; j < dim; ++j)
-                      {
-                        h[i][j] = H[i * dim] * M[0][j];
-                        for (int J = 1; J < dim; ++J)
-                          h[i][j] += H[i * dim + J] * M[J][j];
-                      }
-                    rate += h[i][i];
-                  }
-                const Simd Vp = number(work);
+                Simd       rate = gradient_at_end(H, M, h);
+                const Simd Vp   = number(work);
                 if constexpr (with_hoop)
                   {
                     const Simd of_r = number(curvature);
                     T[dim * dim]    = -(V * change_of_p + Vp * rate) * of_r;
                     rate += H[dim * dim] * of_r;
                   }
-                const Simd diagonal = V * change_of_p + Vp * rate;
-                for (int i = 0; i < dim; ++i)
-                  for (int J = 0; J < dim; ++J)
-                    {
-                      Simd sum = -diagonal * M[J][i];
-                      for (int j = 0; j < dim; ++j)
-                        sum += Vp * h[j][i] * M[J][j];
-                      T[i * dim + J] = sum;
-                    }
-                // The flow w at the end, and its change.
-                Simd       w[dim], s[dim];
+                set_force(V * change_of_p + Vp * rate, Vp, M, h, T);
+                Simd       w[dim];
                 const Simd k = number(flow);
                 load_numbers<dim>(group, weight, w);
                 const Simd of_w =
                   rate * (k + number(by_J)) + number(by_p) * change_of_p;
-                for (int j = 0; j < dim; ++j)
-                  {
-                    Simd sum = 0.;
-                    for (int J = 0; J < dim; ++J)
-                      sum += M[J][j] * slope_p[J];
-                    for (int i = 0; i < dim; ++i)
-                      sum -=
-                        h[i][j] * (w[i] + weight_of_water[i]) + h[j][i] * w[i];
-                    s[j] = k * sum + of_w * w[j];
-                  }
-                for (int J = 0; J < dim; ++J)
-                  {
-                    P[J] = M[J][0] * s[0];
-                    for (int j = 1; j < dim; ++j)
-                      P[J] += M[J][j] * s[j];
-                  }
+                set_flow(k, of_w, w, weight_of_water, slope_p, M, h, P);
                 P[dim] = V * rate + number(storage) * change_of_p;
                 shape_p.add_divergence(P, r);
               }
             shape_u.add_divergence(T, f);
             group += n_numbers * simd_width;
           }
-        double sums[ShapeU::n_padded];
-        for (int k = 0; k < ShapeU::n_padded; k += 4)
-          store(reduce_four(f + k), sums + k);
+        const auto sums = reduce_lanes(f);
         for (int a = 0; a < power(n, dim); ++a)
           for (int i = 0; i < dim; ++i)
             fields.forces[std::size_t(of_u.functions[a]) * dim + i] +=
               sums[a * dim + i];
         if (!of_pressure)
           {
-            double of_rows[ShapeP::n_padded];
-            for (int k = 0; k < ShapeP::n_padded; k += 4)
-              store(reduce_four(r + k), of_rows + k);
+            const auto of_rows = reduce_lanes(r);
             for (int b = 0; b < ShapeP::n_numbers; ++b)
               fields.rows[of_p.functions[b]] += of_rows[b];
           }

@@ -132,15 +132,13 @@ namespace greville
 
 
   template <int dim>
-  unsigned int
-  FractionalStep<dim>::add_pressure(const State<dim>     &state,
-                                    const Tensor<1, dim> &gravity,
-                                    const double          step,
-                                    const double          velocity_step,
-                                    GridField<dim>       &field)
+  void
+  FractionalStep<dim>::begin(const State<dim>     &state,
+                             const Tensor<1, dim> &gravity,
+                             const double          step,
+                             const double          kick,
+                             GridField<dim>       &field)
   {
-    constexpr unsigned int most_iterations = 12, n_basis_vectors = 30;
-    const double           kick = step * velocity_step;
     if (points_version == 0 || (points_version != state.points_version &&
                                 !parameters.scheme.is_total_lagrangian()))
       {
@@ -170,7 +168,21 @@ namespace greville
           }
       }
     pressure = 0.;
+  }
 
+
+
+  template <int dim>
+  unsigned int
+  FractionalStep<dim>::add_pressure(const State<dim>     &state,
+                                    const Tensor<1, dim> &gravity,
+                                    const double          step,
+                                    const double          velocity_step,
+                                    GridField<dim>       &field)
+  {
+    constexpr unsigned int most_iterations = 12, n_basis_vectors = 30;
+    const double           kick = step * velocity_step;
+    begin(state, gravity, step, kick, field);
     const double tolerance = parameters.solver.tight_tolerance();
     unsigned int n_linear  = 0;
     double       first     = 0.;

@@ -50,6 +50,8 @@ namespace greville
       std::vector<double>       values;
     };
 
+    struct Row;
+
     Triangle            lower; // unit diagonal not stored
     Triangle            upper; // diagonal not stored
     std::vector<double> inverse_diagonal;

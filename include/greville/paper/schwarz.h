@@ -105,6 +105,9 @@ namespace greville
     void
     apply(VectorType &dst, const VectorType &src, const bool transpose) const;
 
+    void
+    set_weights();
+
     /**
      * Collective. Return a lower estimate of the largest eigenvalue of the
      * product with the matrix of @p level.

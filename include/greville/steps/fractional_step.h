@@ -76,6 +76,14 @@ namespace greville
     advance(State<dim> &state) const;
 
   private:
+    /// Set the displacement in @p step without the pressure. @p kick is dt dt'.
+    void
+    begin(const State<dim>             &state,
+          const dealii::Tensor<1, dim> &gravity,
+          const double                  step,
+          const double                  kick,
+          GridField<dim>               &field);
+
     /**
      * Compute moved from displacement by the action of friction walls, and
      * transform a direction of displacement into one of moved.
