@@ -93,7 +93,14 @@ namespace greville
                    VectorField<dim>                               *force);
 
     /**
-     * Collective. Move @p points. Ghost entries of the fields are updated.
+     * Collective. Update @p points. Ghost entries of the fields are updated.
+     * There are three updates:
+     * - kick, move and deform: acceleration, move, and a velocity that is the
+     *   deformation, too;
+     * - kick only: acceleration, and the velocity unless for FLIP = 1;
+     * - deform without a kick: deformation, and with move a velocity, which may
+     *   be another field.
+     * Throws dealii::ExcMessage for other combinations.
      */
     PointReport
     grid_to_points(MaterialPoints<dim> &points, const PointUpdate<dim> &update);

@@ -23,7 +23,8 @@ namespace greville
 
 
 
-  /// The parts of an update of points by grid_to_points().
+  /// The parts of an update of points. PointTransfer::grid_to_points() has the
+  /// combinations.
   template <int dim>
   struct PointUpdate
   {
