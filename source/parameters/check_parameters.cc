@@ -17,31 +17,179 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    void
+    check_grid(const GridParameters &grid, const unsigned int dim)
+    {
+      const auto needs = [&](const std::size_t  size,
+                             const std::string &name,
+                             const std::string &what) {
+        AssertThrow(size == dim,
+                    ExcMessage("The parameter '" + name + "' takes " +
+                               std::to_string(dim) + " " + what + " in " +
+                               std::to_string(dim) +
+                               "D (see 'Simulation/Dimension'), not " +
+                               std::to_string(size) + "."));
+      };
+      needs(grid.lower.size(), "Grid/Lower corner", "numbers");
+      needs(grid.upper.size(), "Grid/Upper corner", "numbers");
+      needs(grid.cells.size(), "Grid/Cells", "numbers");
+      for (unsigned int d = 0; d < dim; ++d)
+        AssertThrow(grid.lower[d] < grid.upper[d],
+                    ExcMessage("'Grid/Upper corner' has to be larger than "
+                               "'Grid/Lower corner' in all directions, but " +
+                               text_of(grid.upper[d]) + " is not above " +
+                               text_of(grid.lower[d]) + "."));
+    }
+
+
+
+    /// Check that output stays inside the folder that a file names.
+    void
+    check_output(const std::string &name, const OutputParameters &output)
+    {
+      AssertThrow(name.find('/') == std::string::npos && name != "..",
+                  ExcMessage("The parameter 'Simulation/Name' is <" + name +
+                             ">: a name has no slashes; 'Output/Directory' is "
+                             "for other folders."));
+      AssertThrow(output.directory != "~" &&
+                    output.directory.compare(0, 2, "~/") != 0,
+                  ExcMessage("The parameter 'Output/Directory' is <" +
+                             output.directory +
+                             ">: parameter files do not expand ~. Write the "
+                             "full path."));
+      for (const auto &part : std::filesystem::path(output.directory))
+        AssertThrow(part != "..",
+                    ExcMessage("The parameter 'Output/Directory' is <" +
+                               output.directory +
+                               ">: write the folder without '..'."));
+      if (output.statistics_every != "auto")
+        {
+          double every = -1.;
+          try
+            {
+              every = Utilities::string_to_double(output.statistics_every);
+            }
+          catch (const std::exception &)
+            {}
+          AssertThrow(every >= 0. && std::isfinite(every),
+                      ExcMessage(
+                        "The parameter 'Output/Statistics every' is <" +
+                        output.statistics_every +
+                        ">; it has to be auto or a nonnegative number "
+                        "of seconds."));
+        }
+    }
+
+
+
+    void
+    check_sweep(const SweepParameters &sweep)
+    {
+      for (const std::string &name : sweep.masses)
+        check_mass_name(name, "Sweep/Masses");
+      check_different(sweep.cells, "Sweep/Cells");
+      check_different(sweep.degrees, "Sweep/Orders");
+      check_different(sweep.formulations, "Sweep/Formulations");
+      check_different(sweep.masses, "Sweep/Masses");
+      check_different(sweep.list_of_values(), "Sweep/Values");
+      AssertThrow(sweep.parameter.empty() == sweep.values.empty(),
+                  ExcMessage(
+                    "'Sweep' needs both of 'Parameter' and 'Values', or "
+                    "none."));
+      AssertThrow(sweep.parameter.empty() ||
+                    (sweep.parameter.find('/') != std::string::npos &&
+                     sweep.parameter.compare(0, 6, "Sweep/") != 0 &&
+                     sweep.parameter != "Output/Directory"),
+                  ExcMessage("The parameter 'Sweep/Parameter' is <" +
+                             sweep.parameter +
+                             ">: it takes a parameter of another section, "
+                             "written as SECTION/PARAMETER, such as Material "
+                             "clay/Cohesion, but not 'Output/Directory'."));
+    }
+
+
+
+    void
+    check_materials_of_bodies(const SimulationParameters &parameters)
+    {
+      for (const auto &body : parameters.bodies)
+        AssertThrow((body.second.K0 >= 0.) == !body.second.surface.empty(),
+                    ExcMessage("'Body " + body.first +
+                               "' needs both of 'K0' and 'Surface', or none."));
+      const auto check_material = [&](const std::string &body,
+                                      const std::string &material) {
+        AssertThrow(
+          parameters.materials.count(material) == 1,
+          ExcMessage(
+            "The parameter 'Body " + body + "/Material' is <" + material +
+            ">; it has to be one of the materials of "
+            "'Simulation/Materials': " +
+            boost::algorithm::join(parameters.general.materials, ", ") + "." +
+            did_you_mean(material, parameters.general.materials)));
+      };
+      for (const auto &body : parameters.bodies)
+        check_material(body.first, body.second.material);
+      // Stages may give a body its own material later than the first one.
+      for (const auto &stage : parameters.stages)
+        for (const auto &[body, material] : stage.material_of)
+          check_material(body, material);
+    }
+
+
+
+    /// Check @p parameters, which have entered the stage k, with @p all stages.
+    void
+    check_change_of_stage(const SimulationParameters &all,
+                          const unsigned int          k,
+                          const SimulationParameters &parameters)
+    {
+      SimulationParameters first = all;
+      first.enter_stage(0);
+      const double start = parameters.time.start, end = parameters.time.end;
+      AssertThrow(parameters.scheme.formulation ==
+                    all.stages[0].scheme.formulation,
+                  ExcMessage(all.stage_text(k) + "'Scheme/Formulation' is " +
+                             parameters.scheme.formulation +
+                             ", but the first stage has " +
+                             all.stages[0].scheme.formulation +
+                             ": all stages need the same."));
+      AssertThrow(!(all.stages[k].reset_displacements &&
+                    parameters.scheme.is_total_lagrangian()),
+                  ExcMessage(all.stage_text(k) +
+                             "'Reset displacements' does not support "
+                             "'Scheme/Formulation' = total Lagrangian, in "
+                             "which basis functions belong to the initial "
+                             "positions."));
+      // Times of steps are rounded.
+      AssertThrow(start + 1e-12 * std::max(std::abs(start), std::abs(end)) <
+                    end,
+                  ExcMessage(all.stage_text(k) + "'Time/End' is " +
+                             text_of(end) + " s, but the stage begins at " +
+                             text_of(start) +
+                             " s. Time continues over the stages: each "
+                             "'End' has to be later than the one before."));
+      for (unsigned int w = 0; w < 2 * all.general.dimension; ++w)
+        AssertThrow(parameters.walls.is_periodic(w) ==
+                      first.walls.is_periodic(w),
+                    ExcMessage(all.stage_text(k) + "the wall '" +
+                               WallParameters::names[w] + "' is " +
+                               parameters.walls.type[w] + ", but it is " +
+                               first.walls.type[w] +
+                               " in the first stage: a wall is periodic "
+                               "in all stages or in none."));
+    }
+  } // namespace
+
+
+
   void
   SimulationParameters::check() const
   {
     if (grid.is_axisymmetric())
       check_axisymmetry();
-    const unsigned int dim   = general.dimension;
-    const auto         needs = [&](const std::size_t  size,
-                           const std::string &name,
-                           const std::string &what) {
-      AssertThrow(size == dim,
-                  ExcMessage("The parameter '" + name + "' takes " +
-                             std::to_string(dim) + " " + what + " in " +
-                             std::to_string(dim) +
-                             "D (see 'Simulation/Dimension'), not " +
-                             std::to_string(size) + "."));
-    };
-    needs(grid.lower.size(), "Grid/Lower corner", "numbers");
-    needs(grid.upper.size(), "Grid/Upper corner", "numbers");
-    needs(grid.cells.size(), "Grid/Cells", "numbers");
-    for (unsigned int d = 0; d < dim; ++d)
-      AssertThrow(grid.lower[d] < grid.upper[d],
-                  ExcMessage("'Grid/Upper corner' has to be larger than "
-                             "'Grid/Lower corner' in all directions, but " +
-                             text_of(grid.upper[d]) + " is not above " +
-                             text_of(grid.lower[d]) + "."));
+    check_grid(grid, general.dimension);
     if (has_body_grids())
       check_body_grids();
     AssertThrow(solver.tolerance == 0. || solver.tolerance >= 1e-15,
@@ -49,82 +197,13 @@ namespace greville
                            text_of(solver.tolerance) +
                            ">; it has to be 0 or a number between 1e-15 and "
                            "1."));
-    // Output must stay inside the folder that a file names.
-    AssertThrow(general.name.find('/') == std::string::npos &&
-                  general.name != "..",
-                ExcMessage("The parameter 'Simulation/Name' is <" +
-                           general.name +
-                           ">: a name has no slashes; 'Output/Directory' is "
-                           "for other folders."));
-    AssertThrow(output.directory != "~" &&
-                  output.directory.compare(0, 2, "~/") != 0,
-                ExcMessage("The parameter 'Output/Directory' is <" +
-                           output.directory +
-                           ">: parameter files do not expand ~. Write the "
-                           "full path."));
-    for (const auto &part : std::filesystem::path(output.directory))
-      AssertThrow(part != "..",
-                  ExcMessage("The parameter 'Output/Directory' is <" +
-                             output.directory +
-                             ">: write the folder without '..'."));
-    if (output.statistics_every != "auto")
-      {
-        double every = -1.;
-        try
-          {
-            every = Utilities::string_to_double(output.statistics_every);
-          }
-        catch (const std::exception &)
-          {}
-        AssertThrow(every >= 0. && std::isfinite(every),
-                    ExcMessage("The parameter 'Output/Statistics every' is <" +
-                               output.statistics_every +
-                               ">; it has to be auto or a nonnegative number "
-                               "of seconds."));
-      }
-    for (const std::string &name : sweep.masses)
-      check_mass_name(name, "Sweep/Masses");
-    check_different(sweep.cells, "Sweep/Cells");
-    check_different(sweep.degrees, "Sweep/Orders");
-    check_different(sweep.formulations, "Sweep/Formulations");
-    check_different(sweep.masses, "Sweep/Masses");
-    check_different(sweep.list_of_values(), "Sweep/Values");
-    AssertThrow(sweep.parameter.empty() == sweep.values.empty(),
-                ExcMessage("'Sweep' needs both of 'Parameter' and 'Values', or "
-                           "none."));
-    AssertThrow(sweep.parameter.empty() ||
-                  (sweep.parameter.find('/') != std::string::npos &&
-                   sweep.parameter.compare(0, 6, "Sweep/") != 0 &&
-                   sweep.parameter != "Output/Directory"),
-                ExcMessage("The parameter 'Sweep/Parameter' is <" +
-                           sweep.parameter +
-                           ">: it takes a parameter of another section, "
-                           "written as SECTION/PARAMETER, such as Material "
-                           "clay/Cohesion, but not 'Output/Directory'."));
+    check_output(general.name, output);
+    check_sweep(sweep);
     load_balance.check();
     for (const auto &load : surface_loads)
       load.second.check("Surface load " + load.first, bodies);
     check_contacts();
-    for (const auto &body : bodies)
-      AssertThrow((body.second.K0 >= 0.) == !body.second.surface.empty(),
-                  ExcMessage("'Body " + body.first +
-                             "' needs both of 'K0' and 'Surface', or none."));
-    const auto check_material = [&](const std::string &body,
-                                    const std::string &material) {
-      AssertThrow(materials.count(material) == 1,
-                  ExcMessage("The parameter 'Body " + body + "/Material' is <" +
-                             material +
-                             ">; it has to be one of the materials of "
-                             "'Simulation/Materials': " +
-                             boost::algorithm::join(general.materials, ", ") +
-                             "." + did_you_mean(material, general.materials)));
-    };
-    for (const auto &body : bodies)
-      check_material(body.first, body.second.material);
-    // Stages may give a body its own material later than the first one.
-    for (const auto &stage : stages)
-      for (const auto &[body, material] : stage.material_of)
-        check_material(body, material);
+    check_materials_of_bodies(*this);
     check_construction();
     check_water();
     if (stages.empty())
@@ -133,41 +212,7 @@ namespace greville
       {
         SimulationParameters parameters = *this;
         parameters.enter_stage(k);
-        const double start = parameters.time.start, end = parameters.time.end;
-        AssertThrow(parameters.scheme.formulation ==
-                      stages[0].scheme.formulation,
-                    ExcMessage(stage_text(k) + "'Scheme/Formulation' is " +
-                               parameters.scheme.formulation +
-                               ", but the first stage has " +
-                               stages[0].scheme.formulation +
-                               ": all stages need the same."));
-        AssertThrow(!(stages[k].reset_displacements &&
-                      parameters.scheme.is_total_lagrangian()),
-                    ExcMessage(stage_text(k) +
-                               "'Reset displacements' does not support "
-                               "'Scheme/Formulation' = total Lagrangian, in "
-                               "which basis functions belong to the initial "
-                               "positions."));
-        // Times of steps are rounded.
-        AssertThrow(start + 1e-12 * std::max(std::abs(start), std::abs(end)) <
-                      end,
-                    ExcMessage(stage_text(k) + "'Time/End' is " + text_of(end) +
-                               " s, but the stage begins at " + text_of(start) +
-                               " s. Time continues over the stages: each "
-                               "'End' has to be later than the one before."));
-        for (unsigned int w = 0; w < 2 * general.dimension; ++w)
-          {
-            SimulationParameters first = *this;
-            first.enter_stage(0);
-            AssertThrow(parameters.walls.is_periodic(w) ==
-                          first.walls.is_periodic(w),
-                        ExcMessage(stage_text(k) + "the wall '" +
-                                   WallParameters::names[w] + "' is " +
-                                   parameters.walls.type[w] + ", but it is " +
-                                   first.walls.type[w] +
-                                   " in the first stage: a wall is periodic "
-                                   "in all stages or in none."));
-          }
+        check_change_of_stage(*this, k, parameters);
         try
           {
             parameters.check_stage();
@@ -386,12 +431,14 @@ namespace greville
   {
     for (unsigned int w = 0; w < 2 * general.dimension; ++w)
       AssertThrow(walls.type[w] != "friction" ||
-                    !scheme.has_consistent_mass() ||
+                    support_of_mass(scheme.mass).friction_walls ||
                     is_implicit_scheme(scheme.stress_update),
                   ExcMessage("'Walls/" + WallParameters::names[w] +
-                             "' = friction does not support 'Scheme/Mass' = "
-                             "consistent: take lumped, or a rigid body that "
-                             "'Contacts' name, such as half_space(0, 1, 0)."));
+                             "' = friction does not support 'Scheme/Mass' = " +
+                             scheme.mass + ": take " +
+                             masses_with(&MassSupport::friction_walls) +
+                             ", or a rigid body that 'Contacts' name, such as "
+                             "half_space(0, 1, 0)."));
   }
 
 
@@ -413,9 +460,9 @@ namespace greville
            "'Scheme/Volumetric projection' = " + scheme.volumetric_projection,
            "it projects gradients at points; take none.");
     refuse(is_explicit_scheme(scheme.stress_update) &&
-             !scheme.has_consistent_mass() && !scheme.has_lumped_mass(),
+             !support_of_mass(scheme.mass).domains,
            "'Scheme/Mass' = " + scheme.mass,
-           "take consistent or lumped.");
+           "take " + masses_with(&MassSupport::domains) + ".");
     refuse(scheme.is_apic(), "'Scheme/Transfer' = APIC", "take FLIP or PIC.");
     for (const auto &body : bodies)
       refuse(body.second.points_file.empty() &&

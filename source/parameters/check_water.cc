@@ -97,6 +97,268 @@ namespace greville
         without.erase(name);
       return without;
     }
+
+
+
+    void
+    refuse_pores(const std::string &section, const Material &material)
+    {
+      refuse_without_water(material.porosity != 0., section + "Porosity");
+      refuse_without_water(material.conductivity != 0.,
+                           section + "Hydraulic conductivity");
+      refuse_without_water(material.has_kozeny_carman,
+                           section + "Conductivity law");
+    }
+
+
+
+    /// Check a material that is dry beside saturated ones.
+    void
+    check_dry(const std::string &section, const Material &material)
+    {
+      AssertThrow(material.conductivity == 0.,
+                  ExcMessage("The parameter '" + section +
+                             "Hydraulic conductivity' is " +
+                             text_of(material.conductivity) +
+                             " m / s, but its 'Porosity' is 0: water "
+                             "needs pores."));
+      AssertThrow(!material.has_kozeny_carman,
+                  ExcMessage("The parameter '" + section +
+                             "Conductivity law' is kozeny-carman, but "
+                             "its 'Porosity' is 0: water needs "
+                             "pores."));
+    }
+
+
+
+    void
+    check_saturated(const std::string     &section,
+                    const Material        &material,
+                    const WaterParameters &water)
+    {
+      AssertThrow(material.porosity > 0. && material.porosity < 1.,
+                  ExcMessage("The parameter '" + section + "Porosity' is " +
+                             text_of(material.porosity) +
+                             ": with 'Simulation/Pore water' it has to be "
+                             "above 0 and below 1."));
+      AssertThrow(material.density >= material.porosity * water.density,
+                  ExcMessage("The parameter '" + section + "Density' is " +
+                             text_of(material.density) +
+                             " kg / m^3 for soil and water together, but "
+                             "the water in the pores alone has " +
+                             text_of(material.porosity * water.density) +
+                             " kg / m^3 ('Porosity' times 'Water/"
+                             "Density')."));
+      AssertThrow(material.conductivity > 0. &&
+                    std::isfinite(material.conductivity),
+                  ExcMessage("The parameter '" + section +
+                             "Hydraulic conductivity' is " +
+                             text_of(material.conductivity) +
+                             " m / s: with 'Simulation/Pore water' it has to "
+                             "be above 0, and finite."));
+    }
+
+
+
+    void
+    refuse_water(
+      const WaterParameters                              &water,
+      const std::map<std::string, SurfaceLoadParameters> &surface_loads)
+    {
+      const WaterParameters none;
+      refuse_without_water(water.density != none.density, "Water/Density");
+      refuse_without_water(water.bulk_modulus != none.bulk_modulus,
+                           "Water/Bulk modulus");
+      refuse_without_water(!water.table.empty(), "Water/Table");
+      refuse_without_water(water.capillary_height != 0.,
+                           "Water/Capillary height");
+      refuse_without_water(water.is_second_order, "Water/Integration");
+      refuse_without_water(!water.free_surface_pressure.empty(),
+                           "Water/Free surface pressure");
+      for (const auto &[name, load] : surface_loads)
+        {
+          const std::string section = "Surface load " + name;
+          refuse_without_water(!load.pore_pressure.empty(),
+                               section + "/Pore pressure");
+          refuse_without_water(load.seepage_face, section + "/Seepage face");
+          refuse_without_water(!load.flux.empty(), section + "/Flux");
+        }
+    }
+
+
+
+    void
+    check_finite(const WaterParameters &water)
+    {
+      for (const auto &[name, value] :
+           {std::make_pair("Density", water.density),
+            std::make_pair("Bulk modulus", water.bulk_modulus),
+            std::make_pair("Capillary height", water.capillary_height)})
+        AssertThrow(std::isfinite(value),
+                    ExcMessage(
+                      std::string("The parameter 'Water/") + name + "' is " +
+                      text_of(value) +
+                      ": it has to be finite. 'Bulk modulus' = 0 makes "
+                      "water incompressible, and 'Capillary height' = "
+                      "0 keeps pores full."));
+    }
+
+
+
+    void
+    check_cells_of_water(const SimulationParameters &parameters)
+    {
+      const auto check_cells = [](const std::string               &section,
+                                  const std::vector<unsigned int> &cells) {
+        for (const unsigned int n : cells)
+          AssertThrow(n % 2 == 0,
+                      ExcMessage("The parameter '" + section +
+                                 "Grid/Cells' has a direction with " +
+                                 std::to_string(n) +
+                                 " cells: 'Simulation/Pore water' needs even "
+                                 "numbers, because cells of the pressure are "
+                                 "twice as large."));
+      };
+      check_cells("", parameters.grid.cells);
+      for (const auto &[name, own] : parameters.body_grids)
+        if (has_pores(parameters, {name}))
+          check_cells("Body " + name + "/", own.cells);
+    }
+
+
+
+    void
+    check_water_of_loads(const SimulationParameters &parameters)
+    {
+      for (const auto &[name, load] : parameters.surface_loads)
+        {
+          check_boundary("Surface load " + name + "/",
+                         {{"Pore pressure", "Seepage face", "Flux"}},
+                         load.pore_pressure,
+                         load.seepage_face,
+                         load.flux);
+          refuse_with_water(
+            load.passes_water() && !has_pores(parameters, {load.body}),
+            "'Surface load " + name +
+              (load.flux.empty() ? "/Pore pressure'" : "/Flux'"),
+            "the material of 'Body " + load.body + "' has no pores.");
+        }
+    }
+
+
+
+    void
+    check_water_at_wall(const SimulationParameters &parameters,
+                        const unsigned int          w)
+    {
+      const std::string  section  = "Walls/";
+      const std::string  name     = WallParameters::names[w];
+      const std::string &pressure = parameters.walls.pore_pressure[w];
+      const std::string &flux     = parameters.walls.flux[w];
+      if (!parameters.general.pore_water)
+        {
+          refuse_without_water(!pressure.empty(),
+                               section + name + " pore pressure");
+          refuse_without_water(parameters.walls.seepage_face[w],
+                               section + name + " seepage face");
+          refuse_without_water(!flux.empty(), section + name + " flux");
+          return;
+        }
+      check_boundary(
+        section,
+        {{name + " pore pressure", name + " seepage face", name + " flux"}},
+        pressure,
+        parameters.walls.seepage_face[w],
+        flux);
+      if (pressure.empty() && flux.empty())
+        return;
+      const std::string given =
+        "'" + section + name + (flux.empty() ? " pore pressure" : " flux") +
+        "', which is <" + (flux.empty() ? pressure : flux) + ">";
+      refuse_with_water(w >= 2 * parameters.general.dimension,
+                        given,
+                        "there is no such wall in 2D.");
+      refuse_with_water(parameters.grid.has_axis() && w == 0,
+                        given,
+                        "the wall is the axis, through which nothing flows.");
+      refuse_with_water(parameters.walls.is_periodic(w),
+                        given,
+                        "the wall is periodic and has no boundary there.");
+      refuse_with_water(
+        parameters.scheme.is_total_lagrangian(),
+        "'Scheme/Formulation' = total Lagrangian and " + given,
+        "the wall stays in the initial configuration, and bodies move away "
+        "from it. Give it for a 'Surface load', or take updated Lagrangian.");
+    }
+
+
+
+    void
+    check_free_surface(const SimulationParameters &parameters)
+    {
+      const std::string given = "'Water/Free surface pressure', which is <" +
+                                parameters.water.free_surface_pressure + ">";
+      refuse_with_water(parameters.scheme.is_total_lagrangian(),
+                        "'Scheme/Formulation' = total Lagrangian and " + given,
+                        "the layer of points at the free surface is found "
+                        "from their current cells; take updated Lagrangian, "
+                        "or give 'Pore pressure' of a 'Surface load'.");
+      refuse_with_water(!parameters.contacts.empty(),
+                        "'Simulation/Contacts' and " + given,
+                        "surfaces in contact are impervious, which the "
+                        "layer of points at the free surface ignores. Give "
+                        "'Pore pressure' of a 'Surface load'.");
+      for (const auto &[name, load] : parameters.surface_loads)
+        refuse_with_water(load.passes_water(),
+                          given + " and 'Surface load " + name +
+                            (load.flux.empty() ? "/Pore pressure'" : "/Flux'"),
+                          "that surface is a part of the free surface. Give "
+                          "one of them.");
+    }
+
+
+
+    void
+    check_scheme_of_water(const SimulationParameters &parameters)
+    {
+      const std::string given_scheme =
+        "'Scheme/Stress update' = " + parameters.scheme.stress_update;
+      if (is_explicit_scheme(parameters.scheme.stress_update))
+        {
+          refuse_with_water(parameters.scheme.stress_update != "USL",
+                            given_scheme,
+                            "points deform with the velocity that the pressure "
+                            "has corrected; take USL.");
+          refuse_with_water(parameters.water.is_second_order,
+                            "'Water/Integration' = BDF2 and " + given_scheme,
+                            "the pressure belongs to the end of an explicit "
+                            "step; take backward-euler.");
+          refuse_with_water(parameters.time.has_half_steps(),
+                            "'Time/Velocities at' = half steps and " +
+                              given_scheme,
+                            "the pressure belongs to whole steps; take full "
+                            "steps.");
+          const std::string &mass = parameters.scheme.mass;
+          refuse_with_water(!support_of_mass(mass).explicit_water,
+                            "'Scheme/Mass' = " + mass + " and " + given_scheme,
+                            "take " +
+                              masses_with(&MassSupport::explicit_water) + ".");
+        }
+      refuse_with_water(parameters.scheme.stress_update == "implicit-midpoint",
+                        given_scheme,
+                        "it conserves energy, but seepage dissipates energy; "
+                        "take newmark or generalized-alpha.");
+      refuse_with_water(parameters.scheme.has_projection(),
+                        "'Scheme/Volumetric projection' = " +
+                          parameters.scheme.volumetric_projection,
+                        "take none.");
+      refuse_with_water(parameters.scheme.averages_over_domains(),
+                        "'Scheme/Functions' = domains",
+                        "take points.");
+      refuse_with_water(parameters.implicit_solver.always_takes_cg(),
+                        "'Implicit solver/Method' = cg",
+                        "its systems are nonsymmetric; take auto or fgmres.");
+    }
   } // namespace
 
 
@@ -160,116 +422,22 @@ namespace greville
   void
   SimulationParameters::check_water() const
   {
-    const WaterParameters none;
-    const auto            without_pores = materials_without_pores(*this);
-    for (const auto &[name, material] : materials)
-      {
-        const std::string section = "Material " + name + "/";
-        if (!general.pore_water)
-          {
-            refuse_without_water(material->porosity != 0.,
-                                 section + "Porosity");
-            refuse_without_water(material->conductivity != 0.,
-                                 section + "Hydraulic conductivity");
-            refuse_without_water(material->has_kozeny_carman,
-                                 section + "Conductivity law");
-            continue;
-          }
-        if (without_pores.count(name) > 0)
-          {
-            AssertThrow(material->conductivity == 0.,
-                        ExcMessage("The parameter '" + section +
-                                   "Hydraulic conductivity' is " +
-                                   text_of(material->conductivity) +
-                                   " m / s, but its 'Porosity' is 0: water "
-                                   "needs pores."));
-            AssertThrow(!material->has_kozeny_carman,
-                        ExcMessage("The parameter '" + section +
-                                   "Conductivity law' is kozeny-carman, but "
-                                   "its 'Porosity' is 0: water needs "
-                                   "pores."));
-            continue;
-          }
-        AssertThrow(material->porosity > 0. && material->porosity < 1.,
-                    ExcMessage("The parameter '" + section + "Porosity' is " +
-                               text_of(material->porosity) +
-                               ": with 'Simulation/Pore water' it has to be "
-                               "above 0 and below 1."));
-        AssertThrow(material->density >= material->porosity * water.density,
-                    ExcMessage("The parameter '" + section + "Density' is " +
-                               text_of(material->density) +
-                               " kg / m^3 for soil and water together, but "
-                               "the water in the pores alone has " +
-                               text_of(material->porosity * water.density) +
-                               " kg / m^3 ('Porosity' times 'Water/"
-                               "Density')."));
-        AssertThrow(material->conductivity > 0. &&
-                      std::isfinite(material->conductivity),
-                    ExcMessage("The parameter '" + section +
-                               "Hydraulic conductivity' is " +
-                               text_of(material->conductivity) +
-                               " m / s: with 'Simulation/Pore water' it has to "
-                               "be above 0, and finite."));
-      }
     if (!general.pore_water)
       {
-        refuse_without_water(water.density != none.density, "Water/Density");
-        refuse_without_water(water.bulk_modulus != none.bulk_modulus,
-                             "Water/Bulk modulus");
-        refuse_without_water(!water.table.empty(), "Water/Table");
-        refuse_without_water(water.capillary_height != 0.,
-                             "Water/Capillary height");
-        refuse_without_water(water.is_second_order, "Water/Integration");
-        refuse_without_water(!water.free_surface_pressure.empty(),
-                             "Water/Free surface pressure");
-        for (const auto &[name, load] : surface_loads)
-          {
-            const std::string section = "Surface load " + name;
-            refuse_without_water(!load.pore_pressure.empty(),
-                                 section + "/Pore pressure");
-            refuse_without_water(load.seepage_face, section + "/Seepage face");
-            refuse_without_water(!load.flux.empty(), section + "/Flux");
-          }
+        for (const auto &[name, material] : materials)
+          refuse_pores("Material " + name + "/", *material);
+        refuse_water(water, surface_loads);
         return;
       }
-    for (const auto &[name, load] : surface_loads)
-      {
-        check_boundary("Surface load " + name + "/",
-                       {{"Pore pressure", "Seepage face", "Flux"}},
-                       load.pore_pressure,
-                       load.seepage_face,
-                       load.flux);
-        refuse_with_water(load.passes_water() && !has_pores(*this, {load.body}),
-                          "'Surface load " + name +
-                            (load.flux.empty() ? "/Pore pressure'" : "/Flux'"),
-                          "the material of 'Body " + load.body +
-                            "' has no pores.");
-      }
-    for (const auto &[name, value] :
-         {std::make_pair("Density", water.density),
-          std::make_pair("Bulk modulus", water.bulk_modulus),
-          std::make_pair("Capillary height", water.capillary_height)})
-      AssertThrow(std::isfinite(value),
-                  ExcMessage(std::string("The parameter 'Water/") + name +
-                             "' is " + text_of(value) +
-                             ": it has to be finite. 'Bulk modulus' = 0 makes "
-                             "water incompressible, and 'Capillary height' = "
-                             "0 keeps pores full."));
-    const auto check_cells = [](const std::string               &section,
-                                const std::vector<unsigned int> &cells) {
-      for (const unsigned int n : cells)
-        AssertThrow(n % 2 == 0,
-                    ExcMessage("The parameter '" + section +
-                               "Grid/Cells' has a direction with " +
-                               std::to_string(n) +
-                               " cells: 'Simulation/Pore water' needs even "
-                               "numbers, because cells of the pressure are "
-                               "twice as large."));
-    };
-    check_cells("", grid.cells);
-    for (const auto &[name, own] : body_grids)
-      if (has_pores(*this, {name}))
-        check_cells("Body " + name + "/", own.cells);
+    const auto without_pores = materials_without_pores(*this);
+    for (const auto &[name, material] : materials)
+      if (without_pores.count(name) > 0)
+        check_dry("Material " + name + "/", *material);
+      else
+        check_saturated("Material " + name + "/", *material, water);
+    check_water_of_loads(*this);
+    check_finite(water);
+    check_cells_of_water(*this);
     refuse_with_water(has_body_grids() && contacts.empty(),
                       "'Grid/Per body' and sections 'Grid' of bodies",
                       "water flows between bodies on a common grid only. Leave "
@@ -291,46 +459,7 @@ namespace greville
   SimulationParameters::check_water_of_stage() const
   {
     for (unsigned int w = 0; w < 6; ++w)
-      {
-        const std::string  section  = "Walls/";
-        const std::string  name     = WallParameters::names[w];
-        const std::string &pressure = walls.pore_pressure[w];
-        const std::string &flux     = walls.flux[w];
-        if (!general.pore_water)
-          {
-            refuse_without_water(!pressure.empty(),
-                                 section + name + " pore pressure");
-            refuse_without_water(walls.seepage_face[w],
-                                 section + name + " seepage face");
-            refuse_without_water(!flux.empty(), section + name + " flux");
-            continue;
-          }
-        check_boundary(
-          section,
-          {{name + " pore pressure", name + " seepage face", name + " flux"}},
-          pressure,
-          walls.seepage_face[w],
-          flux);
-        if (pressure.empty() && flux.empty())
-          continue;
-        const std::string given =
-          "'" + section + name + (flux.empty() ? " pore pressure" : " flux") +
-          "', which is <" + (flux.empty() ? pressure : flux) + ">";
-        refuse_with_water(w >= 2 * general.dimension,
-                          given,
-                          "there is no such wall in 2D.");
-        refuse_with_water(grid.has_axis() && w == 0,
-                          given,
-                          "the wall is the axis, through which nothing flows.");
-        refuse_with_water(walls.is_periodic(w),
-                          given,
-                          "the wall is periodic and has no boundary there.");
-        refuse_with_water(
-          scheme.is_total_lagrangian(),
-          "'Scheme/Formulation' = total Lagrangian and " + given,
-          "the wall stays in the initial configuration, and bodies move away "
-          "from it. Give it for a 'Surface load', or take updated Lagrangian.");
-      }
+      check_water_at_wall(*this, w);
     if (!general.pore_water)
       return;
     for (unsigned int d = 0; d < general.dimension; ++d)
@@ -348,65 +477,8 @@ namespace greville
                       std::to_string(2 * (grid.degree + 1)) +
                       " cells or more, so that none overlaps itself."));
       }
-    const std::string &outside = water.free_surface_pressure;
-    if (!outside.empty())
-      {
-        const std::string given =
-          "'Water/Free surface pressure', which is <" + outside + ">";
-        refuse_with_water(scheme.is_total_lagrangian(),
-                          "'Scheme/Formulation' = total Lagrangian and " +
-                            given,
-                          "the layer of points at the free surface is found "
-                          "from their current cells; take updated Lagrangian, "
-                          "or give 'Pore pressure' of a 'Surface load'.");
-        refuse_with_water(!contacts.empty(),
-                          "'Simulation/Contacts' and " + given,
-                          "surfaces in contact are impervious, which the "
-                          "layer of points at the free surface ignores. Give "
-                          "'Pore pressure' of a 'Surface load'.");
-        for (const auto &[name, load] : surface_loads)
-          refuse_with_water(load.passes_water(),
-                            given + " and 'Surface load " + name +
-                              (load.flux.empty() ? "/Pore pressure'"
-                                                 : "/Flux'"),
-                            "that surface is a part of the free surface. Give "
-                            "one of them.");
-      }
-    const std::string given_scheme =
-      "'Scheme/Stress update' = " + scheme.stress_update;
-    if (is_explicit_scheme(scheme.stress_update))
-      {
-        refuse_with_water(scheme.stress_update != "USL",
-                          given_scheme,
-                          "points deform with the velocity that the pressure "
-                          "has corrected; take USL.");
-        refuse_with_water(water.is_second_order,
-                          "'Water/Integration' = BDF2 and " + given_scheme,
-                          "the pressure belongs to the end of an explicit "
-                          "step; take backward-euler.");
-        refuse_with_water(time.has_half_steps(),
-                          "'Time/Velocities at' = half steps and " +
-                            given_scheme,
-                          "the pressure belongs to whole steps; take full "
-                          "steps.");
-        refuse_with_water(!scheme.has_lumped_mass(),
-                          "'Scheme/Mass' = " + scheme.mass + " and " +
-                            given_scheme,
-                          "take lumped.");
-      }
-    refuse_with_water(scheme.stress_update == "implicit-midpoint",
-                      given_scheme,
-                      "it conserves energy, but seepage dissipates energy; "
-                      "take newmark or generalized-alpha.");
-    refuse_with_water(scheme.has_projection(),
-                      "'Scheme/Volumetric projection' = " +
-                        scheme.volumetric_projection,
-                      "take none.");
-    refuse_with_water(scheme.averages_over_domains(),
-                      "'Scheme/Functions' = domains",
-                      "take points.");
-    refuse_with_water(implicit_solver.always_takes_cg(),
-                      "'Implicit solver/Method' = cg",
-                      "its systems are nonsymmetric; take auto or fgmres.");
+    if (!water.free_surface_pressure.empty())
+      check_free_surface(*this);
+    check_scheme_of_water(*this);
   }
 } // namespace greville

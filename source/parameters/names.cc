@@ -13,10 +13,12 @@ namespace greville
 
   namespace
   {
-    // All masses except those of n_fmpm_terms().
-    const std::vector<std::string> known_masses = {"auto",
-                                                   "consistent",
-                                                   "lumped"};
+    // All masses; fmpm-K stands for the names of n_fmpm_terms().
+    const std::vector<std::pair<std::string, MassSupport>> known_masses = {
+      // Friction walls, APIC, domains, implicit steps, water in explicit steps.
+      {"consistent", {false, false, true, true, false}},
+      {"lumped", {true, true, true, true, true}},
+      {"fmpm-K", {true, false, false, false, false}}};
   } // namespace
 
 
@@ -24,10 +26,10 @@ namespace greville
   std::string
   mass_names()
   {
-    std::string names;
-    for (const std::string &name : known_masses)
-      names += name + "|";
-    return names + fmpm_in_lists;
+    std::string names = "auto|";
+    for (const auto &mass : known_masses)
+      names += mass.first == "fmpm-K" ? fmpm_in_lists : mass.first + "|";
+    return names;
   }
 
 
@@ -35,15 +37,44 @@ namespace greville
   void
   check_mass_name(const std::string &name, const std::string &parameter)
   {
-    auto known = known_masses;
-    if (n_fmpm_terms(name) > 0 ||
-        std::count(known.begin(), known.end(), name) == 1)
-      return;
-    known.push_back("fmpm-2");
-    AssertThrow(false,
+    std::vector<std::string> known = {"auto", "fmpm-2"};
+    for (const auto &mass : known_masses)
+      known.push_back(mass.first);
+    known.pop_back(); // fmpm-K
+    AssertThrow(n_fmpm_terms(name) > 0 ||
+                  std::count(known.begin(), known.end(), name) == 1,
                 ExcMessage("The parameter '" + parameter + "' is <" + name +
                            ">; it has to be one of " + mass_names() + "." +
                            did_you_mean(name, known)));
+  }
+
+
+
+  const MassSupport &
+  support_of_mass(const std::string &name)
+  {
+    const auto found =
+      std::find_if(known_masses.begin(),
+                   known_masses.end(),
+                   [&](const auto &mass) {
+                     return mass.first == name ||
+                            (mass.first == "fmpm-K" && n_fmpm_terms(name) > 0);
+                   });
+    AssertThrow(found != known_masses.end(),
+                ExcMessage("Unknown mass <" + name + ">."));
+    return found->second;
+  }
+
+
+
+  std::string
+  masses_with(const bool MassSupport::*support)
+  {
+    std::string result;
+    for (const auto &[name, has] : known_masses)
+      if (has.*support)
+        result += (result.empty() ? "" : " or ") + name;
+    return result;
   }
 
 

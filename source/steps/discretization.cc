@@ -52,14 +52,15 @@ namespace greville
     void
     check_parameters(const SimulationParameters &parameters)
     {
-      AssertThrow(
-        !parameters.scheme.is_apic() || parameters.scheme.has_lumped_mass(),
-        ExcMessage("'Scheme/Transfer' = APIC needs 'Scheme/Mass' = lumped, "
-                   "not <" +
-                   parameters.scheme.mass +
-                   ">: the momentum of APIC is the right-hand side of "
-                   "a lumped solve. With the exact mass, PIC already "
-                   "is a projection that keeps linear fields."));
+      AssertThrow(!parameters.scheme.is_apic() ||
+                    support_of_mass(parameters.scheme.mass).apic,
+                  ExcMessage(
+                    "'Scheme/Transfer' = APIC needs 'Scheme/Mass' = " +
+                    masses_with(&MassSupport::apic) + ", not <" +
+                    parameters.scheme.mass +
+                    ">: the momentum of APIC is the right-hand side of "
+                    "a lumped solve. With the exact mass, PIC already "
+                    "is a projection that keeps linear fields."));
     }
 
 

@@ -202,10 +202,9 @@ namespace greville
     refuse(parameters.scheme.is_apic(),
            "'Scheme/Transfer' = APIC",
            "take FLIP or PIC.");
-    refuse(!parameters.scheme.has_consistent_mass() &&
-             !parameters.scheme.has_lumped_mass(),
+    refuse(!support_of_mass(parameters.scheme.mass).implicit_steps,
            "'Scheme/Mass' = " + parameters.scheme.mass,
-           "take consistent or lumped.");
+           "take " + masses_with(&MassSupport::implicit_steps) + ".");
     refuse(parameters.loads.cundall != 0.,
            "'Loads/Cundall damping'",
            "quasi-static steps find states at rest without it, and "

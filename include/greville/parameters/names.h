@@ -23,6 +23,20 @@ namespace greville
   void
   check_mass_name(const std::string &name, const std::string &parameter);
 
+  /// The steps and walls that support a mass.
+  struct MassSupport
+  {
+    bool friction_walls, apic, domains, implicit_steps, explicit_water;
+  };
+
+  /// Return the support of a mass, whose name is not "auto".
+  const MassSupport &
+  support_of_mass(const std::string &name);
+
+  /// Return the masses with this support as words, such as "lumped or fmpm-K".
+  std::string
+  masses_with(const bool MassSupport::*support);
+
   /// Return the solvers of the consistent mass.
   std::string
   mass_solver_methods();
