@@ -147,7 +147,6 @@ namespace greville
                                  next.iterations.begin(),
                                  next.iterations.end());
       }
-    first_steps.print(*parts[0].state, dt, result, parts.size() > 1);
     first_steps.log.newton.push_back(
       {parts[0].state->n_steps + 1, 1, parts[0].state->time, dt, result});
     if (!result.converged)

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <limits>
 #include <sstream>
 
@@ -341,27 +340,87 @@ namespace greville
 
   template <int dim>
   void
-  ImplicitSteps<dim>::print(const State<dim>   &state,
-                            const double        dt,
-                            const NewtonResult &result,
-                            const bool          of_all_parts) const
+  ImplicitSteps<dim>::find_reactions(State<dim> &state, const double dt)
   {
-    if (!parameters.newton.log ||
-        Utilities::MPI::this_mpi_process(discretization.communicator()) != 0)
-      return;
-    std::ostringstream text;
-    for (unsigned int k = 0; k < result.iterations.size(); ++k)
+    // Wall reactions are the residual of the balance at constrained
+    // coefficients. There, force holds f - F' and work the inertia, both
+    // divided by 1 - alpha_f.
+    const Walls<dim> &walls    = discretization.walls();
+    VectorField<dim>  reaction = velocity, known = force;
+    for (unsigned int d = 0; d < dim; ++d)
       {
-        const NewtonIteration &row = result.iterations[k];
-        text << "  step " << state.n_steps + 1 << (of_all_parts ? "" : log.of)
-             << ", dt = " << dt << " s, iteration " << k << ": residual "
-             << row.residual << " (" << row.relative << ")";
-        if (k > 0)
-          text << ", step " << row.step << ", " << row.linear_iterations
-               << " linear iterations";
-        text << '\n';
+        known[d] *= -1.;
+        if (scheme.is_static)
+          work[d] = 0.;
       }
-    std::cout << text.str() << std::flush;
+    system.finest().extended().constrained_rows(reaction, work, known);
+    for (VectorType &component : reaction)
+      component *= 1. - scheme.alpha_f;
+    const VectorField<dim> of_contacts =
+      contact_force ? split_reaction(state, reaction) : VectorField<dim>();
+    add_work(state, reaction, dt);
+    for (unsigned int d = 0; d < dim && contact_force; ++d)
+      reaction[d] += of_contacts[d];
+    state.reactions = walls.constrained_sums(reaction);
+  }
+
+
+
+  template <int dim>
+  VectorField<dim>
+  ImplicitSteps<dim>::split_reaction(State<dim>       &state,
+                                     VectorField<dim> &reaction) const
+  {
+    VectorField<dim> result = reaction;
+    system.finest().extended().constrained_rows(result,
+                                                contact_acceleration,
+                                                contact_load);
+    const double weight = scheme.contact_weight() * (1. - scheme.alpha_f);
+    double       work   = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        reaction[d].add(-weight, result[d]);
+        for (unsigned int i = 0; i < result[d].locally_owned_size(); ++i)
+          work += result[d].local_element(i) * displacement[d].local_element(i);
+      }
+    state.energy.add_work(EnergyBalance::walls, work);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::take_constrained_momentum(State<dim>  &state,
+                                                const double dt)
+  {
+    if (scheme.is_static)
+      return;
+    // Points lose this momentum with the FLIP kick, or take a velocity without
+    // it.
+    const bool   is_taken = !scheme.keeps_constrained_momentum;
+    const double flip     = flip_share(parameters.scheme,
+                                   discretization.cell_size(),
+                                   state.first_signal,
+                                   dt);
+    const auto   sums =
+      discretization.walls().constrained_sums(constrained_momentum);
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      state.reactions[w] += (is_taken ? 1. : 1. - flip) / dt * sums[w];
+
+    const VectorType &lumped      = field().lumped_mass;
+    const auto       &constrained = system.finest().constrained_components();
+    double            work        = 0.;
+    for (unsigned int d = 0; d < dim && is_taken; ++d)
+      for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
+        if (((constrained[i] >> d) & 1) && lumped.local_element(i) > 0.)
+          {
+            const double momentum = constrained_momentum[d].local_element(i);
+            state.field.acceleration[d].local_element(i) +=
+              momentum / (dt * lumped.local_element(i));
+            work += momentum * velocity[d].local_element(i);
+          }
+    state.energy.add_work(EnergyBalance::walls, work);
   }
 
 
@@ -431,7 +490,16 @@ namespace greville
     if (loads.act_on_points())
       state.energy.add_work(EnergyBalance::loads, on_points);
     state.energy.add_work(EnergyBalance::walls, by_walls);
+    add_work_of_surfaces(state, share);
+  }
 
+
+
+  template <int dim>
+  void
+  ImplicitSteps<dim>::add_work_of_surfaces(State<dim>  &state,
+                                           const double share)
+  {
     // Surface loads one by one, and then loads that follow the points of
     // bodies; at the start, old_loads contains the latter. Contacts count their
     // own work.
@@ -441,7 +509,7 @@ namespace greville
                                const double            factor) {
       double sum = 0.;
       for (unsigned int d = 0; d < dim; ++d)
-        for (unsigned int i = 0; i < mass.locally_owned_size(); ++i)
+        for (unsigned int i = 0; i < load[d].locally_owned_size(); ++i)
           sum += load[d].local_element(i) * displacement[d].local_element(i);
       state.energy.add_work(k < n_surfaces ? EnergyBalance::surfaces + k
                                            : unsigned(EnergyBalance::loads),

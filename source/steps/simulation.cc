@@ -42,31 +42,6 @@ namespace greville
       parameters.enter_stage(0);
       return parameters;
     }
-
-
-
-    /**
-     * Throw if 'Time/Step' is not a valid step or, with @p is_of_whole_stage,
-     * too small for the stage.
-     */
-    template <int dim>
-    void
-    check_given_step(const TimeParameters      &time,
-                     const Discretization<dim> &discretization,
-                     const bool                 is_of_whole_stage)
-    {
-      if (time.step.empty())
-        return;
-      const double step =
-        evaluate_step(Expression(time.step, "Time/Step", {"h", "p"}),
-                      time,
-                      discretization.cell_size(),
-                      discretization.space().degree());
-      if (is_of_whole_stage)
-        check_step(step, time.end - time.start, time, [&]() {
-          return "'Time/Step' is <" + formula_text(time.step) + ">.";
-        });
-    }
   } // namespace
 
 
@@ -80,16 +55,7 @@ namespace greville
     , discretization(parameters, loads, log, comm)
     , guard(parameters, discretization, log)
     , current(make_initial_state(parameters, loads, discretization))
-    , integrator(in_stage(parameters, 0, [&]() {
-      return make_time_integrator<dim>(parameters.scheme.stress_update,
-                                       {parameters,
-                                        discretization,
-                                        loads,
-                                        current,
-                                        log,
-                                        guard,
-                                        requested_row});
-    }))
+    , integrator(in_stage(parameters, 0, [&]() { return make_integrator(); }))
   {
     make_later_bodies(current.bodies, parameters, discretization);
     // Enter all stages, the first one last, to find their errors now.
@@ -105,6 +71,17 @@ namespace greville
     guard.start(current);
     current.imbalance = imbalance(work(), comm);
     last_good.take(current);
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<TimeIntegrator<dim>>
+  Simulation<dim>::make_integrator()
+  {
+    return make_time_integrator<dim>(
+      parameters.scheme.stress_update,
+      {parameters, discretization, loads, current, log, guard, requested_row});
   }
 
 
@@ -144,145 +121,10 @@ namespace greville
 
 
   template <int dim>
-  void
-  Simulation<dim>::enter_stage(const unsigned int stage)
-  {
-    parameters.enter_stage(stage);
-    entered_stage = stage;
-    integrator.reset();
-    in_stage(parameters, stage, [&]() {
-      loads = Loads<dim>(parameters);
-      discretization.reinit();
-      for (Body<dim> &body : current.bodies)
-        {
-          body.points.set_space(discretization.space());
-          body.material =
-            parameters.materials.at(body.parameters->material).get();
-        }
-      for (Surface<dim> &surface : current.surfaces)
-        surface.points.set_space(discretization.space());
-      integrator = make_time_integrator<dim>(parameters.scheme.stress_update,
-                                             {parameters,
-                                              discretization,
-                                              loads,
-                                              current,
-                                              log,
-                                              guard,
-                                              requested_row});
-      check_given_step(parameters.time, discretization, stage != current.stage);
-    });
-    current.stage = stage;
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::next_stage()
-  {
-    const std::string scheme     = parameters.scheme.stress_update;
-    const std::string velocities = parameters.time.velocities;
-    const auto       &next       = parameters.stages[current.stage + 1];
-    const bool        changes    = parameters.changes_bodies(current.stage + 1);
-    const bool        keeps_integrator = scheme == next.scheme.stress_update &&
-                                  velocities == next.time.velocities &&
-                                  !changes;
-    current.n_rejections = 0;
-    if (!keeps_integrator)
-      {
-        integrator->finish(current);
-        current.velocity_time = current.time;
-        current.step = current.velocity_step = 0.;
-      }
-    current.reactions = {};
-    // The history of an implicit scheme is part of its solution.
-    AccelerationHistory<dim> kept;
-    if (keeps_integrator && is_implicit())
-      kept = current.field.history;
-    std::vector<const Material *> materials;
-    for (const Body<dim> &body : current.bodies)
-      materials.push_back(body.material);
-    const double energy =
-      changes
-        ? energy_of_bodies<dim>(current.bodies, discretization.transfer(), comm)
-        : 0.;
-    enter_stage(current.stage + 1);
-    if (changes)
-      change_bodies_from(materials, energy);
-    check_closed_box(current.bodies, parameters, discretization.space());
-    start_stage();
-    current.field.history = kept;
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::change_bodies_from(
-    const std::vector<const Material *> &materials, const double energy)
-  {
-    in_stage(parameters, current.stage, [&]() {
-      change_bodies(current, materials, parameters, loads, discretization);
-      loads.find_points(current.bodies, comm);
-    });
-    guard.weigh(current);
-    current.energy.add_to_start(
-      energy_of_bodies<dim>(current.bodies, discretization.transfer(), comm) -
-      energy);
-    share_cells();
-  }
-
-
-
-  template <int dim>
   std::vector<Body<dim>>
   Simulation<dim>::later_bodies()
   {
     return make_later_bodies(current.bodies, parameters, discretization);
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::start_stage()
-  {
-    // Reset results for other walls, mass or integrator.
-    discretization.initialize_field(current);
-    current.step_fraction = 1.;
-    current.estimates     = StepEstimates();
-    current.water_step    = 0.;
-
-    loads.clear(current.bodies);
-    loads.surfaces().clear(current.surfaces);
-    const bool reset = !parameters.stages.empty() &&
-                       parameters.stages[current.stage].reset_displacements;
-    const bool apic = parameters.scheme.is_apic();
-    for (Surface<dim> &surface : current.surfaces)
-      surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
-        for (unsigned int d = 0; reset && d < dim; ++d)
-          p.reference(d) = p.position(d);
-      });
-    for (Body<dim> &body : current.bodies)
-      {
-        const PointField *affine = body.points.layout().find("affine");
-        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
-          if (reset)
-            for (unsigned int d = 0; d < dim; ++d)
-              p.reference(d) = p.position(d);
-          if (affine && !apic)
-            for (unsigned int k = 0; k < dim * dim; ++k)
-              p[affine->first + k] = 0.;
-        });
-      }
-    // This stage may have other loads, and new initial positions.
-    loads.precompute(current.bodies);
-    current.points_have_changed();
-
-    const Signals last      = current.signals;
-    current.signals         = initial_signals(current.bodies, space());
-    current.signals.wave    = std::max(last.wave, current.signals.wave);
-    current.signals.fastest = std::max(last.fastest, current.signals.fastest);
   }
 
 

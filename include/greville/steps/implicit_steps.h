@@ -212,12 +212,6 @@ namespace greville
     std::string
     describe_residual() const;
 
-    void
-    print(const State<dim>   &state,
-          const double        dt,
-          const NewtonResult &result,
-          const bool          of_all_parts) const;
-
     /// Set contact_load to the contact force of the trial divided by the
     /// scheme's contact weight, and find the acceleration that it causes.
     void
@@ -237,6 +231,10 @@ namespace greville
     add_work(State<dim>             &state,
              const VectorField<dim> &reaction,
              const double            dt);
+
+    /// Count the work of surface loads with @p share of the load at the end.
+    void
+    add_work_of_surfaces(State<dim> &state, const double share);
 
     /// Remove the momentum that constrained velocities do not represent from
     /// the points with their kick, and count it as momentum of walls.

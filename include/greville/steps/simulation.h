@@ -284,6 +284,8 @@ namespace greville
     Statistics<dim>
     complete(const LateRow<dim> &late) const;
 
+    std::unique_ptr<TimeIntegrator<dim>>
+    make_integrator();
     // Make all members that depend on the sections of a stage; continue from
     // the end of a stage with the next one; initialize the state at its start.
     void

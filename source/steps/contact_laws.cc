@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/base/errors.h>
+#include <greville/steps/body_contacts.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+// The constants and laws of BodyContacts.
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // A multiple of the larger cell size: touching bodies have gaps of
+    // round-off. It must be small compared with the overlaps of stiff bodies,
+    // because Newton's method stalls on a closed gap without a force.
+    constexpr double touching_in_cells = 1e-8;
+
+    // The ratio of tangential to normal stiffness.
+    constexpr double shear_share = 0.5;
+
+    // Defaults of ContactParameters::penalty.
+    constexpr double implicit_penalty = 10., explicit_penalty = 1.;
+
+
+
+    /**
+     * Return the plane-strain modulus E / (1 - nu^2), Pa, or the bulk modulus
+     * of a fluid.
+     */
+    double
+    contact_modulus(const Material &material)
+    {
+      const Moduli moduli = material.moduli();
+      if (moduli.shear == 0.)
+        return moduli.bulk;
+      const double lambda = moduli.bulk - 2. / 3. * moduli.shear;
+      return 4. * moduli.shear * (lambda + moduli.shear) /
+             (lambda + 2. * moduli.shear);
+    }
+
+
+
+    double
+    impedance(const Material &material)
+    {
+      const Moduli moduli = material.moduli();
+      return std::sqrt(material.density *
+                       (moduli.bulk + 4. / 3. * moduli.shear));
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::make_contact(const SimulationParameters &parameters,
+                                  const std::string          &name)
+  {
+    const ContactParameters &given = parameters.contacts.at(name);
+    Contact                  contact;
+    contact.name     = name;
+    const auto sides = given.sides();
+
+    contact.given     = given;
+    contact.impedance = std::numeric_limits<double>::max();
+
+    double                  compliance = 0.;
+    unsigned int            n_sides    = 0;
+    const SplineSpace<dim> *space      = nullptr;
+    for (unsigned int side = 0; side < 2; ++side)
+      {
+        double modulus = std::numeric_limits<double>::max();
+        for (const std::string &body : sides[side])
+          for (Simulation<dim> *part : parts)
+            {
+              auto &surfaces = part->current.surfaces;
+              for (unsigned int s = 0; s < surfaces.size(); ++s)
+                {
+                  const Body<dim> &owner =
+                    part->current.bodies[surfaces[s].body];
+                  if (surfaces[s].contact != name || owner.name != body)
+                    continue;
+                  contact.sides[side].push_back({part, s});
+                  modulus = std::min(modulus, contact_modulus(*owner.material));
+                  contact.impedance =
+                    std::min(contact.impedance, impedance(*owner.material));
+                  if (part->grid().cell_size() > contact.cell_size)
+                    {
+                      contact.cell_size = part->grid().cell_size();
+                      space             = &part->space();
+                    }
+                }
+            }
+        if (contact.sides[side].empty())
+          continue;
+        ++n_sides;
+        compliance += 1. / modulus;
+      }
+    const auto &names = parameters.general.rigid_bodies;
+    if (n_sides == 1)
+      contact.rigid =
+        std::find(names.begin(), names.end(), sides[1][0]) - names.begin();
+    contact.modulus = double(n_sides) / compliance;
+    contact.corner  = space->lower_corner();
+    for (unsigned int d = 0; d < dim; ++d)
+      contact.cell_sizes[d] = space->cell_size(d);
+    set_law(contact);
+    contacts.push_back(std::move(contact));
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::set_law(Contact &contact) const
+  {
+    const double default_penalty =
+      are_implicit ? implicit_penalty : explicit_penalty;
+    const double penalty =
+      contact.given.penalty > 0. ? contact.given.penalty : default_penalty;
+    ContactLaw law;
+    law.has_two_sides = contact.rigid < 0;
+    law.both_measure  = !contact.given.is_by_material_points();
+    for (unsigned int side = 0; side < 2; ++side)
+      law.has_pores[side] =
+        std::any_of(contact.sides[side].begin(),
+                    contact.sides[side].end(),
+                    [](const Place &place) {
+                      return place.part->stage_parameters().general.pore_water;
+                    });
+    law.stiffness       = penalty * contact.modulus / contact.cell_size;
+    law.shear_stiffness = shear_share * law.stiffness;
+    law.viscosity =
+      are_implicit ? 0. : contact.given.damping * contact.impedance;
+    law.friction    = make_friction_law(contact.given.friction,
+                                     "Contact " + contact.name + "/Friction");
+    law.adhesion    = contact.given.adhesion;
+    law.touching    = are_implicit ? touching_in_cells * contact.cell_size : 0.;
+    contact.average = std::make_unique<AveragedContact<dim>>(law,
+                                                             contact.corner,
+                                                             contact.cell_sizes,
+                                                             comm);
+    // If the other side can move in the opposite direction, the stiffness of
+    // each side doubles.
+    const bool meets_free =
+      contact.rigid >= 0 && rigid_bodies[contact.rigid].is_free();
+    const double factor = law.has_two_sides || meets_free ? 2. : 1.;
+    for (const auto &side : contact.sides)
+      for (const Place &place : side)
+        {
+          Surface<dim> &surface = place.part->current.surfaces[place.surface];
+          surface.stiffness     = factor * law.stiffness;
+          surface.damping       = factor * law.viscosity;
+        }
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::set_laws()
+  {
+    if (are_implicit == steps_are_implicit())
+      return;
+    are_implicit = steps_are_implicit();
+    for (Contact &contact : contacts)
+      set_law(contact);
+  }
+
+
+
+  template void
+  BodyContacts<2>::make_contact(const SimulationParameters &,
+                                const std::string &);
+  template void
+  BodyContacts<3>::make_contact(const SimulationParameters &,
+                                const std::string &);
+  template void
+  BodyContacts<2>::set_laws();
+  template void
+  BodyContacts<3>::set_laws();
+} // namespace greville
