@@ -204,16 +204,17 @@ def cooks_membrane(_):
         result = run(shipped("cooks_membrane"), folder_of("run"),
                      {"Grid/Lower corner": f"0, {lower:.10g}", "Grid/Cells": f"{n[0]}, {n[1]}", "Grid/Order": order,
                       "Grid/Upper corner": f"{LENGTH / (cells + shift_x) * n[0]:.10g}, {lower + n[1] * h:.10g}",
-                      "Body membrane/Points per direction": per_cell, "Newton/Print iterations": "true",
-                      "Output/Fields every": 0, "Output/Probes": probes})
+                      "Body membrane/Points per direction": per_cell, "Output/Fields every": 0,
+                      "Output/Probes": probes})
         row = f"{cells},{order},{per_cell},{shift_x:.1f},{shift_y:.1f},"
         if result.has_failed:
             # The time that the run has reached.
             times = re.findall(r"^step \d+, t = (\S+)", result.out, re.MULTILINE)
             print(row + f",,,,stopped at t = {times[-1] if times else 0}", flush=True)
             continue
-        linear = [int(k) for k in re.findall(r"(\d+) linear iterations", result.out)]
-        print(row + f"{tip(result.folder):.3f},{Run(result.folder).statistics.n_rows - 1},{len(linear)},"
+        made = Run(result.folder)
+        linear = [int(k) for n, k in zip(made.newton["iteration"], made.newton["linear_iterations"]) if n > 0]
+        print(row + f"{tip(result.folder):.3f},{made.statistics.n_rows - 1},{len(linear)},"
               f"{sum(linear) / len(linear):.1f},", flush=True)
 
 

@@ -103,8 +103,7 @@ shipped_files(const std::string &source,
                     "Sweep",
                     {"Cells =", "Orders =", "Formulations =", "Masses ="}) +
                   section_text("Output",
-                               {"Print times = false",
-                                "Statistics every = 0",
+                               {"Statistics every = 0",
                                 "Directory = " + results});
                 if (found != cells.end())
                   file.overrides +=

@@ -103,6 +103,31 @@ namespace greville
              "",
              "Remove the line: points are always written as .vtu files, one "
              "for each time."},
+            {"Time/Smallest step",
+             "",
+             "Remove the line: a run fails if an automatic step falls below a "
+             "thousandth of the first one."},
+            {"Time/Estimate every",
+             "",
+             "Remove the line: the critical step is estimated every 20 steps, "
+             "and up to every 160 steps while it hardly changes."},
+            {"Load balance/Check every",
+             "",
+             "Remove the line: the work is compared every 50 steps, or in each "
+             "step with 'Threshold' = 1."},
+            {"Output/Print times",
+             "",
+             "Remove the line: progress and times are always printed."},
+            {"Newton/Print iterations",
+             "",
+             "Remove the line: newton.csv in the folder of the run has all "
+             "iterations."},
+            {"Solver/Maximum iterations",
+             "",
+             "Remove the line: a solver may take 1000 iterations."},
+            {"Exponent",
+             "",
+             "Remove the line: the exponent of Tait's equation is 7."},
             {"Smoother/", "", constants},
             {"Implicit smoother/", "", constants},
             {"Implicit p-multigrid/Coarse preconditioner", "", constants},

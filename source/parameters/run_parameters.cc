@@ -20,7 +20,9 @@ namespace greville
     add_formula(prm, "Displacement", displacement)(
       "Exact displacement: formulas of the initial positions X, Y (, Z) and t, "
       "separated by semicolons. Empty: unknown. Unit: m.");
-    add_formula(prm, "Velocity", velocity)("Likewise. Unit: m / s.");
+    add_formula(prm, "Velocity", velocity)(
+      "Exact velocity: formulas of the same variables. Empty: unknown. Unit: m "
+      "/ s.");
     add_formula(prm, "Stress", stress)(
       "Exact Cauchy stress: formulas of the same variables for xx; yy; zz; xy "
       "(; xz; yz). Empty: unknown. Unit: Pa.");
@@ -146,8 +148,6 @@ namespace greville
       "work of a process, in units of the work of a point), imbalance (the "
       "largest work over the mean), partitions (number of partitions so far). "
       "These columns depend on the number of processes.");
-    add_parameter(prm, "Print times", print_times)(
-      "Print progress and times, which differ from run to run.");
   }
 
 
@@ -170,9 +170,8 @@ namespace greville
   {
     add_parameter(prm, "Threshold", threshold, Patterns::Double(0.))(
       "Partition the grid anew if the largest work of a process exceeds the "
-      "mean by this factor. 0: never; 1: at each comparison. Unit: none.");
-    add_parameter(prm, "Check every", check_every, Patterns::Integer(1))(
-      "Number of steps between two comparisons with 'Threshold'.");
+      "mean by this factor; the work is compared every 50 steps. 0: never; 1: "
+      "partition in each step, for tests. Unit: none.");
   }
 
 

@@ -118,7 +118,8 @@ namespace greville
       "grid of its own, too. Walls act on sides of this grid that lie on sides "
       "of the outer 'Grid'. Empty: as in the outer section 'Grid'. Unit: m.");
     add_parameter(prm, "Upper corner", upper, List(Double(), 0, 3))(
-      "Likewise. Unit: m.");
+      "Largest corner of this grid. Empty: as in the outer section 'Grid'. "
+      "Unit: m.");
     add_parameter(prm, "Cells", cells, List(Integer(1), 0, 3))(
       "Cells between the corners in each direction; needed if a corner is "
       "given. Empty: as in the outer section 'Grid'. Unit: none.");
@@ -137,9 +138,6 @@ namespace greville
       "side at which iterations end. 0: in plane and 3D explicit steps without "
       "pore water 1e-5 for order 1 or 2, 1e-6 for order 3 and 1e-7 for order "
       "4, otherwise 1e-8. Unit: none.");
-    add_parameter(prm, "Maximum iterations", max_iterations, Integer(1))(
-      "Largest number of iterations; a solver that needs more has not "
-      "converged. Unit: iterations.");
     add_parameter(prm, "Method", method, Selection(mass_solver_methods()))(
       "Solver of the consistent mass: conjugate gradients for all components "
       "together, preconditioned by incomplete Cholesky factors (cg-ic0, the "

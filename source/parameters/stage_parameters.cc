@@ -28,22 +28,11 @@ namespace greville
       "waves and the speed v of points. Unit: none.");
     add_parameter(prm, "Safety", safety, Double(0., 1.))(
       "Largest automatic step over the critical step. Unit: none.");
-    add_parameter(prm, "Smallest step", smallest_step, Double(0., 1.))(
-      "Smallest automatic step over the first one of its stage. The run fails "
-      "with a smaller step, for instance if cells are crushed in total "
-      "Lagrangian steps. Unit: none.");
     add_parameter(prm,
                   "Too large step",
                   too_large_step,
                   Selection("refuse|warn|ignore"))(
       "Treatment of a given step above the critical one.");
-    add_parameter(prm, "Estimate every", estimate_every, Integer(0))(
-      "The critical step is estimated again after this number of steps, and "
-      "after up to eight times as many while it changes by less than 2 %; 0: "
-      "in the first step only. It is estimated again, too, where the largest "
-      "wave speed has grown by 10 %, and, for automatic steps with consistent "
-      "mass, where accelerations show them to be too long. "
-      "Unit: steps.");
     add_parameter(prm,
                   "Velocities at",
                   velocities,
@@ -258,8 +247,6 @@ namespace greville
                   Patterns::Double(0., 1.))(
       "Largest relative residual of linear systems. It decreases as Newton's "
       "method converges. Unit: none.");
-    add_parameter(prm, "Print iterations", log, Patterns::Bool())(
-      "Print a line for each iteration.");
   }
 
 

@@ -254,7 +254,7 @@ namespace greville
             late_row.reset();
             late_fields.clear();
             notes.write(simulations.take_newton());
-            if (is_terminal && parameters.output.print_times)
+            if (is_terminal)
               out << "\r\033[K" << std::flush;
             AssertThrow(false,
                         ErrorOnAll(message_of(error) + " " +

@@ -78,8 +78,6 @@ namespace greville
   void
   SimulationRun<dim>::print_progress(const bool is_last)
   {
-    if (!parameters.output.print_times)
-      return;
     const double start   = parameters.time.start;
     const double end     = parameters.end_of_run();
     const double elapsed = seconds_since(begin);
@@ -153,6 +151,68 @@ namespace greville
 
   template <int dim>
   void
+  SimulationRun<dim>::print_systems()
+  {
+    typename Extension<dim>::Counts functions;
+    std::uint64_t                   n_factorizations = 0, n_fragments = 0;
+    for (unsigned int k = 0; k < simulations.n_parts(); ++k)
+      {
+        const GridMass<dim> &mass   = simulations.part(k).mass();
+        const auto           counts = mass.counts();
+        functions.stable += counts.stable;
+        functions.extended += counts.extended;
+        functions.lumped += counts.lumped;
+        n_factorizations += mass.n_factorizations();
+        n_fragments += mass.n_fragments();
+      }
+    const bool is_implicit = simulations.first().is_implicit();
+    out << (is_implicit ? "  linear systems of Newton's method: " : "  mass: ")
+        << std::setprecision(3) << iterations_per_step()
+        << " iterations per step";
+    if (!is_implicit)
+      out << ", " << n_factorizations << " factorizations";
+    out << "; at the end " << functions.stable << " stable, "
+        << functions.extended << " extended, " << functions.lumped
+        << " lumped functions, " << n_fragments << " cells of fragments\n";
+  }
+
+
+
+  template <int dim>
+  void
+  SimulationRun<dim>::print_times(const double wall_time)
+  {
+    const double bytes = bytes_per_point();
+    out << std::setprecision(3) << "  " << wall_time << " s";
+    if (common().n_steps > first_step)
+      out << ", "
+          << cost_of_point(wall_time,
+                           n_points,
+                           common().n_steps - first_step,
+                           comm)
+          << " us per point, step and process";
+    out << "; memory of points " << 1e-6 * bytes * n_points << " MB, " << bytes
+        << " bytes each\n";
+    const auto print = [&](const std::string &part, const double seconds) {
+      out << "    " << std::left << std::setw(16) << part << std::right
+          << std::fixed << std::setprecision(2) << std::setw(9) << seconds
+          << " s" << std::setprecision(1) << std::setw(7)
+          << 100. * seconds / wall_time << " %\n"
+          << std::defaultfloat;
+    };
+    double rest = wall_time;
+    for (const auto &part : simulations.part_times())
+      {
+        print(part.first, part.second);
+        rest -= part.second;
+      }
+    print("output, other", rest);
+  }
+
+
+
+  template <int dim>
+  void
   SimulationRun<dim>::print_summary(const RunSummary &summary)
   {
     const State<dim>   &state     = common();
@@ -184,58 +244,8 @@ namespace greville
              "displacement'\n";
     // A resumed run that is already at its end has no mass matrix.
     if (simulations.first().mass().is_exact() && state.n_steps > first_step)
-      {
-        typename Extension<dim>::Counts functions;
-        std::uint64_t                   n_factorizations = 0, n_fragments = 0;
-        for (unsigned int k = 0; k < simulations.n_parts(); ++k)
-          {
-            const GridMass<dim> &mass   = simulations.part(k).mass();
-            const auto           counts = mass.counts();
-            functions.stable += counts.stable;
-            functions.extended += counts.extended;
-            functions.lumped += counts.lumped;
-            n_factorizations += mass.n_factorizations();
-            n_fragments += mass.n_fragments();
-          }
-        const bool is_implicit = simulations.first().is_implicit();
-        out << (is_implicit ? "  linear systems of Newton's method: "
-                            : "  mass: ")
-            << std::setprecision(3) << iterations_per_step()
-            << " iterations per step";
-        if (!is_implicit)
-          out << ", " << n_factorizations << " factorizations";
-        out << "; at the end " << functions.stable << " stable, "
-            << functions.extended << " extended, " << functions.lumped
-            << " lumped functions, " << n_fragments << " cells of fragments\n";
-      }
-    if (parameters.output.print_times)
-      {
-        const double bytes = bytes_per_point();
-        out << std::setprecision(3) << "  " << summary.wall_time << " s";
-        if (state.n_steps > first_step)
-          out << ", "
-              << cost_of_point(summary.wall_time,
-                               n_points,
-                               state.n_steps - first_step,
-                               comm)
-              << " us per point, step and process";
-        out << "; memory of points " << 1e-6 * bytes * n_points << " MB, "
-            << bytes << " bytes each\n";
-        const auto print = [&](const std::string &part, const double seconds) {
-          out << "    " << std::left << std::setw(16) << part << std::right
-              << std::fixed << std::setprecision(2) << std::setw(9) << seconds
-              << " s" << std::setprecision(1) << std::setw(7)
-              << 100. * seconds / summary.wall_time << " %\n"
-              << std::defaultfloat;
-        };
-        double rest = summary.wall_time;
-        for (const auto &part : simulations.part_times())
-          {
-            print(part.first, part.second);
-            rest -= part.second;
-          }
-        print("output, other", rest);
-      }
+      print_systems();
+    print_times(summary.wall_time);
     if (state.n_steps > 0)
       out << std::setprecision(3)
           << "  numerical loss of energy: " << 100. * summary.relative_loss

@@ -6,6 +6,7 @@
 #include <greville/geometry/shape.h>
 #include <greville/steps/body_contacts.h>
 #include <greville/steps/overlap_of_bodies.h>
+#include <greville/steps/step_size.h>
 
 #include <algorithm>
 #include <cmath>
@@ -320,15 +321,14 @@ namespace greville
           break;
         dt *= 0.9 / share;
       }
-    const Simulation<dim> &part  = *parts.front();
-    const double           first = part.current.estimates.first_step,
-                 smallest_step   = part.stage_parameters().time.smallest_step;
+    constexpr double smallest_step = StepSize<dim>::smallest_step;
+    const double     first = parts.front()->current.estimates.first_step;
     fail_on_all(
       dt < longest && dt < smallest_step * first
         ? "both sides of 'Contact " + fastest +
             "' move so fast relative to one another that the step is " +
-            text_of(dt) + " s, below 'Time/Smallest step' (" +
-            text_of(smallest_step) + ") of the first one, " + text_of(first) +
+            text_of(dt) + " s, below " + text_of(smallest_step) +
+            " of the first one, " + text_of(first) +
             " s: in a step they move by a quarter of a cell at most"
         : "",
       comm);

@@ -27,6 +27,9 @@ namespace greville
     // redistribution by this factor.
     constexpr double worth_it = 1.05;
 
+    // The steps between two comparisons of the work of processes.
+    constexpr unsigned int n_between_comparisons = 50;
+
 
 
     SimulationParameters
@@ -222,17 +225,15 @@ namespace greville
   bool
   Simulation<dim>::balance_load()
   {
-    const LoadBalanceParameters &when = parameters.load_balance;
-    const unsigned int           n    = current.n_steps;
-    if (Utilities::MPI::n_mpi_processes(comm) == 1 || n == 0)
-      return false;
-    if (when.threshold == 0. || n % when.check_every != 0)
+    const double       threshold = parameters.load_balance.threshold;
+    const unsigned int n         = current.n_steps;
+    if (Utilities::MPI::n_mpi_processes(comm) == 1 || n == 0 ||
+        threshold == 0. || (threshold > 1. && n % n_between_comparisons != 0))
       return false;
     const PartTimer timer(log, "load balance");
     // With few cells, no partition is below the threshold.
-    if (when.threshold > 1. &&
-        imbalance(work(), comm) <=
-          std::max(when.threshold, worth_it * current.imbalance))
+    if (threshold > 1. && imbalance(work(), comm) <=
+                            std::max(threshold, worth_it * current.imbalance))
       return false;
     share_cells();
     return true;

@@ -260,18 +260,16 @@ test_main()
                           "Dilatancy factor = 2",
                           "Hardening = 50"}));
   const std::vector<std::string> tait = {"Sound speed = 20",
-                                         "Exponent = 1",
                                          "Bulk viscosity = 1",
                                          "Allow tension = true"};
   test_effects("newtonian-fluid",
                {},
-               {tait[0], tait[1], tait[2], tait[3], "Viscosity = 1"});
+               {tait[0], tait[1], tait[2], "Viscosity = 1"});
   test_effects("bingham",
                {},
                {tait[0],
                 tait[1],
                 tait[2],
-                tait[3],
                 "Yield stress = 1",
                 "Plastic viscosity = 1",
                 "Regularization = 2"});
@@ -332,7 +330,6 @@ test_main()
          {"drucker-prager", "Cone = round"},
          {"mohr-coulomb", "Softening strain = 0"},
          {"newtonian-fluid", "Sound speed = 0"},
-         {"newtonian-fluid", "Exponent = 0.5"},
          {"newtonian-fluid", "Viscosity = -1"},
          {"bingham", "Regularization = 0"}})
     {

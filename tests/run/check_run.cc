@@ -83,10 +83,9 @@ test_main()
     for (const std::string folder : {"check_results", "drawing"})
       std::filesystem::remove_all(folder);
   MPI_Barrier(MPI_COMM_WORLD);
-  const Text good =
-    block_2d("box(0.25, 0.25, 0.75, 0.75)", 8)
-      .with("Time", {"End = 1", "Step = 0.001"})
-      .with("Output", {"Directory = check_results", "Print times = false"});
+  const Text good = block_2d("box(0.25, 0.25, 0.75, 0.75)", 8)
+                      .with("Time", {"End = 1", "Step = 0.001"})
+                      .with("Output", {"Directory = check_results"});
 
   has("explicit steps",
       check_of(good),

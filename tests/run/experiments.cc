@@ -17,7 +17,6 @@ run(const std::string &name, const std::vector<unsigned int> &cells)
   parameters.grid.cells          = cells;
   parameters.output.fields_every = 0.;
   parameters.output.grid_fields  = false;
-  parameters.output.print_times  = false;
   const std::string directory    = name + "_results";
   if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
     std::filesystem::create_directories(directory);

@@ -51,10 +51,7 @@ namespace
       {
         std::filesystem::remove_all(directory);
         std::ofstream("run.prm")
-          << text
-               .with("Output",
-                     {"Directory = " + directory, "Print times = false"})
-               .content;
+          << text.with("Output", {"Directory = " + directory}).content;
       }
     MPI_Barrier(MPI_COMM_WORLD);
     run_quietly("run.prm");

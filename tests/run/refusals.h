@@ -166,7 +166,7 @@ namespace refusals
           base.text        = names.size() == 3
                                ? bases.at(names[2])
                                : "subsection Output\nset Directory = results\n"
-                                 "set Print times = false\nend\n";
+                                 "end\n";
           bases[base.base] = base.text;
         }
       else

@@ -233,7 +233,7 @@ test_main()
       .with("Body body", {"Velocity = 1; -0.5 * y"})
       .with("Loads", {"Gravity = 0; -20"})
       .with("Walls", {"Bottom = friction", "Bottom friction = 0.3"})
-      .with("Time", {"End = 10", "Estimate every = 7"});
+      .with("Time", {"End = 10"});
   for (const std::string order : {"USL", "MUSL"})
     test(order, text.with("Scheme", {"Stress update = " + order}), false);
   test("FMPM", text.with("Scheme", {"Mass = fmpm-3"}), false);

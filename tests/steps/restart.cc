@@ -49,8 +49,7 @@ namespace
   {
     if (is_first())
       std::ofstream("run.prm")
-        << text.with("Output", {"Directory = " + folder, "Print times = false"})
-             .content;
+        << text.with("Output", {"Directory = " + folder}).content;
     MPI_Barrier(comm);
     std::streambuf *const buffer = std::cout.rdbuf(nullptr);
     std::string           message;

@@ -110,7 +110,7 @@ namespace
                                  {"End = 0.2"}),
                       "two",
                       "Time",
-                      {"Estimate every = 7"});
+                      {"End = 0.4"});
   }
 
   double
@@ -257,10 +257,7 @@ namespace
       {
         std::filesystem::remove_all(directory);
         std::ofstream("stages.prm")
-          << text
-               .with("Output",
-                     {"Directory = " + directory, "Print times = false"})
-               .content;
+          << text.with("Output", {"Directory = " + directory}).content;
       }
     MPI_Barrier(MPI_COMM_WORLD);
     std::streambuf *const buffer = std::cout.rdbuf(nullptr);

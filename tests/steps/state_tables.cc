@@ -149,7 +149,7 @@ test_main()
       .with("Body body", {"Velocity = 1; -0.5 * y"})
       .with("Loads", {"Gravity = 0; -20"})
       .with("Walls", {"Bottom = friction", "Bottom friction = 0.3"})
-      .with("Time", {"End = 10", "Estimate every = 7"});
+      .with("Time", {"End = 10"});
   test<2>("lumped", text);
   test<2>("MUSL, APIC",
           text.with("Scheme", {"Stress update = MUSL", "Transfer = APIC"}));

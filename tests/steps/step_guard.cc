@@ -167,12 +167,11 @@ namespace
   run(const Text &text, const std::string &folder, const bool resumes = false)
   {
     if (Utilities::MPI::this_mpi_process(comm) == 0)
-      std::ofstream("run.prm") << text
-                                    .with("Output",
-                                          {"Directory = " + folder,
-                                           "Print times = false",
-                                           "Earlier results = remove"})
-                                    .content;
+      std::ofstream("run.prm")
+        << text
+             .with("Output",
+                   {"Directory = " + folder, "Earlier results = remove"})
+             .content;
     MPI_Barrier(comm);
     std::streambuf *const buffer = std::cout.rdbuf(nullptr);
     std::string           message;

@@ -13,10 +13,9 @@ namespace greville
    * A weakly compressible viscous fluid with Tait's equation of state (@ref
    * Cole1948 "Cole, 1948"; @ref Monaghan1994 "Monaghan, 1994"): with rho / rho0
    * = 1 / J
-   *   p = B (J^-gamma - 1), B = rho0 c^2 / gamma,
+   *   p = B (J^-gamma - 1), B = rho0 c^2 / gamma, gamma = 7,
    *   sigma = (-p + zeta tr(d)) 1 + 2 eta dev(d), d = sym(f - 1) / dt,
-   *   W = B ((J^(1 - gamma) - 1) / (gamma - 1) + J - 1), for gamma = 1:
-   *   W = B (J - 1 - ln(J)),
+   *   W = B ((J^(1 - gamma) - 1) / (gamma - 1) + J - 1),
    *   D = D + dt J (2 eta dev(d) : dev(d) + zeta tr(d)^2).
    * d is the rate of deformation that is power-conjugate to the internal forces
    * of an explicit step. It is objective in velocities (a spin adds no stress),
@@ -26,8 +25,8 @@ namespace greville
    * zero, eta dev(d) stays. The wave modulus is -J dp / dJ = B gamma J^-gamma,
    * also in a torn fluid.
    *
-   * Parameters: "Sound speed" c, m/s, at J = 1, "Exponent" gamma, "Bulk
-   * viscosity" zeta, Pa s, "Allow tension". State: the dissipated energy D per
+   * Parameters: "Sound speed" c, m/s, at J = 1, "Bulk viscosity" zeta,
+   * Pa s, "Allow tension". State: the dissipated energy D per
    * volume of the stress-free state, J / m^3.
    *
    * initialize() throws dealii::ExcMessage for shear stress, for tension that
@@ -52,8 +51,6 @@ namespace greville
       Material::declare(prm);
       add_parameter(prm, "Sound speed", sound_speed, positive())(
         "Speed of sound in the stress-free fluid. Unit: m / s.");
-      add_parameter(prm, "Exponent", exponent, dealii::Patterns::Double(1.))(
-        "Exponent gamma of Tait's equation. Unit: none.");
       add_parameter(prm,
                     "Bulk viscosity",
                     bulk_viscosity,
@@ -174,11 +171,8 @@ namespace greville
     {
       const Lanes x = points.J - 1., log_J = log_of_one_plus(x);
       EnergyLanes result;
-      result.strain =
-        B *
-        (x + (exponent == 1. ? Lanes(-log_J)
-                             : exp_less_one(Lanes((1. - exponent) * log_J)) /
-                                 (exponent - 1.)));
+      result.strain = B * (x + exp_less_one(Lanes((1. - exponent) * log_J)) /
+                                 (exponent - 1.));
       if (!allow_tension)
         result.strain = choose(points.J > 1., Lanes(0.), result.strain);
       result.dissipation = points.state[0];
@@ -254,8 +248,9 @@ namespace greville
       return D;
     }
 
+    static constexpr double exponent = 7.;
+
     double sound_speed    = 10.;
-    double exponent       = 7.;
     double bulk_viscosity = 0.;
     bool   allow_tension  = false;
     double B              = 0.;

@@ -98,8 +98,7 @@ namespace greville
                                                  "size",
                                                  "history"};
     std::string              probes;
-    bool                     load        = false;
-    bool                     print_times = true;
+    bool                     load = false;
   };
 
 
@@ -132,8 +131,7 @@ namespace greville
     void
     check() const;
 
-    double       threshold   = 1.2;
-    unsigned int check_every = 50;
+    double threshold = 1.2;
   };
 } // namespace greville
 

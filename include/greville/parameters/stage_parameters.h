@@ -25,9 +25,7 @@ namespace greville
     std::string  step;
     double       cfl                  = 0.5;
     double       safety               = 0.7;
-    double       smallest_step        = 1e-3;
     std::string  too_large_step       = "refuse";
-    unsigned int estimate_every       = 20;
     std::string  velocities           = "half steps";
     unsigned int max_steps            = 0;
     double       largest_displacement = 0.;
@@ -242,7 +240,6 @@ namespace greville
     double       absolute_tolerance = 0.;
     unsigned int max_iterations     = 20;
     double       largest_forcing    = 0.01;
-    bool         log                = false;
   };
 
 

@@ -137,6 +137,13 @@ namespace greville
     void
     print_progress(const bool is_last);
 
+    /// Print the iterations and the functions of the exact mass.
+    void
+    print_systems();
+
+    void
+    print_times(const double wall_time);
+
     void
     print_summary(const RunSummary &summary);
 

@@ -66,8 +66,8 @@ namespace greville
     /**
      * Collective. Return an explicit step, at most @p longest (s), in which
      * surfaces and rigid bodies move by at most a quarter of a cell relative to
-     * one another. Throws StepFailed if this step is below 'Time/Smallest
-     * step'.
+     * one another. Throws StepFailed if this step is below a thousandth of the
+     * first one.
      */
     double
     bounded_step(const double longest) const;
