@@ -113,9 +113,6 @@ test_main()
         std::ofstream("used.prm") << parameters.used();
         check(file.string() + " is the same as its parameters.prm",
               SimulationParameters("used.prm").used() == parameters.used());
-        parameters.newton.log = false;
-        for (StageParameters &stage : parameters.stages)
-          stage.newton.log = false;
         if (parameters.general.dimension == 2)
           step<2>(parameters);
         else
