@@ -131,8 +131,8 @@ namespace
       return result;
     };
     const Text balanced = flying.with("Load balance", {"Threshold = 1.2"})
-                            .with("Body body", {"Velocity = 0.05; -0.03"})
-                            .with("Time", {"Maximum steps = 800"});
+                            .with("Body body", {"Velocity = 0.35; -0.21"})
+                            .with("Time", {"Maximum steps = 1000"});
     // Cells are few, and p4est keeps those of a parent together: more than
     // three processes do not get the same share.
     const double without =
