@@ -140,7 +140,7 @@ namespace
                  with    = largest(balanced);
     const unsigned int n = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
     check("imbalance without", n == 1 || without > 1.5);
-    check("imbalance with a threshold", with, n <= 3 ? 1.4 : 0.7 * without);
+    check("imbalance with a threshold", with, n <= 3 ? 1.45 : 0.7 * without);
 
     check("Threshold", n_partitions({"Threshold = 1e3"}) == 0);
     check("Threshold = 1",
