@@ -35,8 +35,24 @@ namespace greville
 
 
 
+    /// Return MaterialLanes with the numbers that are the same for all groups.
+    template <int dim>
+    inline MaterialLanes
+    make_material_lanes(const PointLayout<dim> &layout)
+    {
+      MaterialLanes points;
+      points.n_state = layout.n_state;
+      points.state.resize(layout.n_state);
+      points.F.fill(0.);
+      for (unsigned int i = 0; i < 9; ++i)
+        points.increment[i] = i % 4 == 0 ? 1. : 0.;
+      return points;
+    }
+
+
+
     /**
-     * Load a group as MaterialLanes without the stress, see
+     * Load a group into make_material_lanes(), without the stress, see
      * load_material_point().
      */
     template <int dim>
@@ -50,9 +66,7 @@ namespace greville
       const auto number = [&](const unsigned int k) {
         return lanes_at(group + k * n_lanes);
       };
-      points.count   = count;
-      points.n_state = layout.n_state;
-      points.F.fill(0.);
+      points.count = count;
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
           points.F[3 * i + j] = number(Layout::F + Layout::F_index(i, j));
@@ -77,7 +91,6 @@ namespace greville
           for (unsigned int lane = count; lane < n_lanes; ++lane)
             points.J[lane] = 1.;
         }
-      points.state.resize(layout.n_state);
       for (unsigned int k = 0; k < layout.n_state; ++k)
         points.state[k] = number(Layout::state + k);
     }
@@ -108,8 +121,9 @@ namespace greville
 
 
     /**
-     * Update a group of points by its material. The increment of F_zz is for
-     * 2D. Returns whether all of the @p count points are valid.
+     * Update a group of points by its material, with make_material_lanes(). The
+     * increment of F_zz is for 2D. Returns whether all of the @p count points
+     * are valid.
      */
     template <int dim>
     inline bool
@@ -118,15 +132,13 @@ namespace greville
                     const unsigned int   count,
                     const Lanes (&increment)[dim][dim],
                     const Lanes            &hoop_increment,
-                    const PointUpdate<dim> &update)
+                    const PointUpdate<dim> &update,
+                    MaterialLanes          &lanes)
     {
       const PointLayout<dim> &layout = points.layout();
       if (update.material->has_lanes())
         {
-          MaterialLanes lanes;
           load_material_lanes<dim>(layout, points.group(g), count, lanes);
-          for (unsigned int i = 0; i < 9; ++i)
-            lanes.increment[i] = i % 4 == 0 ? 1. : 0.;
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)
               lanes.increment[3 * i + j] = increment[i][j];

@@ -206,23 +206,6 @@ namespace greville
 
 
 
-    /// Prefetch the numbers, @p n_numbers each, of the functions of a cell.
-    template <int n_functions>
-    inline __attribute__((always_inline)) void
-    prefetch_functions(const unsigned int *functions,
-                       const double       *numbers,
-                       const unsigned int  n_numbers)
-    {
-      for (int a = 0; a < n_functions; ++a)
-        {
-          const double *at = numbers + std::size_t(functions[a]) * n_numbers;
-          __builtin_prefetch(at);
-          __builtin_prefetch(at + n_numbers - 1);
-        }
-    }
-
-
-
     /// Return the sums over the lanes of four vectors, as one vector.
     inline Simd
     reduce_four(const Simd *values)
@@ -230,7 +213,9 @@ namespace greville
       static_assert(simd_width == 4, "Four vectors of four lanes.");
       typedef double V __attribute__((vector_size(32)));
       V              v[4];
-      std::memcpy(v, values, sizeof(v));
+      // One by one: the processor forwards no wider loads of recent stores.
+      for (int k = 0; k < 4; ++k)
+        std::memcpy(v + k, static_cast<const void *>(values + k), sizeof(V));
       const V first = __builtin_shufflevector(v[0], v[1], 0, 4, 2, 6) +
                       __builtin_shufflevector(v[0], v[1], 1, 5, 3, 7),
               second = __builtin_shufflevector(v[2], v[3], 0, 4, 2, 6) +

@@ -2,7 +2,8 @@
 
 #include <greville/points/volume_projection.h>
 
-#include "group_update.h"
+#include "cell_columns.h"
+#include "group_deformation.h"
 #include "window_functions.h"
 
 namespace greville
@@ -17,28 +18,28 @@ namespace greville
     class PointGather
     {
     public:
-      PointGather(const MaterialPoints<dim>   &points,
-                  const SpacePolynomials<dim> &tables,
+      PointGather(const MaterialPoints<dim> &points,
+                  const SpacePolynomials<dim> &,
                   const CellWindows<dim> *,
                   const double *buffer)
         : points(points)
-        , tables(tables)
         , buffer(buffer)
       {}
 
-      /// Begin cell number @p c of points.cells().
+      /// Begin a cell, see MovingCell::go_to().
       inline __attribute__((always_inline)) void
-      begin(const CellGeometry<dim, n> &geometry, const std::size_t c)
+      begin(const CellGeometry<dim, n> &geometry,
+            const unsigned int,
+            const bool is_next)
       {
-        if (c + 1 < points.cells().size())
-          prefetch_functions<n_functions>(
-            tables.space->cell_functions(points.cells()[c + 1]).data(),
-            buffer,
-            n_fields);
-        for (int a = 0; a < n_functions; ++a)
-          for (int k = 0; k < n_fields; ++k)
-            coefficients[a * n_fields + k] =
-              buffer[std::size_t(geometry.functions[a]) * n_fields + k];
+        if (is_next)
+          {
+            columns.rotate();
+            read_column(geometry.functions, n - 1);
+          }
+        else
+          for (int a = 0; a < n; ++a)
+            read_column(geometry.functions, a);
       }
 
       inline __attribute__((always_inline)) void
@@ -57,26 +58,33 @@ namespace greville
               grid.gradient[i][j] = 0.;
               grid.moments[i][j]  = 0.;
             }
-        const double *c = coefficients;
         for (int a_z = 0; a_z < (dim == 3 ? n : 1); ++a_z)
-          for (int a_y = 0; a_y < n; ++a_y, c += n * n_fields)
-            add_row(geometry, shape, a_y, a_z, c, grid);
+          for (int a_y = 0; a_y < n; ++a_y)
+            add_row(geometry, shape, a_y, a_z, grid);
         if constexpr (Pass::apic)
           center_moments(geometry, shape, grid);
       }
 
     private:
-      static constexpr int n_fields    = Pass::n_fields * dim;
-      static constexpr int n_functions = power(n, dim);
+      static constexpr int n_fields = Pass::n_fields * dim;
+      static constexpr int n_rows   = power(n, dim - 1);
 
-      /// Add the functions of a row along x, with coefficients @p c.
-      static inline __attribute__((always_inline)) void
+      inline __attribute__((always_inline)) void
+      read_column(const unsigned int *functions, const int a)
+      {
+        for (int row = 0; row < n_rows; ++row)
+          std::copy_n(buffer + std::size_t(functions[row * n + a]) * n_fields,
+                      n_fields,
+                      columns[a] + row * n_fields);
+      }
+
+      /// Add the functions of a row along x.
+      inline __attribute__((always_inline)) void
       add_row(const CellGeometry<dim, n> &geometry,
               const ShapeValues<dim, n>  &shape,
               const int                   a_y,
               const int                   a_z,
-              const double               *c,
-              GridValues<dim, Pass>      &grid)
+              GridValues<dim, Pass>      &grid) const
       {
         Simd rows[n_fields], slopes[dim], first_moments[dim];
         for (int k = 0; k < n_fields; ++k)
@@ -86,8 +94,9 @@ namespace greville
             slopes[i]        = 0.;
             first_moments[i] = 0.;
           }
-        for (int a = 0; a < n; ++a, c += n_fields)
+        for (int a = 0; a < n; ++a)
           {
+            const double *c = columns[a] + (a_z * n + a_y) * n_fields;
             for (int k = 0; k < n_fields; ++k)
               rows[k] += shape.N[0][a] * c[k];
             if constexpr (Pass::deform)
@@ -153,10 +162,9 @@ namespace greville
           }
       }
 
-      const MaterialPoints<dim>   &points;
-      const SpacePolynomials<dim> &tables;
-      const double                *buffer;
-      double                       coefficients[n_functions * n_fields];
+      const MaterialPoints<dim>                &points;
+      const double                             *buffer;
+      CellColumns<n, n_rows * n_fields, double> columns;
     };
 
 
@@ -176,9 +184,11 @@ namespace greville
       {}
 
       void
-      begin(const CellGeometry<dim, n> &geometry, const std::size_t c)
+      begin(const CellGeometry<dim, n> &geometry,
+            const unsigned int          cell,
+            const bool)
       {
-        functions.begin(geometry, points.cells()[c]);
+        functions.begin(geometry, cell);
       }
 
       void
@@ -228,24 +238,26 @@ namespace greville
           ? layout.size
           : (Pass::deform ? PointLayout<dim>::reference
                           : PointLayout<dim>::volume0);
-      PointTotals<dim>                 totals;
-      const std::vector<unsigned int> &cells = points.cells();
-      for (std::size_t c = 0; c < cells.size(); ++c)
+      PointTotals<dim>      totals;
+      MaterialLanes         lanes = make_material_lanes<dim>(layout);
+      MovingCell<dim, n>    geometry(tables);
+      PrefetchedGroups<dim> ahead(points, n_read);
+      for (const unsigned int cell : points.cells())
         {
-          const CellGeometry<dim, n> geometry(tables, cells[c]);
-          gather.begin(geometry, c);
+          const bool is_next = geometry.go_to(cell);
+          gather.begin(geometry, cell, is_next);
           totals.is_left     = false;
-          unsigned int count = points.n_in_first_group(cells[c]);
-          for (unsigned int g = points.first_group(cells[c]);
+          unsigned int count = points.n_in_first_group(cell);
+          for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g), count = simd_width)
             {
-              prefetch_next(points, c, g, n_read);
+              ahead.advance();
               // Lanes without a point do not change.
               Simd is_used;
               for (unsigned int lane = 0; lane < simd_width; ++lane)
                 is_used[lane] = lane < count ? 1. : 0.;
-              const Group<dim> group{cells[c],
+              const Group<dim> group{cell,
                                      g,
                                      count,
                                      is_used,
@@ -274,12 +286,13 @@ namespace greville
                                          grid.gradient,
                                          is_total,
                                          projected,
+                                         lanes,
                                          totals,
                                          report);
                 }
             }
           if (totals.is_left)
-            report.left_cells.push_back(cells[c]);
+            report.left_cells.push_back(cell);
         }
       totals.write(report);
     }

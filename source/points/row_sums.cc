@@ -81,7 +81,7 @@ namespace greville
       add_to(first_moment[d], m * x[d]);
     if (material)
       {
-        MaterialLanes lanes;
+        MaterialLanes lanes = make_material_lanes<dim>(points.layout());
         load_material_lanes<dim>(points.layout(), group, count, lanes);
         lanes.stress.fill(0.);
         for (unsigned int k = 0; k < Layout::n_stress; ++k)

@@ -105,15 +105,18 @@ namespace greville
                                      trial.motion.fastest_wave,
                                      0.};
     const bool points_cross_cells = !parameters.scheme.is_total_lagrangian();
-    for (unsigned int i = 0;
-         points_cross_cells && i < space.owned_functions().size();
-         ++i)
+    std::array<double, dim> inverse_h;
+    for (unsigned int d = 0; d < dim; ++d)
+      inverse_h[d] = 1. / space.cell_size(d);
+    const std::size_t n =
+      points_cross_cells ? space.owned_functions().size() : 0;
+    for (std::size_t i = 0; i < n; ++i)
       if (field.mass->is_stable(i))
         {
           double rate = 0.;
           for (unsigned int d = 0; d < dim; ++d)
-            rate += std::abs(field.new_velocity[d].local_element(i)) /
-                    space.cell_size(d);
+            rate +=
+              std::abs(field.new_velocity[d].local_element(i)) * inverse_h[d];
           rates[2] = std::max(rates[2], rate);
         }
     Utilities::MPI::max(rates, discretization.communicator(), rates);

@@ -28,7 +28,7 @@ namespace greville
     return condition ? a : b;
   }
 
-  inline Lanes
+  inline __attribute__((always_inline)) Lanes
   choose(const Lanes::mask_type &condition, const Lanes &a, const Lanes &b)
   {
     Lanes result             = b;
@@ -54,7 +54,7 @@ namespace greville
     return std::min(a, b);
   }
 
-  inline Lanes
+  inline __attribute__((always_inline)) Lanes
   smaller_of(const Lanes &a, const Lanes &b)
   {
     return min(a, b);
@@ -66,7 +66,7 @@ namespace greville
     return std::max(a, b);
   }
 
-  inline Lanes
+  inline __attribute__((always_inline)) Lanes
   larger_of(const Lanes &a, const Lanes &b)
   {
     return max(a, b);
@@ -102,12 +102,16 @@ namespace greville
           x = x / (1. + sqrt(1. + x));
         factor = 8.;
       }
-    const Lanes z = x / (2. + x), z2 = z * z;
-    Lanes       sum = 1. / 23.;
-#pragma GCC unroll 11
-    for (int k = 21; k > 0; k -= 2)
-      sum = sum * z2 + 1. / k;
-    return factor * z * sum;
+    // Even and odd powers of z^2 are independent sums, which run in parallel.
+    const Lanes z = x / (2. + x), z2 = z * z, z4 = z2 * z2;
+    Lanes       even = 1. / 21., odd = 1. / 23.;
+#pragma GCC unroll 5
+    for (int k = 17; k > 0; k -= 4)
+      {
+        even = even * z4 + 1. / k;
+        odd  = odd * z4 + 1. / (k + 2);
+      }
+    return factor * z * (even + z2 * odd);
   }
 
 

@@ -133,7 +133,7 @@ namespace greville
    * Return b - 1 for the left Cauchy-Green tensor b = F F^T: xx, yy, zz, xy,
    * xz, yz.
    */
-  inline std::array<Lanes, 6>
+  inline __attribute__((always_inline)) std::array<Lanes, 6>
   left_cauchy_green_less_one(const std::array<Lanes, 9> &F)
   {
     // Squares less one are computed as (F_ii - 1) (F_ii + 1), without
