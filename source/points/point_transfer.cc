@@ -2,7 +2,7 @@
 
 #include <greville/mass/stencil_matrix.h>
 
-#include "point_kernels.h"
+#include "cell_columns.h"
 #include <sstream>
 
 namespace greville
@@ -221,19 +221,21 @@ namespace greville
       for (auto &all : lines)
         if (!cells.empty())
           matrix.template find_lines<n>(cells[0], all);
+      MovingCell<dim, n>    geometry(tables);
+      PrefetchedGroups<dim> groups_ahead(points, Layout::volume0);
       for (std::size_t c = 0; c < cells.size(); ++c)
         {
-          const unsigned int         cell = cells[c];
-          const CellGeometry<dim, n> geometry(tables, cell);
-          const auto                &here  = lines[c % 2];
-          const auto                &ahead = lines[(c + 1) % 2];
+          const unsigned int cell = cells[c];
+          geometry.go_to(cell);
+          const auto &here  = lines[c % 2];
+          const auto &ahead = lines[(c + 1) % 2];
           if (c + 1 < cells.size())
             matrix.template find_lines<n>(cells[c + 1], lines[(c + 1) % 2]);
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g))
             {
-              prefetch_next(points, c, g, Layout::volume0);
+              groups_ahead.advance();
               const double *group = points.group(g);
               Simd          x[dim];
               load_basis_positions(points, group, x);
