@@ -55,7 +55,7 @@ namespace greville
   {
     /**
      * Return parameters with which a step needs the least time
-     * (doc/results/mass_solvers.md).
+     * (doc/developer/multigrid.md).
      */
     CholeskyParameters
     parameters_for(const unsigned int degree)
