@@ -80,7 +80,7 @@ namespace greville
                       mass.unknowns().unknown_layout(),
                       mass.unknowns().unknown_positions(),
                       reach,
-                      2,
+                      1,
                       parameters_for(degree));
     ++factorizations;
     age = 0;
