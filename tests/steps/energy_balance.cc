@@ -136,7 +136,7 @@ test_main()
     {"lumped", 0.05}, {"fmpm-4", 0.005}, {"consistent", 0.002}};
   for (const auto &[mass, bound] : bounds)
     {
-      const Text text = column(mass);
+      const Text text = column(mass).with("Solver", {"Tolerance = 1e-11"});
       const auto all  = settle(text);
       const auto own  = settle(text, MPI_COMM_SELF);
       check(mass + ": takes energy", all.first < 0.);
