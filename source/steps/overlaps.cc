@@ -6,7 +6,6 @@
 #include <greville/geometry/shape.h>
 #include <greville/steps/body_contacts.h>
 #include <greville/steps/overlap_of_bodies.h>
-#include <greville/steps/step_size.h>
 
 #include <algorithm>
 #include <cmath>
@@ -321,8 +320,9 @@ namespace greville
           break;
         dt *= 0.9 / share;
       }
-    constexpr double smallest_step = StepSize<dim>::smallest_step;
-    const double     first = parts.front()->current.estimates.first_step;
+    const Simulation<dim> &part  = *parts.front();
+    const double           first = part.current.estimates.first_step,
+                 smallest_step   = part.stage_parameters().time.smallest_step;
     fail_on_all(
       dt < longest && dt < smallest_step * first
         ? "both sides of 'Contact " + fastest +

@@ -27,9 +27,6 @@ namespace greville
     // redistribution by this factor.
     constexpr double worth_it = 1.05;
 
-    // The steps between two comparisons of the work of processes.
-    constexpr unsigned int n_between_comparisons = 50;
-
 
 
     SimulationParameters
@@ -228,7 +225,8 @@ namespace greville
     const double       threshold = parameters.load_balance.threshold;
     const unsigned int n         = current.n_steps;
     if (Utilities::MPI::n_mpi_processes(comm) == 1 || n == 0 ||
-        threshold == 0. || (threshold > 1. && n % n_between_comparisons != 0))
+        threshold == 0. ||
+        n % parameters.load_balance.steps_between_comparisons() != 0)
       return false;
     const PartTimer timer(log, "load balance");
     // With few cells, no partition is below the threshold.

@@ -26,10 +26,10 @@ namespace greville
     // steps.
     constexpr double largest_crossing = 0.6;
 
-    // The steps between two estimates. If an estimate differs from the last
-    // one by less than a fraction, they double.
-    constexpr unsigned int shortest_delay = 20, longest_delay = 160;
+    // If an estimate differs from the last one by less than this fraction, the
+    // time to the next estimate doubles, up to a factor.
     constexpr double       negligible_change = 0.02;
+    constexpr unsigned int longest_delay     = 8;
 
     // The growth of the largest wave speed that requires an estimate at once.
     constexpr double wave_growth = 1.1;
@@ -126,7 +126,8 @@ namespace greville
   StepSize<dim>::is_estimate_due(const State<dim> &state) const
   {
     return state.n_steps == 0 || state.n_rejections > 0 ||
-           state.n_steps >= state.estimates.next ||
+           (parameters.estimate_every > 0 &&
+            state.n_steps >= state.estimates.next) ||
            state.signals.wave > wave_growth * state.estimates.wave;
   }
 
@@ -165,12 +166,12 @@ namespace greville
     estimates.critical =
       *std::min_element(estimates.last.begin(), estimates.last.end());
 
+    const unsigned int every = parameters.estimate_every;
     if (std::abs(estimate - last) <= negligible_change * estimate)
-      estimates.n_between =
-        std::min(std::max(2 * estimates.n_between, shortest_delay),
-                 longest_delay);
+      estimates.n_between = std::min(std::max(2 * estimates.n_between, every),
+                                     longest_delay * every);
     else
-      estimates.n_between = shortest_delay;
+      estimates.n_between = every;
     estimates.next = state.n_steps + estimates.n_between;
     estimates.wave = state.signals.wave;
   }
@@ -243,12 +244,12 @@ namespace greville
     if (first == 0.)
       first = step;
     AssertThrow(
-      step >= smallest_step * first,
+      step >= parameters.smallest_step * first,
       ExcMessage(
         "The automatic time step has fallen to " + text_of(step) +
         " s at t = " + text_of(state.time) + " s, below " +
-        text_of(smallest_step) + " of the first one, " + text_of(first) +
-        " s. " +
+        text_of(parameters.smallest_step) + " of the first one, " +
+        text_of(first) + " s. " +
         (state.bodies[0].points.layout().is_total_lagrangian()
            ? "In total Lagrangian steps the most crushed cell bounds the "
              "step; 'Scheme/Formulation' = updated Lagrangian has no such "

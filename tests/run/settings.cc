@@ -11,23 +11,28 @@ void
 test_main()
 {
   // The critical step is estimated again while the body moves over the grid.
-  {
+  const auto critical_steps = [](const unsigned int every) {
     Simulated<2>     run(block_2d("ball(0.3, 0.5, 0.2)", 10)
-                       .with("Body body", {"Velocity = 0.25; 0.075"})
+                       .with("Body body", {"Velocity = 1; 0.3"})
                        .with("Time",
                              {"End = 1",
-                                  "Maximum steps = 80",
+                                  "Maximum steps = 20",
                                   "Step = 2e-3",
-                                  "Too large step = warn"}));
+                                  "Too large step = warn"}),
+                     [every](SimulationParameters &parameters) {
+                       parameters.time.estimate_every = every;
+                     });
     std::set<double> values;
     while (!run->is_finished())
       {
         run->step();
         values.insert(run->state().estimates.critical);
       }
-    // Estimates that hardly change are made less often: steps 0, 20, and 60.
-    check("estimates of the critical step", values.size() == 3);
-  }
+    return values.size();
+  };
+  check("the first estimate only", critical_steps(0) == 1);
+  // Estimates that hardly change are made less often: steps 0, 5, and 15.
+  check("an estimate every 5 steps", critical_steps(5) == 3);
 
   // Clipping
   {

@@ -215,9 +215,12 @@ test_main()
   between("CFL number", automatic("0.1", "1"), 0.0999, 0.1001);
   between("safety", automatic("1", "0.5"), 0.27, 0.3);
 
-  // A body that leaves the lines of the grid: its critical step falls, and
-  // accelerations show that the step has become too long. The same step, given,
-  // is not stable.
+  // A body that leaves the lines of the grid: its critical step falls. It is
+  // estimated in the beginning only; accelerations show that the step has
+  // become too long. The same step, given, is not stable.
+  const auto first_estimate_only = [](SimulationParameters &parameters) {
+    parameters.time.estimate_every = 0;
+  };
   const Text moving =
     block_2d("box(0.25, 0.25, 0.75, 0.75)", 8)
       .with("Scheme", {"Mass = consistent"})
@@ -225,7 +228,7 @@ test_main()
             {"Points per direction = 2",
              "Velocity = 0.5 + 1e-3 * sin(20 * x); 0.3 + 1e-3 * cos(30 * y)"})
       .with("Time", {"End = 0.5", "CFL number = 2", "Safety = 0.9"});
-  Simulated<2> automatic_run(moving);
+  Simulated<2> automatic_run(moving, first_estimate_only);
   automatic_run->step();
   std::ostringstream first_step;
   first_step << automatic_run->state().step;
@@ -289,7 +292,7 @@ test_main()
     }
 
   // Water hits a wall at half of its speed of sound and gets stiffer: the step
-  // is estimated again at once.
+  // is estimated again, though only the first one was asked for.
   Simulated<2> impact(
     Text()
       .add("Simulation", {"Bodies = water", "Materials = water"})
@@ -303,10 +306,46 @@ test_main()
             "Points per direction = 2",
             "Velocity = -5; 0"})
       .add("Material water",
-           {"Model = newtonian-fluid", "Density = 1000", "Sound speed = 10"}));
+           {"Model = newtonian-fluid", "Density = 1000", "Sound speed = 10"}),
+    first_estimate_only);
   impact->step();
   const double at_rest = impact->state().estimates.critical;
   impact.run();
   check("impact: critical step",
         impact->state().estimates.critical < 0.8 * at_rest);
+
+  // Crushed cells of a block of metal bound the steps (runs/crushed_block).
+  std::string message;
+  try
+    {
+      Simulated<2> crushed(
+        Text()
+          .add("Simulation", {"Bodies = block", "Materials = metal"})
+          .add("Grid", {"Upper corner = 0.02, 0.016", "Cells = 20, 16"})
+          .add("Scheme", {"Mass = lumped", "Formulation = total Lagrangian"})
+          .add("Walls", {"Bottom = sliding"})
+          .add("Time", {"End = 1.5e-5"})
+          .add("Body block",
+               {"Material = metal",
+                "Shape = box(0.006, 0, 0.014, 0.012)",
+                "Velocity = 0; -300"})
+          .add("Material metal",
+               {"Model = von-mises",
+                "Density = 8930",
+                "Young modulus = 117e9",
+                "Poisson ratio = 0.35",
+                "Yield stress = 400e6"}),
+        [](SimulationParameters &parameters) {
+          parameters.time.smallest_step = 0.7;
+        });
+      crushed.run();
+    }
+  catch (const std::exception &error)
+    {
+      message = message_of(error);
+    }
+  check("crushed cells: the smallest step",
+        message.find("below 0.7 of the first one") != std::string::npos &&
+          message.find("the most crushed cell bounds the step") !=
+            std::string::npos);
 }

@@ -131,7 +131,17 @@ namespace greville
     void
     check() const;
 
+    /// Return the number of steps between two comparisons of the work.
+    unsigned int
+    steps_between_comparisons() const
+    {
+      return check_every > 0 ? check_every : threshold > 1. ? 50 : 1;
+    }
+
     double threshold = 1.2;
+
+    // Files cannot set this; 0: the default of steps_between_comparisons().
+    unsigned int check_every = 0;
   };
 } // namespace greville
 

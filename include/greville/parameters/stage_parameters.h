@@ -32,6 +32,12 @@ namespace greville
     std::string  end_when;
     std::string  ramp;
 
+    // Files cannot set these: the smallest automatic step over the first one of
+    // its stage, and the steps between two estimates of the critical step (0:
+    // the first step only).
+    double       smallest_step  = 1e-3;
+    unsigned int estimate_every = 20;
+
     bool
     has_half_steps() const
     {

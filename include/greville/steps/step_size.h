@@ -57,9 +57,6 @@ namespace greville
   class StepSize
   {
   public:
-    /// The smallest automatic step over the first one of its stage.
-    static constexpr double smallest_step = 1e-3;
-
     /**
      * Parameters, discretization and log are kept by reference. Throws
      * dealii::ExcMessage for an invalid formula. Constraints of contacts are
@@ -73,7 +70,7 @@ namespace greville
      * Collective. Return the next step, s, not beyond the end. Throws
      * dealii::ExcMessage if it is above the critical step and this is refused,
      * if there would be too many steps, and if an automatic step is below
-     * smallest_step times the first one.
+     * TimeParameters::smallest_step times the first one.
      */
     double
     propose(State<dim> &state, const StepScheme &scheme);
