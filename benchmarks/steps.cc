@@ -81,7 +81,7 @@ namespace
     };
 
     advance(first);
-    const auto   parts_before      = simulation.part_times();
+    const auto   parts_before      = simulation.step_log().seconds;
     const auto   iterations_before = simulation.state().n_all_iterations;
     const double reference_before  = reference_loop();
     MPI_Barrier(comm);
@@ -111,7 +111,7 @@ namespace
       .add("factorizations", simulation.mass().n_factorizations())
       .add("balance", all_points.max / all_points.avg)
       .begin("parts");
-    for (const auto &part : simulation.part_times())
+    for (const auto &part : simulation.step_log().seconds)
       {
         const auto   before = parts_before.find(part.first);
         const double seconds =

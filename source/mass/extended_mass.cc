@@ -77,23 +77,6 @@ namespace greville
 
 
   template <int dim>
-  template <typename Number>
-  void
-  ExtendedMass<dim>::vmult(VectorOf<Number>  &y,
-                           VectorOf<Number>  &x,
-                           const unsigned int width) const
-  {
-    E->template multiply<Number>(y,
-                                 x,
-                                 width,
-                                 [&](Number *to, const Number *from) {
-                                   points_mass.vmult(to, from, width);
-                                 });
-  }
-
-
-
-  template <int dim>
   void
   ExtendedMass<dim>::subtract_constrained(
     VectorType                            &rows,
@@ -290,20 +273,4 @@ namespace greville
 
   template class ExtendedMass<2>;
   template class ExtendedMass<3>;
-  template void
-  ExtendedMass<2>::vmult(VectorOf<double> &,
-                         VectorOf<double> &,
-                         const unsigned int) const;
-  template void
-  ExtendedMass<2>::vmult(VectorOf<float> &,
-                         VectorOf<float> &,
-                         const unsigned int) const;
-  template void
-  ExtendedMass<3>::vmult(VectorOf<double> &,
-                         VectorOf<double> &,
-                         const unsigned int) const;
-  template void
-  ExtendedMass<3>::vmult(VectorOf<float> &,
-                         VectorOf<float> &,
-                         const unsigned int) const;
 } // namespace greville

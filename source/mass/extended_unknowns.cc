@@ -38,17 +38,6 @@ namespace greville
 
 
   template <int dim>
-  template <typename Number>
-  void
-  ExtendedUnknowns<dim>::initialize_vector(VectorOf<Number>  &vector,
-                                           const unsigned int width) const
-  {
-    vector.reinit(layout->partitioner(width));
-  }
-
-
-
-  template <int dim>
   const std::shared_ptr<const InterleavedLayout> &
   ExtendedUnknowns<dim>::unknown_layout() const
   {
@@ -77,19 +66,19 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedUnknowns<dim>::reinit(const StencilMatrix<dim> &matrix)
+  ExtendedUnknowns<dim>::reinit(const StencilPlaces<dim> &places)
   {
-    stencil        = &matrix;
-    place_x        = ZeroedArray<double>(matrix.size() * max_width);
-    place_y        = ZeroedArray<double>(matrix.size() * max_width);
-    single_x       = ZeroedArray<float>(matrix.size() * max_width);
-    single_y       = ZeroedArray<float>(matrix.size() * max_width);
-    signed_numbers = ZeroedArray<int>(matrix.size());
+    stencil        = &places;
+    place_x        = ZeroedArray<double>(places.size() * max_width);
+    place_y        = ZeroedArray<double>(places.size() * max_width);
+    single_x       = ZeroedArray<float>(places.size() * max_width);
+    single_y       = ZeroedArray<float>(places.size() * max_width);
+    signed_numbers = ZeroedArray<int>(places.size());
     is_numbered    = false;
     unknowns.clear();
     extended.clear();
     constrained_functions.assign(n_owned_functions() +
-                                   matrix.space().ghost_functions().size(),
+                                   places.space().ghost_functions().size(),
                                  0);
   }
 
@@ -362,234 +351,6 @@ namespace greville
 
 
 
-  namespace
-  {
-    /**
-     * to[c] += factor * from[c].
-     */
-    template <int width, typename Number>
-    inline void
-    add(Number *to, const Number factor, const Number *from)
-    {
-      for (int c = 0; c < width; ++c)
-        to[c] += factor * from[c];
-    }
-
-    template <int width, typename Number>
-    inline void
-    copy(Number *to, const Number *from)
-    {
-      for (int c = 0; c < width; ++c)
-        to[c] = from[c];
-    }
-  } // namespace
-
-
-
-  template <int dim>
-  template <typename Number>
-  void
-  ExtendedUnknowns<dim>::zero_constrained(Number            *values,
-                                          const unsigned int width) const
-  {
-    for (const auto &entry : constrained_places)
-      for (unsigned int c = 0; c < width; ++c)
-        if ((entry.second >> (c % dim)) & 1)
-          values[std::size_t(entry.first) * width + c] = Number(0.);
-  }
-
-
-
-  template <int dim>
-  template <typename Number>
-  void
-  ExtendedUnknowns<dim>::expand(const Number      *x,
-                                const unsigned int width,
-                                Number            *values) const
-  {
-    with_width(width, [&](const auto w) {
-      constexpr int n = decltype(w)::value;
-      for (unsigned int u = 0; u < unknowns.size(); ++u)
-        if (unknowns[u] != numbers::invalid_unsigned_int)
-          copy<n>(values + std::size_t(unknowns[u]) * n,
-                  x + std::size_t(u) * n);
-      for (unsigned int k = 0; k < extended.size(); ++k)
-        {
-          Number sum[n] = {};
-          for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
-               ++e)
-            add<n>(sum,
-                   Number(extended_entries[e].weight),
-                   x + std::size_t(extended_entries[e].unknown) * n);
-          copy<n>(values + std::size_t(extended[k]) * n, sum);
-        }
-    });
-  }
-
-
-
-  template <int dim>
-  template <typename Number>
-  void
-  ExtendedUnknowns<dim>::collect(Number            *y,
-                                 const unsigned int width,
-                                 const Number      *values) const
-  {
-    with_width(width, [&](const auto w) {
-      constexpr int n = decltype(w)::value;
-      for (unsigned int u = 0; u < unknowns.size(); ++u)
-        if (unknowns[u] != numbers::invalid_unsigned_int)
-          copy<n>(y + std::size_t(u) * n,
-                  values + std::size_t(unknowns[u]) * n);
-        else
-          for (int c = 0; c < n; ++c)
-            y[std::size_t(u) * n + c] = Number(0.);
-      for (unsigned int k = 0; k < extended.size(); ++k)
-        for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1]; ++e)
-          add<n>(y + std::size_t(extended_entries[e].unknown) * n,
-                 Number(extended_entries[e].weight),
-                 values + std::size_t(extended[k]) * n);
-    });
-  }
-
-
-
-  template <int dim>
-  template <typename Number>
-  void
-  ExtendedUnknowns<dim>::zero_constrained_unknowns(
-    VectorOf<Number> &x, const unsigned int width) const
-  {
-    for (const auto &entry : constrained_places)
-      {
-        const int signed_number = signed_numbers[entry.first];
-        if (signed_number <= 0 || signed_number > int(n_owned))
-          continue;
-        for (unsigned int c = 0; c < width; ++c)
-          if ((entry.second >> (c % dim)) & 1)
-            x.local_element((signed_number - 1) * width + c) = Number(0.);
-      }
-  }
-
-
-
-  template <int dim>
-  template <typename Number>
-  void
-  ExtendedUnknowns<dim>::multiply(
-    VectorOf<Number>                                    &y,
-    VectorOf<Number>                                    &x,
-    const unsigned int                                   width,
-    const std::function<void(Number *, const Number *)> &product) const
-  {
-    Number *values, *products;
-    if constexpr (std::is_same_v<Number, double>)
-      {
-        values   = place_x.data();
-        products = place_y.data();
-      }
-    else
-      {
-        values   = single_x.data();
-        products = single_y.data();
-      }
-    x.update_ghost_values();
-    expand(x.begin(), width, values);
-    zero_constrained(values, width);
-    product(products, values);
-    zero_constrained(products, width);
-    collect(y.begin(), width, products);
-    y.compress(VectorOperation::add);
-    zero_constrained_unknowns(y, width);
-    x.zero_out_ghost_values();
-  }
-
-
-
   template class ExtendedUnknowns<2>;
   template class ExtendedUnknowns<3>;
-  template void
-  ExtendedUnknowns<2>::initialize_vector(VectorOf<double> &,
-                                         const unsigned int) const;
-  template void
-  ExtendedUnknowns<2>::zero_constrained_unknowns(VectorOf<double> &,
-                                                 const unsigned int) const;
-  template void
-  ExtendedUnknowns<2>::multiply(
-    VectorOf<double> &,
-    VectorOf<double> &,
-    const unsigned int,
-    const std::function<void(double *, const double *)> &) const;
-  template void
-  ExtendedUnknowns<2>::expand(const double *,
-                              const unsigned int,
-                              double *) const;
-  template void
-  ExtendedUnknowns<2>::collect(double *,
-                               const unsigned int,
-                               const double *) const;
-  template void
-  ExtendedUnknowns<2>::zero_constrained(double *, const unsigned int) const;
-  template void
-  ExtendedUnknowns<2>::initialize_vector(VectorOf<float> &,
-                                         const unsigned int) const;
-  template void
-  ExtendedUnknowns<2>::zero_constrained_unknowns(VectorOf<float> &,
-                                                 const unsigned int) const;
-  template void
-  ExtendedUnknowns<2>::multiply(
-    VectorOf<float> &,
-    VectorOf<float> &,
-    const unsigned int,
-    const std::function<void(float *, const float *)> &) const;
-  template void
-  ExtendedUnknowns<2>::expand(const float *, const unsigned int, float *) const;
-  template void
-  ExtendedUnknowns<2>::collect(float *,
-                               const unsigned int,
-                               const float *) const;
-  template void
-  ExtendedUnknowns<2>::zero_constrained(float *, const unsigned int) const;
-  template void
-  ExtendedUnknowns<3>::initialize_vector(VectorOf<double> &,
-                                         const unsigned int) const;
-  template void
-  ExtendedUnknowns<3>::zero_constrained_unknowns(VectorOf<double> &,
-                                                 const unsigned int) const;
-  template void
-  ExtendedUnknowns<3>::multiply(
-    VectorOf<double> &,
-    VectorOf<double> &,
-    const unsigned int,
-    const std::function<void(double *, const double *)> &) const;
-  template void
-  ExtendedUnknowns<3>::expand(const double *,
-                              const unsigned int,
-                              double *) const;
-  template void
-  ExtendedUnknowns<3>::collect(double *,
-                               const unsigned int,
-                               const double *) const;
-  template void
-  ExtendedUnknowns<3>::zero_constrained(double *, const unsigned int) const;
-  template void
-  ExtendedUnknowns<3>::initialize_vector(VectorOf<float> &,
-                                         const unsigned int) const;
-  template void
-  ExtendedUnknowns<3>::zero_constrained_unknowns(VectorOf<float> &,
-                                                 const unsigned int) const;
-  template void
-  ExtendedUnknowns<3>::multiply(
-    VectorOf<float> &,
-    VectorOf<float> &,
-    const unsigned int,
-    const std::function<void(float *, const float *)> &) const;
-  template void
-  ExtendedUnknowns<3>::expand(const float *, const unsigned int, float *) const;
-  template void
-  ExtendedUnknowns<3>::collect(float *,
-                               const unsigned int,
-                               const float *) const;
-  template void
-  ExtendedUnknowns<3>::zero_constrained(float *, const unsigned int) const;
 } // namespace greville

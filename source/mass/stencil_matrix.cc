@@ -23,132 +23,13 @@ namespace greville
   void
   StencilMatrix<dim>::reinit(const SplineSpace<dim> &space)
   {
-    spline_space         = &space;
-    const auto functions = functions_and_images();
-    make_lines(functions);
-    const unsigned int n =
-      space.owned_functions().size() + space.ghost_functions().size();
-    line_of = ZeroedArray<unsigned int>(n_places);
-    place_of.resize(n);
-    image_places.clear();
-    for (std::size_t k = 0; k < functions.size(); ++k)
-      {
-        const unsigned int line  = line_number(functions[k].index);
-        const unsigned int place = line_begin[line] + functions[k].index[0];
-        line_of[place]           = line;
-        if (k < n)
-          place_of[k] = place;
-        else
-          image_places.emplace_back(functions[k].number, place);
-      }
-    segments.clear();
+    StencilPlaces<dim>::reinit(space);
+    n_entries = Utilities::fixed_power<dim>(space.degree() + 1);
     decoupled_places.clear();
     decoupled_entries.clear();
     is_decoupled  = ZeroedArray<unsigned char>(n_places);
     single_values = ZeroedArray<float>();
-    values        = ZeroedArray<double>(
-      n_places * Utilities::fixed_power<dim>(space.degree() + 1) + max_padding);
-  }
-
-
-
-  template <int dim>
-  std::vector<typename StencilMatrix<dim>::Function>
-  StencilMatrix<dim>::functions_and_images() const
-  {
-    const SplineSpace<dim> &space = *spline_space;
-    const unsigned int      n =
-      space.owned_functions().size() + space.ghost_functions().size();
-    std::vector<Function> functions;
-    functions.reserve(n);
-    for (unsigned int f = 0; f < n; ++f)
-      {
-        const auto i =
-          multi_index<dim>(space.function_position(f), space.n_functions());
-        Function function{f, {}};
-        for (unsigned int d = 0; d < dim; ++d)
-          function.index[d] = i[d];
-        functions.push_back(function);
-      }
-    for (unsigned int d = 0; d < dim; ++d)
-      if (space.is_periodic(d))
-        {
-          const std::size_t n_before = functions.size();
-          for (std::size_t k = 0; k < n_before; ++k)
-            if (functions[k].index[d] < int(space.degree()))
-              {
-                functions.push_back(functions[k]);
-                functions.back().index[d] += space.n_functions()[d];
-              }
-        }
-    return functions;
-  }
-
-
-
-  template <int dim>
-  void
-  StencilMatrix<dim>::make_lines(const std::vector<Function> &functions)
-  {
-    using Range                 = std::array<int, 2>;
-    constexpr int   largest_int = std::numeric_limits<int>::max();
-    constexpr Range empty       = {{largest_int, -largest_int}};
-    const int       p           = spline_space->degree();
-
-    // The box of lines around the functions, extended by p.
-    std::array<Range, dim> box;
-    box.fill(empty);
-    for (const Function &function : functions)
-      for (unsigned int d = 0; d < dim; ++d)
-        box[d] = {{std::min(box[d][0], function.index[d] - p),
-                   std::max(box[d][1], function.index[d] + p)}};
-    const auto size = [&](const unsigned int d) {
-      return functions.empty() ? 0 : box[d][1] - box[d][0] + 1;
-    };
-    for (unsigned int d = 0; d < dim; ++d)
-      lowest[d] = box[d][0];
-    n_lines_y = size(1);
-    neighbor_lines.clear();
-    for (int dz = (dim == 3 ? -p : 0); dz <= (dim == 3 ? p : 0); ++dz)
-      for (int dy = -p; dy <= p; ++dy)
-        neighbor_lines.push_back(dz * int(n_lines_y) + dy);
-
-    // The range of x in each line, and the range that the rows of neighbouring
-    // lines reach.
-    std::vector<Range> own(size(1) * (dim == 3 ? size(dim - 1) : 1), empty);
-    for (const Function &function : functions)
-      {
-        Range &range = own[line_number(function.index)];
-        range        = {{std::min(range[0], function.index[0]),
-                         std::max(range[1], function.index[0])}};
-      }
-    auto reached = own;
-    for (unsigned int line = 0; line < own.size(); ++line)
-      if (own[line][0] <= own[line][1])
-        for (const int offset : neighbor_lines)
-          {
-            Range &range = reached[line + offset];
-            range        = {{std::min(range[0], own[line][0] - p),
-                             std::max(range[1], own[line][1] + p)}};
-          }
-
-    n_places = 0;
-    line_begin.assign(own.size(), 0);
-    line_places.assign(own.size(), 0);
-    line_size.assign(own.size(), 0);
-    entries_begin.assign(own.size(), 0);
-    for (unsigned int line = 0; line < own.size(); ++line)
-      if (reached[line][0] <= reached[line][1])
-        {
-          line_begin[line]    = int(n_places) - reached[line][0];
-          line_places[line]   = n_places;
-          line_size[line]     = reached[line][1] - reached[line][0] + 1;
-          entries_begin[line] = n_places * Utilities::fixed_power<dim>(p + 1);
-          n_places += line_size[line];
-          AssertThrow(n_places < std::size_t(largest_int),
-                      ExcMessage("A process has more coefficients than an "
-                                 "integer can count."));
-        }
+    values        = ZeroedArray<double>(n_places * n_entries + max_padding);
   }
 
 
@@ -158,28 +39,7 @@ namespace greville
   StencilMatrix<dim>::set_rows(const std::vector<unsigned int> &functions)
   {
     clear();
-    std::vector<unsigned int> rows;
-    rows.reserve(functions.size());
-    for (const unsigned int f : functions)
-      rows.push_back(place_of[f]);
-    if (!image_places.empty())
-      {
-        std::vector<bool> has_row(place_of.size(), false);
-        for (const unsigned int f : functions)
-          has_row[f] = true;
-        for (const auto &[f, place] : image_places)
-          if (has_row[f])
-            rows.push_back(place);
-      }
-    if (!std::is_sorted(rows.begin(), rows.end()))
-      std::sort(rows.begin(), rows.end());
-    segments.clear();
-    for (const unsigned int place : rows)
-      {
-        if (segments.empty() || segments.back().end != place)
-          segments.push_back({place, place, line_of[place]});
-        ++segments.back().end;
-      }
+    StencilPlaces<dim>::set_rows(functions);
   }
 
 
@@ -314,7 +174,7 @@ namespace greville
   StencilMatrix<dim>::lump()
   {
     std::vector<std::pair<unsigned int, double>> sums;
-    for_each_row([&](const unsigned int i) {
+    this->for_each_row([&](const unsigned int i) {
       double sum = 0.;
       for_each_entry(i, [&](const unsigned int, const double value) {
         sum += value;
@@ -343,9 +203,11 @@ namespace greville
   void
   StencilMatrix<dim>::get_row(const unsigned int i, double *stencil) const
   {
-    for_each_place(i, [&](const unsigned int j, const std::size_t e) {
-      *stencil++ = is_coupled(i, j) ? values[e] : 0.;
-    });
+    visit_places<false>(i,
+                        spline_space->degree(),
+                        [&](const unsigned int j, const std::size_t e) {
+                          *stencil++ = is_coupled(i, j) ? values[e] : 0.;
+                        });
   }
 
 
@@ -356,22 +218,26 @@ namespace greville
   {
     const int p  = spline_space->degree();
     int       dx = -p, dy = -p, dz = dim == 3 ? -p : 0;
-    for_each_place(i, [&](const unsigned int j, const std::size_t e) {
-      if (j >= i)
-        values[e] +=
-          *stencil / n_equal((std::abs(dz) * (p + 1) + std::abs(dy)) * (p + 1) +
-                             std::abs(dx));
-      ++stencil;
-      if (++dx > p)
-        {
-          dx = -p;
-          if (++dy > p)
-            {
-              dy = -p;
-              ++dz;
-            }
-        }
-    });
+    visit_places<false>(i,
+                        spline_space->degree(),
+                        [&](const unsigned int j, const std::size_t e) {
+                          if (j >= i)
+                            values[e] +=
+                              *stencil /
+                              n_equal((std::abs(dz) * (p + 1) + std::abs(dy)) *
+                                        (p + 1) +
+                                      std::abs(dx));
+                          ++stencil;
+                          if (++dx > p)
+                            {
+                              dx = -p;
+                              if (++dy > p)
+                                {
+                                  dy = -p;
+                                  ++dz;
+                                }
+                            }
+                        });
   }
 
 
@@ -399,8 +265,7 @@ namespace greville
   StencilMatrix<dim>::make_single(const double unit)
   {
     if (single_values.data() == nullptr)
-      single_values = ZeroedArray<float>(
-        n_places * Utilities::fixed_power<dim>(spline_space->degree() + 1));
+      single_values = ZeroedArray<float>(n_places * n_entries);
     single_unit = unit;
     for_each_range([&](const std::size_t begin, const std::size_t n) {
       for (std::size_t e = begin; e < begin + n; ++e)

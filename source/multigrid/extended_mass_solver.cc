@@ -134,8 +134,8 @@ namespace greville
 
   namespace
   {
-    template <int width, typename Number = double>
-    using Columns = std::array<Number, width>;
+    template <int width>
+    using Columns = std::array<double, width>;
 
     template <typename Sums>
     void

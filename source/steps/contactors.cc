@@ -414,7 +414,7 @@ namespace greville
 
 
   template <int dim>
-  std::vector<typename BodyContacts<dim>::NearCell>
+  std::vector<NearContactCell<dim>>
   BodyContacts<dim>::near_cells(const Contact &contact,
                                 Place         &place,
                                 const double   reach)
@@ -434,8 +434,8 @@ namespace greville
     const double              slack = 0.25 * size.norm();
     const RigidPosition<dim> &now =
       parts.front()->current.rigid_bodies[contact.rigid].now;
-    CellDistances &known = place.distances;
-    double         way   = rigid_way(contact, known.position, now);
+    CellDistances<dim> &known = place.distances;
+    double              way   = rigid_way(contact, known.position, now);
     if (way > slack || reach > known.reach)
       {
         known = {now, std::max(reach + slack, known.reach), {}};

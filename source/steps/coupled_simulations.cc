@@ -23,7 +23,7 @@ namespace greville
       parts.push_back(std::make_unique<Simulation<dim>>(part, comm));
     for (const auto &part : parts)
       if (parts.size() > 1)
-        part->set_label(" of 'Body " + part->state().bodies[0].name + "'");
+        part->step_log().of = " of 'Body " + part->state().bodies[0].name + "'";
     if (!parameters.contacts.empty())
       contacts =
         std::make_unique<BodyContacts<dim>>(parameters, pointers(), comm);
@@ -340,7 +340,7 @@ namespace greville
   {
     std::vector<std::string> result;
     for (const auto &part : parts)
-      for (const std::string &warning : part->take_warnings())
+      for (const std::string &warning : part->step_log().take_warnings())
         result.push_back((parts.size() > 1
                             ? "Body " + part->state().bodies[0].name + ": "
                             : "") +
@@ -356,7 +356,7 @@ namespace greville
   {
     std::vector<NewtonRecord> result;
     for (unsigned int k = 0; k < parts.size(); ++k)
-      for (NewtonRecord &record : parts[k]->take_newton())
+      for (NewtonRecord &record : parts[k]->step_log().take_newton())
         {
           record.part = k + 1;
           result.push_back(std::move(record));
@@ -372,7 +372,7 @@ namespace greville
   {
     std::map<std::string, double> result;
     for (const auto &part : parts)
-      for (const auto &[name, seconds] : part->part_times())
+      for (const auto &[name, seconds] : part->step_log().seconds)
         result[name] += seconds;
     return result;
   }

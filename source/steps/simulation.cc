@@ -468,28 +468,6 @@ namespace greville
 
 
   template <int dim>
-  std::vector<std::string>
-  Simulation<dim>::take_warnings()
-  {
-    std::vector<std::string> result;
-    result.swap(log.warnings);
-    return result;
-  }
-
-
-
-  template <int dim>
-  std::vector<NewtonRecord>
-  Simulation<dim>::take_newton()
-  {
-    std::vector<NewtonRecord> result;
-    result.swap(log.newton);
-    return result;
-  }
-
-
-
-  template <int dim>
   std::size_t
   Simulation<dim>::points_memory() const
   {

@@ -393,7 +393,7 @@ test_solver(const MultiIndex<dim>       &cells,
   clear();
   const auto first = solver.solve({&x[0], &x[1]}, {&b[0], &b[1]});
   check("  two fields", first.converged ? residual(2).first : 1., 1e-9);
-  check_range("  iterations", *first.iterations, 1, 70);
+  check_range("  iterations", *first.iterations, 1, 60);
   const double size = norm<dim>(x[0]);
   print() << "  |x| = " << std::setprecision(3) << size << std::endl;
 

@@ -22,6 +22,6 @@ test_main()
       check(mass + ": all points are removed",
             run->state().n_removed == run->bodies()[0].n_points &&
               run->statistics().n_points == 0);
-      check(mass + ": it says so", run->take_warnings().size() == 1);
+      check(mass + ": it says so", run->step_log().take_warnings().size() == 1);
     }
 }

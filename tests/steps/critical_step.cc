@@ -193,7 +193,8 @@ test_main()
       {
         return std::string("refused");
       }
-    return std::string(run->take_warnings().empty() ? "silent" : "warned");
+    return std::string(run->step_log().take_warnings().empty() ? "silent"
+                                                               : "warned");
   };
   check("refuse", outcome("refuse", "1") == "refused");
   check("warn", outcome("warn", "1") == "warned");

@@ -64,7 +64,7 @@ namespace
         largest      = std::max(largest, s.kinetic + s.strain);
       }
     check("no more energy than initially", largest / start - 1., 0.01);
-    for (const std::string &warning : run->take_warnings())
+    for (const std::string &warning : run->step_log().take_warnings())
       if (warning.find("energy has come from nothing") != std::string::npos)
         return true;
     return false;

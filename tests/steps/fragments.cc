@@ -60,7 +60,7 @@ test_main()
                                  10)
                           .with("Scheme", {"Mass = consistent"}));
       body->step();
-      const auto warnings = body->take_warnings();
+      const auto warnings = body->step_log().take_warnings();
       check(is_thin ? "thin bodies are warned of" : "others are not",
             is_thin ? warnings.size() == 1 &&
                         warnings[0].find("too thin") != std::string::npos

@@ -151,7 +151,7 @@ namespace
           .with("Time", {"End = 1", "Step = " + std::to_string(step)})
           .with("Exact solution", {"Displacement = " + u}));
       run.run();
-      for (const NewtonRecord &record : run->take_newton())
+      for (const NewtonRecord &record : run->step_log().take_newton())
         most = std::max(most, record.result.n_iterations());
       return run.displacement_error().l2;
     };

@@ -201,7 +201,7 @@ namespace
       simulation.set_state(state);
     };
     set_from(run.simulation, content);
-    Simulated<2> resumed(text);
+    Simulated<2> resumed(text, check_every(7));
     set_from(resumed.simulation, read_tables("state.h5", MPI_COMM_WORLD));
     check("from a file", numbers(resumed.simulation) == first);
     check("the same bits",

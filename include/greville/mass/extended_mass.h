@@ -5,6 +5,7 @@
 
 #include <greville/linear_algebra/upper_triangle.h>
 #include <greville/mass/extended_unknowns.h>
+#include <greville/mass/stencil_matrix.h>
 
 #include <memory>
 
@@ -102,7 +103,15 @@ namespace greville
     void
     vmult(VectorOf<Number>  &y,
           VectorOf<Number>  &x,
-          const unsigned int width) const;
+          const unsigned int width) const
+    {
+      E->template multiply<Number>(y,
+                                   x,
+                                   width,
+                                   [&](Number *to, const Number *from) {
+                                     points_mass.vmult(to, from, width);
+                                   });
+    }
 
     /**
      * Subtract from @p rows the contribution E^T M~ (E h) of the constrained

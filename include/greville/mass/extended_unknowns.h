@@ -5,7 +5,7 @@
 
 #include <greville/base/vector_field.h>
 #include <greville/linear_algebra/interleaved_layout.h>
-#include <greville/mass/stencil_matrix.h>
+#include <greville/mass/stencil_places.h>
 #include <greville/spline/extension.h>
 
 #include <array>
@@ -27,28 +27,25 @@ namespace greville
    * interleaved: entry c of unknown i at i * width + c.
    *
    * Functions can be constrained to zero column by column (at walls): they are
-   * then left out of the columns of E. E is applied on the places of a
-   * StencilMatrix. Each image has the row of its function.
+   * then left out of the columns of E. E is applied on
+   * StencilPlaces. Each image has the row of its function.
    */
   template <int dim>
   class ExtendedUnknowns
   {
   public:
-    /// The matrix is kept by reference; only its places are used.
+    /// The places are kept by reference.
     void
-    reinit(const StencilMatrix<dim> &matrix);
+    reinit(const StencilPlaces<dim> &places);
 
-    /**
-     * Collective. Number the unknowns of an extension, kept by reference, if it
-     * has @p changed or is the first one. Returns whether they were numbered.
-     */
+    /// Collective. Number the unknowns of an extension, kept by reference, if
+    /// it has @p changed or is the first one. Returns whether they were
+    /// numbered.
     bool
     update(const Extension<dim> &extension, const bool changed);
 
-    /**
-     * Collective. Constrain functions: bit c of @p constrained[f] constrains
-     * local function f in the columns c, c + dim, c + 2 dim, ...
-     */
+    /// Collective. Constrain functions: bit c of @p constrained[f] constrains
+    /// local function f in the columns c, c + dim, c + 2 dim, ...
     void
     constrain(const std::vector<unsigned char> &constrained);
 
@@ -70,10 +67,9 @@ namespace greville
     MPI_Comm
     communicator() const;
 
-    /**
-     * Return the places of the unknowns of this process, owned ones first and
-     * ascending. Ghost unknowns that occur in E only have invalid_unsigned_int.
-     */
+    /// Return the places of the unknowns of this process, owned ones first and
+    /// ascending. Ghost unknowns that occur in E only have
+    /// invalid_unsigned_int.
     const std::vector<unsigned int> &
     unknown_places() const;
 
@@ -127,10 +123,8 @@ namespace greville
           const VectorType  &unknowns,
           const unsigned int width) const;
 
-    /**
-     * Collective. Compute x = E x for a @p component of the space, see
-     * LevelOperator.
-     */
+    /// Collective. Compute x = E x for a @p component of the space, see
+    /// LevelOperator.
     void
     distribute(VectorType &x, const unsigned int component) const;
 
@@ -138,10 +132,8 @@ namespace greville
     void
     condense(VectorType &x, const unsigned int component) const;
 
-    /**
-     * Compute rows = E^T b for fields b of the space, one after another:
-     * component c of field k is column k dim + c.
-     */
+    /// Compute rows = E^T b for fields b of the space, one after another:
+    /// component c of field k is column k dim + c.
     void
     restrict_fields(VectorType                                  &rows,
                     const std::vector<const VectorField<dim> *> &fields,
@@ -153,10 +145,8 @@ namespace greville
                 const std::vector<const VectorField<dim> *> &fields,
                 const unsigned int                           width) const;
 
-    /**
-     * Set fields = E x except at constrained functions; inactive functions get
-     * zero. The constrained entries of @p x are read from the fields.
-     */
+    /// Set fields = E x except at constrained functions; inactive functions get
+    /// zero. The constrained entries of @p x are read from the fields.
     void
     write_fields(const std::vector<VectorField<dim> *> &fields,
                  VectorType                            &x,
@@ -288,7 +278,7 @@ namespace greville
     void
     add_rows_of_images();
 
-    const StencilMatrix<dim> *stencil   = nullptr;
+    const StencilPlaces<dim> *stencil   = nullptr;
     const Extension<dim>     *extension = nullptr;
 
     // True if the unknowns have been numbered on all processes; this process

@@ -3,6 +3,7 @@
 #ifndef greville_mass_extended_unknowns_templates_h
 #define greville_mass_extended_unknowns_templates_h
 
+#include <greville/base/with_width.h>
 #include <greville/mass/extended_unknowns.h>
 
 namespace greville
@@ -103,6 +104,160 @@ namespace greville
   ExtendedUnknowns<dim>::n_owned_functions() const
   {
     return stencil->space().owned_functions().size();
+  }
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::initialize_vector(VectorOf<Number>  &vector,
+                                           const unsigned int width) const
+  {
+    vector.reinit(layout->partitioner(width));
+  }
+
+
+
+  namespace internal
+  {
+    /**
+     * to[c] += factor * from[c].
+     */
+    template <int width, typename Number>
+    inline void
+    add(Number *to, const Number factor, const Number *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] += factor * from[c];
+    }
+
+    template <int width, typename Number>
+    inline void
+    copy(Number *to, const Number *from)
+    {
+      for (int c = 0; c < width; ++c)
+        to[c] = from[c];
+    }
+  } // namespace internal
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::zero_constrained(Number            *values,
+                                          const unsigned int width) const
+  {
+    for (const auto &entry : constrained_places)
+      for (unsigned int c = 0; c < width; ++c)
+        if ((entry.second >> (c % dim)) & 1)
+          values[std::size_t(entry.first) * width + c] = Number(0.);
+  }
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::expand(const Number      *x,
+                                const unsigned int width,
+                                Number            *values) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr int n = decltype(w)::value;
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != dealii::numbers::invalid_unsigned_int)
+          internal::copy<n>(values + std::size_t(unknowns[u]) * n,
+                            x + std::size_t(u) * n);
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        {
+          Number sum[n] = {};
+          for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1];
+               ++e)
+            internal::add<n>(sum,
+                             Number(extended_entries[e].weight),
+                             x + std::size_t(extended_entries[e].unknown) * n);
+          internal::copy<n>(values + std::size_t(extended[k]) * n, sum);
+        }
+    });
+  }
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::collect(Number            *y,
+                                 const unsigned int width,
+                                 const Number      *values) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr int n = decltype(w)::value;
+      for (unsigned int u = 0; u < unknowns.size(); ++u)
+        if (unknowns[u] != dealii::numbers::invalid_unsigned_int)
+          internal::copy<n>(y + std::size_t(u) * n,
+                            values + std::size_t(unknowns[u]) * n);
+        else
+          for (int c = 0; c < n; ++c)
+            y[std::size_t(u) * n + c] = Number(0.);
+      for (unsigned int k = 0; k < extended.size(); ++k)
+        for (std::size_t e = extended_begin[k]; e < extended_begin[k + 1]; ++e)
+          internal::add<n>(y + std::size_t(extended_entries[e].unknown) * n,
+                           Number(extended_entries[e].weight),
+                           values + std::size_t(extended[k]) * n);
+    });
+  }
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::zero_constrained_unknowns(
+    VectorOf<Number> &x, const unsigned int width) const
+  {
+    for (const auto &entry : constrained_places)
+      {
+        const int signed_number = signed_numbers[entry.first];
+        if (signed_number <= 0 || signed_number > int(n_owned))
+          continue;
+        for (unsigned int c = 0; c < width; ++c)
+          if ((entry.second >> (c % dim)) & 1)
+            x.local_element((signed_number - 1) * width + c) = Number(0.);
+      }
+  }
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  ExtendedUnknowns<dim>::multiply(
+    VectorOf<Number>                                    &y,
+    VectorOf<Number>                                    &x,
+    const unsigned int                                   width,
+    const std::function<void(Number *, const Number *)> &product) const
+  {
+    Number *values, *products;
+    if constexpr (std::is_same_v<Number, double>)
+      {
+        values   = place_x.data();
+        products = place_y.data();
+      }
+    else
+      {
+        values   = single_x.data();
+        products = single_y.data();
+      }
+    x.update_ghost_values();
+    expand(x.begin(), width, values);
+    zero_constrained(values, width);
+    product(products, values);
+    zero_constrained(products, width);
+    collect(y.begin(), width, products);
+    y.compress(dealii::VectorOperation::add);
+    zero_constrained_unknowns(y, width);
+    x.zero_out_ghost_values();
   }
 } // namespace greville
 

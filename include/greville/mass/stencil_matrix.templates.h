@@ -11,42 +11,47 @@
 namespace greville
 {
   template <int dim>
-  template <bool upper, typename Visit>
+  template <int n>
   void
-  StencilMatrix<dim>::visit_places(const unsigned int i,
-                                   const int          reach,
-                                   const Visit       &visit) const
+  StencilMatrix<dim>::find_lines(const unsigned int cell, CellLine *lines) const
   {
-    const int          n       = spline_space->degree() + 1;
-    const int          reach_z = dim == 3 ? reach : 0;
-    const unsigned int line    = line_of[i];
-    for (int dz = upper ? 0 : -reach_z; dz <= reach_z; ++dz)
-      for (int dy = upper && dz == 0 ? 0 : -reach; dy <= reach; ++dy)
+    const unsigned int place = this->first_place(cell);
+    const unsigned int first = line_of[place];
+    for (unsigned int z = 0; z < (dim == 3 ? n : 1); ++z)
+      for (unsigned int y = 0; y < n; ++y)
         {
-          const unsigned int other = line + dz * int(n_lines_y) + dy;
-          const unsigned int lower =
-            line + std::min(dz, 0) * int(n_lines_y) + std::min(dy, 0);
-          const unsigned int k = std::abs(dz) * n + std::abs(dy);
-          const unsigned int j = int(i) + line_begin[other] - line_begin[line];
+          const unsigned int line  = first + y + z * n_lines_y;
+          const std::size_t  begin = line_places[line];
           const std::size_t  x =
-            int(i) + line_begin[lower] - line_begin[line] - line_places[lower];
-          const std::size_t e =
-            entries_begin[lower] + (k * line_size[lower] + x) * n;
-          for (int dx = upper && dz == 0 && dy == 0 ? 0 : -reach; dx <= reach;
-               ++dx)
-            visit(j + dx, dx < 0 ? e + dx * (n - 1) : e + dx);
+            int(place) - line_begin[first] + line_begin[line] - int(begin);
+          *lines++ = {values.data() + begin * n_entries + x * n,
+                      std::size_t(line_size[line]) * n};
         }
   }
 
 
 
   template <int dim>
-  template <typename Visit>
+  template <bool upper, typename Visit>
   void
-  StencilMatrix<dim>::for_each_place(const unsigned int i,
-                                     const Visit       &visit) const
+  StencilMatrix<dim>::visit_places(const unsigned int i,
+                                   const int          reach,
+                                   const Visit       &visit) const
   {
-    visit_places<false>(i, spline_space->degree(), visit);
+    const int p = spline_space->degree();
+    this->template for_each_line<upper>(
+      i,
+      reach,
+      [&](const unsigned int j,
+          const unsigned int line,
+          const std::size_t  low,
+          const std::size_t  k) {
+        const std::size_t begin = line_places[line];
+        const std::size_t e =
+          begin * n_entries + (k * line_size[line] + low - begin) * (p + 1);
+        for (int dx = upper && j == i ? 0 : -reach; dx <= reach; ++dx)
+          visit(j + dx, dx < 0 ? e + dx * p : e + dx);
+      });
   }
 
 

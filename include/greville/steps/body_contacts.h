@@ -3,18 +3,14 @@
 #ifndef greville_steps_body_contacts_h
 #define greville_steps_body_contacts_h
 
-#include <greville/contact/averaged_contact.h>
-#include <greville/contact/rigid_body.h>
 #include <greville/contact/surface_search.h>
+#include <greville/steps/body_contact.h>
 #include <greville/steps/passing_bodies.h>
-#include <greville/steps/simulation.h>
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 namespace greville
@@ -35,10 +31,8 @@ namespace greville
   class BodyContacts
   {
   public:
-    /**
-     * Collective. The @p parts are kept by reference. Throws dealii::ExcMessage
-     * for invalid parameters.
-     */
+    /// Collective. The @p parts are kept by reference. Throws
+    /// dealii::ExcMessage for invalid parameters.
     BodyContacts(const SimulationParameters           &parameters,
                  const std::vector<Simulation<dim> *> &parts,
                  const MPI_Comm                        comm);
@@ -52,10 +46,8 @@ namespace greville
     void
     act();
 
-    /**
-     * Begin an explicit step of the parts of length @p dt (s) with these loads:
-     * store results and slip, and move rigid bodies to its end.
-     */
+    /// Begin an explicit step of the parts of length @p dt (s) with these
+    /// loads: store results and slip, and move rigid bodies to its end.
     void
     begin_step(const double dt);
 
@@ -72,16 +64,13 @@ namespace greville
     double
     bounded_step(const double longest) const;
 
-    /**
-     * Add contact and rigid body results to a row of statistics: for the
-     * current state, to which act() belongs, or for the start of the last step.
-     */
+    /// Add contact and rigid body results to a row of statistics: for the
+    /// current state, to which act() belongs, or for the start of the last
+    /// step.
     void
     add_to(Statistics<dim> &row, const bool at_start_of_step) const;
 
-    /**
-     * Return the sums over the steps of the interval, for each contact.
-     */
+    /// Return the sums over the steps of the interval, for each contact.
     const std::vector<ContactInterval<dim>> &
     intervals() const
     {
@@ -101,17 +90,13 @@ namespace greville
     std::vector<std::pair<std::string, double>>
     gains() const;
 
-    /**
-     * Collective. Warn, or throw StepFailed, if gains() of explicit steps
-     * exceed a tenth.
-     */
+    /// Collective. Warn, or throw StepFailed, if gains() of explicit steps
+    /// exceed a tenth.
     void
     check_gains();
 
-    /**
-     * Return notes on probable mistakes: rigid bodies that are away from the
-     * grid.
-     */
+    /// Return notes on probable mistakes: rigid bodies that are away from the
+    /// grid.
     const std::vector<std::string> &
     notes() const
     {
@@ -127,53 +112,9 @@ namespace greville
   private:
     friend class TrialContacts<dim>;
 
-    /**
-     * The distances of cell centers from a rigid body in a position, by number
-     * of cell: the largest number, or its negative inside the body, if the
-     * distance exceeds the reach, m.
-     */
-    struct CellDistances
-    {
-      RigidPosition<dim>                        position;
-      double                                    reach = -1.;
-      std::unordered_map<std::uint64_t, double> of_cells;
-    };
-
-    /// A surface of a part.
-    struct Place
-    {
-      Simulation<dim> *part;
-      unsigned int     surface;
-      CellDistances    distances = CellDistances();
-      /// True after check_added() for its body.
-      bool is_known = false;
-    };
-
-    struct Contact
-    {
-      std::string                       name;
-      std::array<std::vector<Place>, 2> sides;
-      int                               rigid = -1; // number of the rigid body
-      // The constants of the law: for both sides the modulus E', Pa, the
-      // impedance of the softer side, Pa s / m, and cells of the coarser grid.
-      ContactParameters      given;
-      double                 modulus = 0., impedance = 0., cell_size = 0.;
-      dealii::Point<dim>     corner;
-      dealii::Tensor<1, dim> cell_sizes;
-      std::unique_ptr<AveragedContact<dim>> average;
-      // The motion of both sides: the sum of their speeds in the last step, m /
-      // s; their displacement in it, and from the last check for overlaps until
-      // then, m; whether there has been a check, and its Overlap::excess.
-      double speed = 0., last_way = 0., way = 0.;
-      bool   is_checked   = false;
-      double first_excess = 0.;
-      // Data of check_gains(): the gain of the last warning, the energy stored
-      // by the pressure at the start, the energy given before the run was
-      // resumed, J, and whether the latter has been counted.
-      double warned_gain      = 0.;
-      double stored_energy    = -1.;
-      bool   is_start_counted = false;
-    };
+    using Place    = ContactPlace<dim>;
+    using Contact  = BodyContact<dim>;
+    using NearCell = NearContactCell<dim>;
 
     /// Results of all contacts, and the rigid bodies at that time.
     struct Results
@@ -206,17 +147,13 @@ namespace greville
     void
     set_laws();
 
-    /**
-     * Store what follows from the last results: the slip, the positions and the
-     * radii of points at the start of a step.
-     */
+    /// Store what follows from the last results: the slip, the positions and
+    /// the radii of points at the start of a step.
     void
     commit();
 
-    /**
-     * Return the actions on a rigid body: forces of the last results, and
-     * gravity at the time @p t, s.
-     */
+    /// Return the actions on a rigid body: forces of the last results, and
+    /// gravity at the time @p t, s.
     RigidStep<dim>
     rigid_step(const unsigned int body, const double t) const;
 
@@ -257,19 +194,9 @@ namespace greville
     /// The largest motion of a point or a rigid body in an explicit step.
     static constexpr double longest_motion = 0.25;
 
-    /// A cell in which points may be near the second side.
-    struct NearCell
-    {
-      unsigned int       cell;
-      dealii::Point<dim> center;
-      double             distance; // lower bound, of the center; 0: unknown
-    };
-
-    /**
-     * Return the cells with points of a body that may be closer than @p reach,
-     * m. Distances from rigid bodies are updated after motions of a quarter of
-     * a cell.
-     */
+    /// Return the cells with points of a body that may be closer than @p reach,
+    /// m. Distances from rigid bodies are updated after motions of a quarter of
+    /// a cell.
     std::vector<NearCell>
     near_cells(const Contact &contact, Place &place, const double reach);
 
@@ -280,10 +207,8 @@ namespace greville
       return state.bodies[state.surfaces[place.surface].body];
     }
 
-    /**
-     * Set the data of a point that do not depend on the other side. @p radius
-     * is null unless it is a material point.
-     */
+    /// Set the data of a point that do not depend on the other side. @p radius
+    /// is null unless it is a material point.
     static void
     set_place(ContactPoint<dim>       &point,
               const ConstPointRef<dim> p,
@@ -296,39 +221,31 @@ namespace greville
               std::vector<ContactPoint<dim>> &points,
               const double                    reach);
 
-    /**
-     * Throw if added bodies overlap, by their shapes, or if points of a body
-     * are inside the other side by more than half a cell. The latter is checked
-     * whenever both have moved by a quarter of a cell.
-     */
+    /// Throw if added bodies overlap, by their shapes, or if points of a body
+    /// are inside the other side by more than half a cell. The latter is
+    /// checked whenever both have moved by a quarter of a cell.
     void
     check_overlaps(Contact &contact);
 
-    /**
-     * Return the sides and places of bodies that are present for the first
-     * time, except after a restart.
-     */
+    /// Return the sides and places of bodies that are present for the first
+    /// time, except after a restart.
     std::vector<std::pair<unsigned int, Place *>>
     added_places(Contact &contact) const;
 
     void
     check_added(Contact &contact, const unsigned int side, Place &place) const;
 
-    /**
-     * Collective. Return a text about the point that is too far inside, empty
-     * if there is none.
-     */
+    /// Collective. Return a text about the point that is too far inside, empty
+    /// if there is none.
     std::string
     find_inside_of_rigid(Contact &contact);
 
     std::string
     find_inside_of_body(Contact &contact) const;
 
-    /**
-     * Collective. Return the energy that each contact has given to the bodies,
-     * J, and the @p largest energy or work of one source so far. Contacts with
-     * rigid bodies that have moved, which do work, have no value.
-     */
+    /// Collective. Return the energy that each contact has given to the bodies,
+    /// J, and the @p largest energy or work of one source so far. Contacts with
+    /// rigid bodies that have moved, which do work, have no value.
     std::vector<std::optional<double>>
     given_energies(double &largest) const;
 
@@ -337,10 +254,8 @@ namespace greville
     find_way(Contact                              &contact,
              const std::vector<ContactPoint<dim>> &points) const;
 
-    /**
-     * Return the largest displacement of a contact's rigid body between two
-     * positions, m.
-     */
+    /// Return the largest displacement of a contact's rigid body between two
+    /// positions, m.
     double
     rigid_way(const Contact            &contact,
               const RigidPosition<dim> &before,

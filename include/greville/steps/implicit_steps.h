@@ -45,19 +45,15 @@ namespace greville
   class ImplicitSteps : public TimeIntegrator<dim>
   {
   public:
-    /**
-     * Throws dealii::ExcMessage for parameters that implicit steps do not
-     * support.
-     */
+    /// Throws dealii::ExcMessage for parameters that implicit steps do not
+    /// support.
     ImplicitSteps(const std::string &name, const IntegratorParts<dim> &parts);
 
     double
     propose_step(State<dim> &state) override;
 
-    /**
-     * Run Newton's method; the step is rejected if it does not converge. See
-     * CoupledSteps, which also take the steps of parts coupled by contacts.
-     */
+    /// Run Newton's method; the step is rejected if it does not converge. See
+    /// CoupledSteps, which also take the steps of parts coupled by contacts.
     void
     try_step(State<dim> &state, const double dt) override;
 
@@ -117,8 +113,7 @@ namespace greville
     void
     find_acceleration(State<dim> &state);
 
-    /// Collective. Find the acceleration by contact_load. Returns whether
-    /// there is any.
+    /// Collective. Find the acceleration by contact_load; false: there is none.
     bool
     find_contact_acceleration();
 
@@ -168,8 +163,7 @@ namespace greville
     void
     map_velocity(const State<dim> &state, const double dt);
 
-    /// Find the acceleration of the grid at the start, and the velocity of
-    /// surfaces that follows from it.
+    /// Find the acceleration at the start, and the velocity of surfaces by it.
     void
     map_acceleration(State<dim> &state, const double dt);
 
@@ -194,8 +188,7 @@ namespace greville
     double
     find_inertia_at_begin(const double dt);
 
-    /// Estimate the round-off of the residual: the sum of the norms of the
-    /// terms that cancel, times some units of round-off.
+    /// Estimate the round-off of the residual by the terms that cancel.
     double
     find_round_off() const;
 
@@ -241,16 +234,14 @@ namespace greville
     void
     take_constrained_momentum(State<dim> &state, const double dt);
 
-    /// Set the velocity and the acceleration of the state to v' and (v' - v) /
-    /// dt.
+    /// Set velocity and acceleration of the state to v' and (v' - v) / dt.
     void
     take_new_velocity(State<dim> &state, const double dt);
 
     void
     advance_water(State<dim> &state, const double dt);
 
-    /// Kick the points, and move them by the displacement, which has been
-    /// divided by dt.
+    /// Kick the points, and move them by the displacement divided by dt.
     void
     move_points(State<dim> &state, const double dt);
 
@@ -281,8 +272,7 @@ namespace greville
     std::uint64_t                   points_version         = 0; // of the mass
 
     VectorField<dim> velocity, acceleration, displacement;
-    VectorField<dim>
-      constrained_momentum; // that walls give to the mapped velocity
+    VectorField<dim> constrained_momentum; // of walls, by the mapped velocity
     VectorField<dim> old_force, old_loads, new_loads, force, work;
     // For surfaces, followed by bodies if their loads depend on the position of
     // points: the part of the velocity that does not depend on the

@@ -31,17 +31,13 @@ namespace greville
   class Simulation
   {
   public:
-    /**
-     * Collective. Make grid and points. Throws dealii::ExcMessage for invalid
-     * parameters.
-     */
+    /// Collective. Make grid and points. Throws dealii::ExcMessage for invalid
+    /// parameters.
     Simulation(const SimulationParameters &parameters,
                const MPI_Comm              comm = MPI_COMM_WORLD);
 
-    /**
-     * Collective. Compute mass and velocity of the grid from the current
-     * points, for output before the first step.
-     */
+    /// Collective. Compute mass and velocity of the grid from the current
+    /// points, for output before the first step.
     void
     fill_grid();
 
@@ -58,34 +54,26 @@ namespace greville
     bool
     is_finished() const;
 
-    /**
-     * Collective. Return later bodies, before the first step: see
-     * make_later_bodies().
-     */
+    /// Collective. Return later bodies, before the first step: see
+    /// make_later_bodies().
     std::vector<Body<dim>>
     later_bodies();
 
-    /**
-     * Return whether a point has moved by more than 'Time/Largest
-     * displacement'.
-     */
+    /// Return whether a point has moved by more than 'Time/Largest
+    /// displacement'.
     bool
     exceeds_displacement() const;
 
-    /**
-     * Return whether the stage has ended: the next step is the first of the
-     * next stage, if there is one.
-     */
+    /// Return whether the stage has ended: the next step is the first of the
+    /// next stage, if there is one.
     bool
     is_stage_finished() const
     {
       return is_end(current.time);
     }
 
-    /**
-     * Return whether the next step first copies the state, to restore it after
-     * a failure.
-     */
+    /// Return whether the next step first copies the state, to restore it after
+    /// a failure.
     bool
     keeps_state() const;
 
@@ -103,11 +91,9 @@ namespace greville
       return current;
     }
 
-    /**
-     * Collective. Continue from a copy of state(). Subsequent results depend
-     * only on the copy: they are bitwise equal each time, on the same number of
-     * processes.
-     */
+    /// Collective. Continue from a copy of state(). Subsequent results depend
+    /// only on the copy: they are bitwise equal each time, on the same number
+    /// of processes.
     void
     set_state(const State<dim> &state);
 
@@ -133,10 +119,8 @@ namespace greville
     Statistics<dim>
     statistics() const;
 
-    /**
-     * Return whether velocities belong to a time before State::time, so that
-     * the next step must sum up a row for this time.
-     */
+    /// Return whether velocities belong to a time before State::time, so that
+    /// the next step must sum up a row for this time.
     bool
     rows_are_late() const
     {
@@ -144,9 +128,8 @@ namespace greville
     }
 
     /// Collective. Give points the rest of their kick, so that velocities
-    /// belong to State::time, for results at the end of a run. Later steps
-    /// continue from there. If the kick fails, as the next step will, too,
-    /// velocities still belong to State::velocity_time, and there is a warning.
+    /// belong to State::time, for results at the end of a run. If this fails,
+    /// there is a warning. Later steps continue from there.
     void
     finish();
 
@@ -171,10 +154,8 @@ namespace greville
       return complete(requested_row);
     }
 
-    /**
-     * Collective. Return the force on the functions of the grid by stresses,
-     * gravity and loads in the current state, N (2D: N / m).
-     */
+    /// Collective. Return the force on the functions of the grid by stresses,
+    /// gravity and loads in the current state, N (2D: N / m).
     VectorField<dim>
     grid_force();
 
@@ -188,11 +169,9 @@ namespace greville
       return current.bodies;
     }
 
-    /**
-     * Return the bodies, for programs that change points between steps, except
-     * their number and mass. From then on, sums over the points are recomputed
-     * in each step.
-     */
+    /// Return the bodies, for programs that change points between steps, except
+    /// their number and mass. From then on, sums over the points are recomputed
+    /// in each step.
     std::vector<Body<dim>> &
     bodies()
     {
@@ -207,9 +186,7 @@ namespace greville
       return discretization.space();
     }
 
-    /**
-     * Return the mass of the grid.
-     */
+    /// Return the mass of the grid.
     const GridMass<dim> &
     mass() const
     {
@@ -234,37 +211,26 @@ namespace greville
       return integrator->solver_levels();
     }
 
-    /// Set a label for messages and Newton's log, such as " of 'Body disk'".
-    void
-    set_label(const std::string &of)
+    /// Return the messages, records of Newton's method, and times of steps.
+    StepLog &
+    step_log()
     {
-      log.of = of;
+      return log;
     }
 
-    /// Return warnings since the last call.
-    std::vector<std::string>
-    take_warnings();
-
-    /// Return the records of Newton's method in the last step, once.
-    std::vector<NewtonRecord>
-    take_newton();
-
-    /// Return the seconds on this process for each task of a step.
-    const std::map<std::string, double> &
-    part_times() const
+    const StepLog &
+    step_log() const
     {
-      return log.seconds;
+      return log;
     }
 
     /// Return the work of this process in a step, see work_of_process().
     double
     work() const;
 
-    /**
-     * Collective. Redistribute the cells between two steps, so that each
-     * process has the same share of the current work. Spaces and masses are
-     * made anew; results change within the tolerances of solvers.
-     */
+    /// Collective. Redistribute the cells between two steps, so that each
+    /// process has the same share of the current work. Spaces and masses are
+    /// made anew; results change within the tolerances of solvers.
     void
     share_cells();
 

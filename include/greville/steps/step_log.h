@@ -8,6 +8,7 @@
 #include <chrono>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace greville
@@ -34,10 +35,24 @@ namespace greville
    */
   struct StepLog
   {
-    std::map<std::string, double> seconds;
+    /// Return the warnings, or the records of Newton's method in the last step,
+    /// once.
+    std::vector<std::string>
+    take_warnings()
+    {
+      return std::exchange(warnings, {});
+    }
+
+    std::vector<NewtonRecord>
+    take_newton()
+    {
+      return std::exchange(newton, {});
+    }
+
+    std::map<std::string, double> seconds; // of tasks, on this process
     std::vector<std::string>      warnings;
-    std::string                   of;
-    std::vector<NewtonRecord>     newton;
+    std::string of; // label for messages and records: " of 'Body disk'"
+    std::vector<NewtonRecord> newton;
   };
 
 

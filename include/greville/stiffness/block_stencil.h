@@ -138,7 +138,7 @@ namespace greville
     const unsigned int middle  = (2 * n_lines - 1) / 2;
     double             block[dim * dim];
     unsigned int       k = 0, x = 0;
-    matrix->for_each_place(i, [&](const unsigned int j, const std::size_t) {
+    matrix->for_each_place(i, [&](const unsigned int j) {
       const bool is_stored = k >= middle && j >= i;
       bool       is_zero   = true;
       for (unsigned int c = 0; is_stored && c < dim; ++c)
