@@ -74,8 +74,7 @@ namespace greville
     std::vector<std::pair<unsigned int, std::uint64_t>> &hosts_of_cells =
       filling.hosts_of_cells;
     const std::vector<std::uint64_t> &positions = neighbors.positions();
-    const unsigned int  n_owned = filling.spline_space->owned_cells().size();
-    std::vector<double> values  = std::vector<double>(positions.size());
+    const unsigned int n_owned = filling.spline_space->owned_cells().size();
 
     static MultiIndex<dim>
     three()
@@ -83,17 +82,6 @@ namespace greville
       MultiIndex<dim> result;
       result.fill(3);
       return result;
-    }
-
-    template <typename Values>
-    void
-    exchange(Values &of_cells)
-    {
-      std::copy(of_cells.begin(), of_cells.begin() + n_owned, values.begin());
-      neighbors.exchange(values);
-      std::copy(values.begin() + n_owned,
-                values.end(),
-                of_cells.begin() + n_owned);
     }
 
     /**
@@ -155,7 +143,7 @@ namespace greville
           }
       for (const unsigned int c : rims)
         classes[c] = beyond;
-      exchange(classes);
+      neighbors.exchange(classes);
     }
 
     /**
@@ -200,7 +188,7 @@ namespace greville
           .push_back(c);
       for (const unsigned int c : inside)
         classes[c] = host;
-      exchange(classes);
+      neighbors.exchange(classes);
       return outside;
     }
 
@@ -225,7 +213,7 @@ namespace greville
             near[c] |= std::uint32_t{1} << lexicographic<dim>(offset, three());
           });
         }
-      exchange(near); // as doubles
+      neighbors.exchange(near);
       return near;
     }
 
@@ -301,7 +289,7 @@ namespace greville
           for (unsigned int c = 0; c < n_owned; ++c)
             if (r < lists[c].size())
               travelling[c] = double(lists[c][r] + 1);
-          exchange(travelling);
+          neighbors.exchange(travelling);
           for (unsigned int c = n_owned; c < positions.size(); ++c)
             if (travelling[c] > 0.)
               lists[c].push_back(std::uint64_t(travelling[c]) - 1);
@@ -358,7 +346,7 @@ namespace greville
   CellFilling<dim>::find_hosts(const bool with_outer_hosts)
   {
     HostSearch search{*this};
-    search.exchange(classes);
+    search.neighbors.exchange(classes);
     if (has_rims)
       search.mark_rims();
     filled.clear();
@@ -379,7 +367,7 @@ namespace greville
         classes[c] = host;
       else
         cut_fragments.push_back(c);
-    search.exchange(classes);
+    search.neighbors.exchange(classes);
     fragments = search.find_hosts_of(cut_fragments);
     if (has_rims)
       search.find_hosts_of_rims(fragments);

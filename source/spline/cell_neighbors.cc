@@ -17,15 +17,19 @@ namespace greville
     lattice = space.lattice();
     n_owned = cells.size();
     numbers.clear();
-    buffer_places.clear();
+    ghost_places.clear();
+    sent.clear();
     if (Utilities::MPI::n_mpi_processes(space.communicator()) == 1)
       return;
 
     const auto &tria       = space.triangulation();
     const auto partitioner = tria.global_active_cell_index_partitioner().lock();
     buffer.reinit(partitioner);
-    buffer_places.resize(n_owned);
-    of_children.clear();
+    std::vector<bool> is_sent(buffer.locally_owned_size(), false);
+    for (const auto &range : partitioner->import_indices())
+      std::fill(is_sent.begin() + range.first,
+                is_sent.begin() + range.second,
+                true);
     std::map<std::uint64_t, unsigned int> ghosts; // any child of a parent
     for (const auto &cell : tria.active_cell_iterators())
       {
@@ -33,22 +37,34 @@ namespace greville
           continue;
         const unsigned int place =
           partitioner->global_to_local(cell->global_active_cell_index());
-        if (cell->is_locally_owned())
-          {
-            buffer_places[space.cell_number(cell)] = place;
-            of_children.emplace_back(space.cell_number(cell), place);
-          }
-        else
+        if (!cell->is_locally_owned())
           ghosts[space.cell_position(cell->center())] = place;
+        else if (is_sent[place])
+          sent.emplace_back(space.cell_number(cell), place);
       }
     for (const auto &ghost : ghosts)
       {
         cells.push_back(ghost.first);
-        buffer_places.push_back(ghost.second);
+        ghost_places.push_back(ghost.second);
       }
+    sort_cells();
+  }
+
+
+
+  template <int dim>
+  void
+  CellNeighbors<dim>::sort_cells()
+  {
     for (unsigned int c = 0; c < cells.size(); ++c)
       numbers.emplace_back(cells[c], c);
     std::sort(numbers.begin(), numbers.end());
+    line_begin.clear();
+    const std::uint64_t n_x = lattice.n_cells()[0];
+    first_line              = numbers.empty() ? 0 : numbers[0].first / n_x;
+    for (unsigned int k = 0; k < numbers.size(); ++k)
+      line_begin.resize(numbers[k].first / n_x - first_line + 1, k);
+    line_begin.push_back(numbers.size());
   }
 
 
@@ -57,14 +73,23 @@ namespace greville
   unsigned int
   CellNeighbors<dim>::find(const std::uint64_t position) const
   {
-    if (numbers.empty()) // one process: all cells
+    if (buffer.size() == 0) // one process: all cells
       return position;
-    const auto found = std::lower_bound(numbers.begin(),
-                                        numbers.end(),
-                                        std::make_pair(position, 0u));
-    return found != numbers.end() && found->first == position
-             ? found->second
-             : dealii::numbers::invalid_unsigned_int;
+    const std::uint64_t line = position / lattice.n_cells()[0] - first_line;
+    if (line >= line_begin.size() - 1)
+      return dealii::numbers::invalid_unsigned_int;
+    const auto begin = numbers.begin() + line_begin[line],
+               end   = numbers.begin() + line_begin[line + 1];
+    const auto is_at = [&](const auto &entry) {
+      return entry != end && entry->first == position;
+    };
+    // Most lines have no gaps.
+    auto found = begin;
+    if (begin != end && position >= begin->first)
+      found += std::min<std::uint64_t>(position - begin->first, end - begin);
+    if (!is_at(found))
+      found = std::lower_bound(begin, end, std::make_pair(position, 0u));
+    return is_at(found) ? found->second : dealii::numbers::invalid_unsigned_int;
   }
 
 
@@ -79,24 +104,6 @@ namespace greville
     return lattice.wrap(index)
              ? find(lexicographic<dim>(index, lattice.n_cells()))
              : dealii::numbers::invalid_unsigned_int;
-  }
-
-
-
-  template <int dim>
-  void
-  CellNeighbors<dim>::exchange(std::vector<double> &values) const
-  {
-    AssertThrow(values.size() == cells.size(),
-                ExcDimensionMismatch(values.size(), cells.size()));
-    if (buffer.size() == 0) // one process
-      return;
-    buffer.zero_out_ghost_values();
-    for (const auto &child : of_children)
-      buffer.local_element(child.second) = values[child.first];
-    buffer.update_ghost_values();
-    for (unsigned int c = n_owned; c < cells.size(); ++c)
-      values[c] = buffer.local_element(buffer_places[c]);
   }
 
 

@@ -44,21 +44,41 @@ namespace greville
 
     /**
      * Collective. Of each local cell, the owned ones given, the others are
-     * overwritten by their owners.
+     * overwritten by their owners. The values are exact as doubles.
      */
+    template <typename Value>
     void
-    exchange(std::vector<double> &values) const;
+    exchange(std::vector<Value> &values) const
+    {
+      AssertThrow(values.size() == cells.size(),
+                  dealii::ExcDimensionMismatch(values.size(), cells.size()));
+      if (buffer.size() == 0) // one process
+        return;
+      for (const auto &[cell, place] : sent)
+        buffer.local_element(place) = values[cell];
+      buffer.update_ghost_values();
+      for (unsigned int c = n_owned; c < cells.size(); ++c)
+        values[c] = Value(buffer.local_element(ghost_places[c - n_owned]));
+    }
 
   private:
+    /// Sort the cells by positions for find().
+    void
+    sort_cells();
+
     std::vector<std::uint64_t> cells;
     Lattice<dim>               lattice;
 
-    // Local numbers by position; empty on one process.
+    // Local numbers by position, and where lines of cells in x begin among
+    // them; empty on one process.
     std::vector<std::pair<std::uint64_t, unsigned int>> numbers;
-    std::vector<unsigned int> buffer_places; // of local cells in the buffer
-    // Owned cells with the places of their children, if the children are the
-    // cells of the mesh.
-    std::vector<std::pair<unsigned int, unsigned int>> of_children;
+    std::vector<unsigned int>                           line_begin;
+    std::uint64_t                                       first_line = 0;
+
+    // Places in the buffer, which has the cells of the mesh: those of the ghost
+    // layer, and with their cells, those of which the values are sent.
+    std::vector<unsigned int>                          ghost_places;
+    std::vector<std::pair<unsigned int, unsigned int>> sent;
     mutable VectorType                                 buffer;
     unsigned int                                       n_owned = 0;
   };
