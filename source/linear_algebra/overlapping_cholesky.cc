@@ -85,26 +85,27 @@ namespace greville
 
 
 
-    /**
-     * Append a row with the sums of the entries (column, value), which are
-     * sorted.
-     */
-    void
-    append_row(UpperTriangle                                &matrix,
-               std::vector<std::pair<unsigned int, double>> &row)
+    /// An entry between rows of the domain.
+    struct DomainEntry
     {
-      std::sort(row.begin(), row.end(), [](const auto &a, const auto &b) {
-        return a.first < b.first;
-      });
-      for (std::size_t k = 0; k < row.size(); ++k)
-        if (k > 0 && row[k].first == row[k - 1].first)
-          matrix.values.back() += row[k].second;
-        else
-          {
-            matrix.columns.push_back(row[k].first);
-            matrix.values.push_back(row[k].second);
-          }
-      matrix.row_begin.push_back(matrix.columns.size());
+      unsigned int row, column;
+      double       value;
+    };
+
+    /// Sort entries by rows, and return where the rows of @p n begin.
+    std::vector<unsigned int>
+    sort_by_rows(std::vector<DomainEntry> &entries, const unsigned int n)
+    {
+      std::vector<unsigned int> begin(n + 1, 0);
+      for (const DomainEntry &entry : entries)
+        ++begin[entry.row + 1];
+      std::partial_sum(begin.begin(), begin.end(), begin.begin());
+      std::vector<DomainEntry>  sorted(entries.size());
+      std::vector<unsigned int> next(begin);
+      for (const DomainEntry &entry : entries)
+        sorted[next[entry.row]++] = entry;
+      entries.swap(sorted);
+      return begin;
     }
 
 
@@ -138,13 +139,10 @@ namespace greville
       }
 
       /// Return the unknowns of the overlap, ascending.
-      std::vector<Number>
+      const std::vector<Number> &
       ghosts() const
       {
-        std::vector<Number> result;
-        for (const Ghost &ghost : all_ghosts)
-          result.push_back(ghost.unknown);
-        return result;
+        return ghost_numbers;
       }
 
       /// The local unknown of each row; and the positions of local unknowns.
@@ -160,51 +158,81 @@ namespace greville
       UpperTriangle
       domain_matrix() const
       {
-        std::vector<std::vector<std::pair<unsigned int, double>>> more(
-          order.size());
-        const auto add =
-          [&](const unsigned int u, const unsigned int v, const double value) {
-            const unsigned int i = row_of[u], j = row_of[v];
-            more[std::min(i, j)].emplace_back(std::max(i, j), value);
-          };
-        for (const SharedEntry &entry : shared)
-          add(local(entry.row), local(entry.column), entry.value);
+        std::vector<DomainEntry> more;
+        more.reserve(shared.size() + received.size());
+        unsigned int last_row = n_owned, last_column = n_owned;
+        const auto   add = [&](const SharedEntry &entry) {
+          const unsigned int u = local(entry.row, last_row),
+                             v = local(entry.column, last_column);
+          if (v == numbers::invalid_unsigned_int)
+            return;
+          const unsigned int i = row_of[u], j = row_of[v];
+          more.push_back({std::min(i, j), std::max(i, j), entry.value});
+        };
+        std::for_each(shared.begin(), shared.end(), add);
         for (const SharedEntry &entry : received)
-          if (is_ghost(entry.column) && entry.row <= entry.column)
-            add(local(entry.row), local(entry.column), entry.value);
+          if (entry.row <= entry.column && !is_owned(entry.column))
+            add(entry);
+        const auto begin = sort_by_rows(more, order.size());
 
-        // Owned unknowns keep their order, so that columns still ascend.
-        UpperTriangle result;
-        result.columns.reserve(2 * matrix.columns.size());
-        result.values.reserve(2 * matrix.columns.size());
+        UpperTriangle     result;
+        const std::size_t n = matrix.columns.size() + more.size();
+        result.columns.reserve(n);
+        result.values.reserve(n);
+        result.row_begin.reserve(order.size() + 1);
         for (unsigned int k = 0; k < order.size(); ++k)
           {
-            const auto add_own = [&](const auto &append) {
-              if (order[k] < n_owned)
-                for_each_entry(order[k],
-                               [&](const unsigned int j, const double value) {
-                                 if (j < n_owned)
-                                   append(row_of[j], value);
-                               });
-            };
-            if (more[k].empty())
-              {
-                add_own([&](const unsigned int column, const double value) {
-                  result.columns.push_back(column);
-                  result.values.push_back(value);
-                });
-                result.row_begin.push_back(result.columns.size());
-                continue;
-              }
-            add_own([&](const unsigned int column, const double value) {
-              more[k].emplace_back(column, value);
-            });
-            append_row(result, more[k]);
+            append_own_entries(result, k);
+            if (begin[k] < begin[k + 1])
+              add_to_last_row(result, &more[begin[k]], &more[0] + begin[k + 1]);
+            result.row_begin.push_back(result.columns.size());
           }
         return result;
       }
 
     private:
+      /// Append the entries between owned unknowns. These keep their order, so
+      /// that columns ascend.
+      void
+      append_own_entries(UpperTriangle &result, const unsigned int row) const
+      {
+        if (order[row] < n_owned)
+          for_each_entry(order[row],
+                         [&](const unsigned int j, const double value) {
+                           if (j < n_owned)
+                             {
+                               result.columns.push_back(row_of[j]);
+                               result.values.push_back(value);
+                             }
+                         });
+      }
+
+      static void
+      add_to_last_row(UpperTriangle     &result,
+                      const DomainEntry *entry,
+                      const DomainEntry *end)
+      {
+        std::vector<std::pair<unsigned int, double>> row;
+        for (; entry != end; ++entry)
+          row.emplace_back(entry->column, entry->value);
+        const std::size_t begin = result.row_begin.back();
+        for (std::size_t e = begin; e < result.columns.size(); ++e)
+          row.emplace_back(result.columns[e], result.values[e]);
+        std::sort(row.begin(), row.end(), [](const auto &a, const auto &b) {
+          return a.first < b.first;
+        });
+        result.columns.resize(begin);
+        result.values.resize(begin);
+        for (const auto &[column, value] : row)
+          if (result.columns.size() > begin && result.columns.back() == column)
+            result.values.back() += value;
+          else
+            {
+              result.columns.push_back(column);
+              result.values.push_back(value);
+            }
+      }
+
       /// Call visit(j, A_ij) for the entries of this process in a row.
       template <typename Visit>
       void
@@ -288,6 +316,9 @@ namespace greville
                   [](const Ghost &a, const Ghost &b) {
                     return a.unknown < b.unknown;
                   });
+        ghost_numbers.clear();
+        for (const Ghost &ghost : all_ghosts)
+          ghost_numbers.push_back(ghost.unknown);
       }
 
       /// Return the columns of own rows for the processes that need the rows.
@@ -383,30 +414,39 @@ namespace greville
                unknown < layout.global_number(0) + n_owned;
       }
 
-      std::vector<Ghost>::const_iterator
-      find_ghost(const Number unknown) const
-      {
-        return std::lower_bound(all_ghosts.begin(),
-                                all_ghosts.end(),
-                                unknown,
-                                [](const Ghost &ghost, const Number number) {
-                                  return ghost.unknown < number;
-                                });
-      }
-
       bool
       is_ghost(const Number unknown) const
       {
-        const auto ghost = find_ghost(unknown);
-        return ghost != all_ghosts.end() && ghost->unknown == unknown;
+        return std::binary_search(ghost_numbers.begin(),
+                                  ghost_numbers.end(),
+                                  unknown);
+      }
+
+      /**
+       * Return the local number of an unknown, or invalid_unsigned_int. The
+       * search begins behind the @p last ghost found, and updates it.
+       */
+      unsigned int
+      local(const Number unknown, unsigned int &last) const
+      {
+        if (is_owned(unknown))
+          return unknown - layout.global_number(0);
+        const unsigned int n = ghost_numbers.size();
+        for (unsigned int g = last - n_owned; g < last - n_owned + 2; ++g)
+          if (g < n && ghost_numbers[g] == unknown)
+            return last = n_owned + g;
+        const auto found =
+          std::lower_bound(ghost_numbers.begin(), ghost_numbers.end(), unknown);
+        if (found == ghost_numbers.end() || *found != unknown)
+          return numbers::invalid_unsigned_int;
+        return last = n_owned + (found - ghost_numbers.begin());
       }
 
       unsigned int
       local(const Number unknown) const
       {
-        return is_owned(unknown)
-                 ? unknown - layout.global_number(0)
-                 : n_owned + (find_ghost(unknown) - all_ghosts.begin());
+        unsigned int last = n_owned;
+        return local(unknown, last);
       }
 
       const UpperTriangle      &matrix;
@@ -418,6 +458,7 @@ namespace greville
       std::vector<SharedEntry>  received; // in rows of the overlap
       std::vector<std::vector<unsigned int>> processes_of_row; // that need it
       std::vector<Ghost>                     all_ghosts;       // of the domain
+      std::vector<Number>                    ghost_numbers;    // ascending
       std::vector<Position>                  positions; // of local unknowns
       std::vector<unsigned int>              row_of;    // of local unknowns
     };

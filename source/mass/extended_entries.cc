@@ -71,11 +71,26 @@ namespace greville
       void
       add(const unsigned int column, const double value)
       {
-        const unsigned int word = column / n_bits;
-        touched[word] |= std::uint64_t(1) << (column % n_bits);
-        lowest  = std::min(lowest, word);
-        highest = std::max(highest, word);
+        mark(column);
+        lowest  = std::min(lowest, column / n_bits);
+        highest = std::max(highest, column / n_bits);
         sums[column] += value;
+      }
+
+      /// Add a multiple of ascending entries.
+      template <typename Entry>
+      void
+      add(const Entry *entry, const Entry *end, const double factor)
+      {
+        if (entry == end)
+          return;
+        lowest  = std::min(lowest, entry->unknown / n_bits);
+        highest = std::max(highest, end[-1].unknown / n_bits);
+        for (; entry != end; ++entry)
+          {
+            mark(entry->unknown);
+            sums[entry->unknown] += factor * entry->weight;
+          }
       }
 
       /// Call visit(column, sum) for the entries, ascending, and clear the row.
@@ -97,6 +112,12 @@ namespace greville
 
     private:
       static constexpr unsigned int n_bits = 64;
+
+      void
+      mark(const unsigned int column)
+      {
+        touched[column / n_bits] |= std::uint64_t(1) << (column % n_bits);
+      }
 
       std::vector<double>        sums;
       std::vector<std::uint64_t> touched;
@@ -138,13 +159,17 @@ namespace greville
       make_C();
       W_columns = W.transpose(n);
       C_columns = C.transpose(n);
+      W_next    = W.begin;
+      C_next    = C.begin;
       for (unsigned int u = E.n_owned; u < n; ++u)
         if (has_place(u))
-          M.for_each_entry(E.unknowns[u],
-                           [&](const unsigned int j, const double) {
-                             if (E.signed_numbers[j] > 0)
-                               is_near_ghost[E.signed_numbers[j] - 1] = 1;
-                           });
+          M.for_each_entry(
+            E.unknowns[u],
+            [&](const unsigned int j, const double) {
+              if (E.signed_numbers[j] > 0)
+                is_near_ghost[E.signed_numbers[j] - 1] = 1;
+            },
+            reach);
     }
 
     UpperTriangle
@@ -210,6 +235,12 @@ namespace greville
             if (!is_constrained_extended[k] &&
                 !is_constrained[E.extended_entries[e].unknown])
               W.entries.push_back(E.extended_entries[e]);
+          // Ghosts have the last numbers, but not the last places.
+          std::sort(W.entries.begin() + W.begin.back(),
+                    W.entries.end(),
+                    [](const Entry &a, const Entry &b) {
+                      return a.unknown < b.unknown;
+                    });
           W.end_row();
         }
     }
@@ -291,7 +322,6 @@ namespace greville
             !is_constrained[number - 1])
           sum.add(number - 1, value);
       };
-      // Ghosts have the last numbers, but not the last places.
       if (has_place(i))
         {
           if (i < E.n_owned && !is_near_ghost[i])
@@ -299,17 +329,28 @@ namespace greville
           else
             M.for_each_entry(E.unknowns[i], add_unknown, reach);
         }
-      const auto add_product = [&](const SparseRows<Entry> &columns,
-                                   const SparseRows<Entry> &rows) {
-        columns.for_each(i, [&](const unsigned int k, const double left) {
-          rows.for_each(k, [&](const unsigned int j, const double right) {
-            if (j >= i)
-              sum.add(j, left * right);
-          });
-        });
-      };
-      add_product(W_columns, C);
-      add_product(C_columns, W);
+      add_product(i, W_columns, C, C_next);
+      add_product(i, C_columns, W, W_next);
+    }
+
+    /**
+     * Add row @p i of a product, from column i on. @p next are the entries of
+     * the rows at which the last search ended.
+     */
+    void
+    add_product(const unsigned int        i,
+                const SparseRows<Entry>  &columns,
+                const SparseRows<Entry>  &rows,
+                std::vector<std::size_t> &next)
+    {
+      columns.for_each(i, [&](const unsigned int k, const double factor) {
+        const std::size_t end = rows.begin[k + 1];
+        while (next[k] < end && rows.entries[next[k]].unknown < i)
+          ++next[k];
+        sum.add(rows.entries.data() + next[k],
+                rows.entries.data() + end,
+                factor);
+      });
     }
 
     const StencilMatrix<dim>    &M;
@@ -320,6 +361,7 @@ namespace greville
     std::vector<unsigned char>   is_near_ghost;
     std::vector<double>          image_diagonal;
     SparseRows<Entry>            W, C, W_columns, C_columns;
+    std::vector<std::size_t>     W_next, C_next;
     RowSum                       sum;
   };
 
