@@ -101,19 +101,22 @@ namespace greville
       else
         E->for_each_active(E->n_owned_functions(), at);
     };
+    unsigned int any = 0;
+    for_each_constrained(false,
+                         [&](const unsigned int,
+                             const std::size_t,
+                             const double value) { any |= value != 0.; });
+    // Walls at rest contribute nothing.
+    if (Utilities::MPI::max(any, E->communicator()) == 0)
+      return;
     VectorType x, y;
     E->initialize_vector(x, width);
-    bool any = false;
     for_each_constrained(
       false,
       [&](const unsigned int c, const std::size_t place, const double value) {
-        any = any || value != 0.;
         if (E->signed_numbers[place] > 0)
           x.local_element((E->signed_numbers[place] - 1) * width + c) = value;
       });
-    // Walls at rest contribute nothing.
-    if (Utilities::MPI::max<unsigned int>(any, E->communicator()) == 0)
-      return;
 
     x.update_ghost_values();
     E->expand(x.begin(), width, E->place_x.data());

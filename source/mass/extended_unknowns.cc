@@ -145,23 +145,14 @@ namespace greville
     choose_unknowns();
 
     // Rows of E for the extended functions, with positions instead of numbers.
-    extended.clear();
+    const auto &rows   = extension->rows();
     extended_functions = extension->extended_functions();
-    std::vector<std::uint64_t> all_positions, positions;
-    std::vector<double>        all_weights, weights;
-    extended_begin.assign(1, 0);
+    extended_begin     = rows.begin;
+    extended.clear();
     for (const unsigned int f : extended_functions)
-      {
-        extended.push_back(stencil->place(f));
-        extension->row(f, positions, weights);
-        all_positions.insert(all_positions.end(),
-                             positions.begin(),
-                             positions.end());
-        all_weights.insert(all_weights.end(), weights.begin(), weights.end());
-        extended_begin.push_back(all_positions.size());
-      }
+      extended.push_back(stencil->place(f));
 
-    const auto ghost_of = number_ghost_unknowns(all_positions);
+    const auto ghost_of = number_ghost_unknowns(rows.positions);
     for (unsigned int u = 0; u < unknowns.size(); ++u)
       if (unknowns[u] != numbers::invalid_unsigned_int)
         signed_numbers[unknowns[u]] = 1 + int(u);
@@ -170,16 +161,20 @@ namespace greville
 
     extended_entries.clear();
     const auto &owned = stencil->space().owned_functions();
-    for (std::size_t e = 0; e < all_positions.size(); ++e)
+    auto        place = owned.begin();
+    for (std::size_t e = 0; e < rows.positions.size(); ++e)
       {
-        const auto place =
-          std::lower_bound(owned.begin(), owned.end(), all_positions[e]);
-        const bool is_owned =
-          place != owned.end() && *place == all_positions[e];
+        // Most positions follow the one before.
+        const std::uint64_t position = rows.positions[e];
+        if (place != owned.end() && *place != position)
+          ++place;
+        if (place == owned.end() || *place != position)
+          place = std::lower_bound(owned.begin(), owned.end(), position);
+        const bool is_owned = place != owned.end() && *place == position;
         const unsigned int unknown =
           is_owned ? signed_numbers[stencil->place(place - owned.begin())] - 1
-                   : ghost_of.at(all_positions[e]);
-        extended_entries.push_back({unknown, all_weights[e]});
+                   : ghost_of.at(position);
+        extended_entries.push_back({unknown, rows.weights[e]});
       }
 
     add_rows_of_images();

@@ -348,9 +348,12 @@ namespace greville
                 ExcMessage(
                   "At most 8 components are solved for together, not " +
                   std::to_string(columns) + "."));
-    VectorType unknowns, rows;
-    mass.unknowns().initialize_vector(unknowns, width);
-    mass.unknowns().initialize_vector(rows, width);
+    const auto &partitioner =
+      mass.unknowns().unknown_layout()->partitioner(width);
+    for (VectorType *vector : {&unknowns, &rows, &residual_rows})
+      if (vector->get_partitioner() != partitioner)
+        vector->reinit(partitioner);
+    unknowns = 0.; // also in columns that are not used
     prepare();
     const auto run = [&](const unsigned int max_iterations) {
       mass.unknowns().restrict_fields(rows, b, width);
@@ -424,13 +427,12 @@ namespace greville
                                    const std::vector<double> &shares,
                                    const unsigned int max_iterations) const
   {
-    VectorType r;
-    mass.unknowns().initialize_vector(r, width);
-    auto       sums      = residual<width>(r, x, b);
-    FieldNorms target    = norms_of<width>(sums[1], n_fields, dim);
-    FieldNorms now       = norms_of<width>(sums[0], n_fields, dim);
-    const auto guess     = norms_of<width>(sums[2], n_fields, dim);
-    double     tolerance = parameters.tolerance;
+    VectorType &r         = residual_rows;
+    auto        sums      = residual<width>(r, x, b);
+    FieldNorms  target    = norms_of<width>(sums[1], n_fields, dim);
+    FieldNorms  now       = norms_of<width>(sums[0], n_fields, dim);
+    const auto  guess     = norms_of<width>(sums[2], n_fields, dim);
+    double      tolerance = parameters.tolerance;
     for (unsigned int k = 0; k < n_fields; ++k)
       if (guess[k] == 0. && target[k] > 0.)
         tolerance = std::min(tolerance, first_tolerance);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 namespace greville
 {
@@ -32,6 +33,9 @@ namespace greville
                          const CellFilling<dim> &filling,
                          const bool              constant)
   {
+    const ExtendedFunctions old =
+      spline_space == &space && is_constant == constant ? std::move(functions)
+                                                        : ExtendedFunctions();
     is_constant = constant;
     if (spline_space != &space)
       space.initialize_vector(support_weights);
@@ -63,8 +67,31 @@ namespace greville
         const double n = support_weights.local_element(f);
         classes[f]     = n == 0. ? inactive : n >= with_host ? stable : lumped;
       }
-    for (const unsigned int f : extended_numbers)
+    for (const unsigned int f : functions.numbers)
       classes[f] = extended;
+    make_rows(old);
+  }
+
+
+
+  template <int dim>
+  void
+  Extension<dim>::sort(std::vector<HostOfFunction> &found) const
+  {
+    // By functions first, which have few hosts each.
+    std::vector<std::size_t> end(spline_space->owned_functions().size() +
+                                   spline_space->ghost_functions().size() + 1,
+                                 0);
+    for (const HostOfFunction &entry : found)
+      ++end[entry.first + 1];
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<HostOfFunction> sorted(found.size());
+    for (const HostOfFunction &entry : found)
+      sorted[end[entry.first]++] = entry;
+    std::size_t begin = 0;
+    for (unsigned int f = 0; f + 1 < end.size(); begin = end[f++])
+      std::sort(sorted.begin() + begin, sorted.begin() + end[f]);
+    found.assign(sorted.begin(), std::unique(sorted.begin(), sorted.end()));
   }
 
 
@@ -76,7 +103,6 @@ namespace greville
     const SplineSpace<dim> &space = *spline_space;
 
     // Hosts of the owned cells of functions without a host among their cells.
-    using HostOfFunction = std::pair<unsigned int, std::uint64_t>;
     std::vector<HostOfFunction> found;
     for (const auto &entry : cell_filling->hosts())
       for (const unsigned int f : space.cell_functions(entry.first))
@@ -85,11 +111,7 @@ namespace greville
               multi_index<dim>(space.function_position(f), space.n_functions()),
               space.n_functions()))
           found.emplace_back(f, entry.second);
-    const auto sort = [&]() {
-      std::sort(found.begin(), found.end());
-      found.erase(std::unique(found.begin(), found.end()), found.end());
-    };
-    sort();
+    sort(found);
 
     if (Utilities::MPI::n_mpi_processes(space.communicator()) > 1)
       {
@@ -103,7 +125,7 @@ namespace greville
             for (const auto &entry : message.second)
               found.emplace_back(partitioner.global_to_local(entry.first),
                                  entry.second);
-          sort();
+          sort(found);
         };
         const auto for_each_host = [&](const unsigned int f,
                                        const auto        &action) {
@@ -137,19 +159,51 @@ namespace greville
         add(exchange_lists(space.communicator(), to_others));
       }
 
-    extended_numbers.clear();
-    hosts.clear();
-    hosts_begin.clear();
+    functions = ExtendedFunctions();
     for (const HostOfFunction &entry : found)
       {
-        if (extended_numbers.empty() || extended_numbers.back() != entry.first)
+        if (functions.numbers.empty() ||
+            functions.numbers.back() != entry.first)
           {
-            extended_numbers.push_back(entry.first);
-            hosts_begin.push_back(hosts.size());
+            functions.numbers.push_back(entry.first);
+            functions.hosts_begin.push_back(functions.hosts.size());
           }
-        hosts.push_back(entry.second);
+        functions.hosts.push_back(entry.second);
       }
-    hosts_begin.push_back(hosts.size());
+    functions.hosts_begin.push_back(functions.hosts.size());
+  }
+
+
+
+  template <int dim>
+  void
+  Extension<dim>::make_rows(const ExtendedFunctions &old)
+  {
+    Rows        &rows = functions.rows;
+    unsigned int k    = 0;
+    for (unsigned int i = 0; i < functions.numbers.size(); ++i)
+      {
+        while (k < old.numbers.size() && old.numbers[k] < functions.numbers[i])
+          ++k;
+        if (k < old.numbers.size() && old.numbers[k] == functions.numbers[i] &&
+            std::equal(functions.hosts.begin() + functions.hosts_begin[i],
+                       functions.hosts.begin() + functions.hosts_begin[i + 1],
+                       old.hosts.begin() + old.hosts_begin[k],
+                       old.hosts.begin() + old.hosts_begin[k + 1]))
+          {
+            const std::size_t begin = old.rows.begin[k],
+                              end   = old.rows.begin[k + 1];
+            rows.positions.insert(rows.positions.end(),
+                                  old.rows.positions.begin() + begin,
+                                  old.rows.positions.begin() + end);
+            rows.weights.insert(rows.weights.end(),
+                                old.rows.weights.begin() + begin,
+                                old.rows.weights.begin() + end);
+          }
+        else
+          append_row(i);
+        rows.begin.push_back(rows.positions.size());
+      }
   }
 
 
@@ -160,21 +214,38 @@ namespace greville
                       std::vector<std::uint64_t> &positions,
                       std::vector<double>        &weights) const
   {
+    const auto place = std::lower_bound(functions.numbers.begin(),
+                                        functions.numbers.end(),
+                                        function);
+    AssertThrow(place != functions.numbers.end() && *place == function,
+                ExcMessage("The function is not extended."));
+    const unsigned int k     = place - functions.numbers.begin();
+    const std::size_t  begin = functions.rows.begin[k],
+                      end    = functions.rows.begin[k + 1];
+    positions.assign(functions.rows.positions.begin() + begin,
+                     functions.rows.positions.begin() + end);
+    weights.assign(functions.rows.weights.begin() + begin,
+                   functions.rows.weights.begin() + end);
+  }
+
+
+
+  template <int dim>
+  void
+  Extension<dim>::append_row(const unsigned int k)
+  {
     const SplineSpace<dim> &space   = *spline_space;
+    const auto             &hosts   = functions.hosts;
     const unsigned int      p       = space.degree();
     const auto             &extents = space.n_functions();
-    const auto              place   = std::lower_bound(extended_numbers.begin(),
-                                        extended_numbers.end(),
-                                        function);
-    AssertThrow(place != extended_numbers.end() && *place == function,
-                ExcMessage("The function is not extended."));
-    const auto i = multi_index<dim>(space.function_position(function), extents);
+    const auto              i =
+      multi_index<dim>(space.function_position(functions.numbers[k]), extents);
     MultiIndex<dim> local_extents;
     local_extents.fill(p + 1);
     const unsigned int n = space.n_dofs_per_cell() / space.n_components();
 
-    const std::size_t begin = hosts_begin[place - extended_numbers.begin()],
-                      end   = hosts_begin[place - extended_numbers.begin() + 1];
+    const std::size_t begin = functions.hosts_begin[k],
+                      end   = functions.hosts_begin[k + 1];
 
     // Squared distances of centers, in half cells. In a periodic grid, the
     // image of the function nearest to the host counts.
@@ -219,22 +290,22 @@ namespace greville
                 const int nearest =
                   int(i[d]) - int(host[d]) +
                   int(lattice.n_cells()[d]) * periods(host[d], d);
-                for (int k = 0; k <= int(p); ++k)
-                  factors[d][k] = k == std::clamp(nearest, 0, int(p));
+                for (int j = 0; j <= int(p); ++j)
+                  factors[d][j] = j == std::clamp(nearest, 0, int(p));
                 continue;
               }
             const double move =
               (lattice.upper()[d] - lattice.lower()[d]) * periods(host[d], d);
             double inner_knots[SplineSpace<dim>::max_degree];
-            for (unsigned int k = 0; k < p; ++k)
-              inner_knots[k] = space.knots(d).knots()[i[d] + 1 + k] + move;
+            for (unsigned int j = 0; j < p; ++j)
+              inner_knots[j] = space.knots(d).knots()[i[d] + 1 + j] + move;
             space.knots(d).blossom(host[d],
                                    ArrayView<const double>(inner_knots, p),
                                    ArrayView<double>(factors[d], p + 1));
           }
-        for (unsigned int k = 0; k < n; ++k)
+        for (unsigned int l = 0; l < n; ++l)
           {
-            auto   a      = multi_index<dim>(k, local_extents);
+            auto   a      = multi_index<dim>(l, local_extents);
             double weight = shares[h - begin] / all_shares;
             for (unsigned int d = 0; d < dim; ++d)
               {
@@ -248,15 +319,15 @@ namespace greville
           }
       }
     std::sort(entries.begin(), entries.end());
-    positions.clear();
-    weights.clear();
+    Rows             &rows  = functions.rows;
+    const std::size_t first = rows.positions.size();
     for (const auto &entry : entries)
-      if (!positions.empty() && positions.back() == entry.first)
-        weights.back() += entry.second;
+      if (rows.positions.size() > first && rows.positions.back() == entry.first)
+        rows.weights.back() += entry.second;
       else
         {
-          positions.push_back(entry.first);
-          weights.push_back(entry.second);
+          rows.positions.push_back(entry.first);
+          rows.weights.push_back(entry.second);
         }
   }
 

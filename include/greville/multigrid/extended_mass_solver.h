@@ -153,6 +153,9 @@ namespace greville
 
     bool is_old = true; // unit and the matrix in single precision
 
+    // Of the last solve, to be used again.
+    mutable VectorType unknowns, rows, residual_rows;
+
     // Vectors of an iteration: correction, residual, direction and its product,
     // preconditioned residual and its product.
     mutable VectorOf<float> e, r, p, s, u, w;

@@ -82,14 +82,30 @@ namespace greville
     const std::vector<unsigned int> &
     extended_functions() const
     {
-      return extended_numbers;
+      return functions.numbers;
     }
 
     /**
-     * Return the row @f$ E_{ij} @f$ of an extended function i: lexicographic
-     * positions of the functions j, ascending, and the weights; at most @f$ (p
-     * + 1)^\text{dim} @f$ entries if the function has one host.
+     * Rows @f$ E_{ij} @f$: row k has the entries from begin[k] to begin[k + 1],
+     * with the lexicographic positions of the functions j, ascending, and the
+     * weights; at most @f$ (p + 1)^\text{dim} @f$ entries if the function i
+     * has one host.
      */
+    struct Rows
+    {
+      std::vector<std::size_t>   begin = {0};
+      std::vector<std::uint64_t> positions;
+      std::vector<double>        weights;
+    };
+
+    /// Return the rows of extended_functions().
+    const Rows &
+    rows() const
+    {
+      return functions.rows;
+    }
+
+    /// Return the row of one of extended_functions().
     void
     row(const unsigned int          function,
         std::vector<std::uint64_t> &positions,
@@ -103,16 +119,36 @@ namespace greville
     counts() const;
 
   private:
+    using HostOfFunction = std::pair<unsigned int, std::uint64_t>;
+
+    struct ExtendedFunctions
+    {
+      std::vector<unsigned int>  numbers; // ascending
+      std::vector<std::uint64_t> hosts;
+      std::vector<std::size_t>   hosts_begin; // by function, with the end
+      Rows                       rows;
+    };
+
     void
     find_hosts();
+
+    /// Sort, and remove duplicates.
+    void
+    sort(std::vector<HostOfFunction> &found) const;
+
+    /// Make rows, or copy those of @p old functions with the same hosts.
+    void
+    make_rows(const ExtendedFunctions &old);
+
+    /// Append the row of the extended function number @p k.
+    void
+    append_row(const unsigned int k);
 
     const SplineSpace<dim>    *spline_space = nullptr;
     const CellFilling<dim>    *cell_filling = nullptr;
     bool                       is_constant  = false;
     std::vector<unsigned char> classes;
-    std::vector<unsigned int>  extended_numbers;
-    std::vector<std::uint64_t> hosts;       // of the extended functions,
-    std::vector<std::size_t>   hosts_begin; // by number, with the end
+    ExtendedFunctions          functions;
     VectorType                 support_weights;
   };
 } // namespace greville
