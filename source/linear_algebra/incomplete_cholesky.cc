@@ -86,7 +86,8 @@ namespace greville
 
   void
   IncompleteCholesky::factorize(const UpperTriangle      &matrix,
-                                const CholeskyParameters &parameters)
+                                const CholeskyParameters &parameters,
+                                const unsigned int        n_columns)
   {
     const unsigned int  n = matrix.size();
     std::vector<double> scaling(n);
@@ -106,7 +107,8 @@ namespace greville
       largest_diagonal = 1.;
     used_shift       = parameters.shift;
     const auto fails = [&]() {
-      if (!factorize_columns(matrix, scaling, parameters.drop_tolerance))
+      if (!factorize_columns(
+            matrix, scaling, parameters.drop_tolerance, n_columns))
         return true;
       undo_scaling(scaling);
       return parameters.drop_tolerance == 0. && used_shift < largest_remedy &&
@@ -127,7 +129,8 @@ namespace greville
   bool
   IncompleteCholesky::factorize_columns(const UpperTriangle       &matrix,
                                         const std::vector<double> &scaling,
-                                        const double drop_tolerance)
+                                        const double       drop_tolerance,
+                                        const unsigned int n_columns)
   {
     // Column k of the factor C of the scaled matrix A = S M S = C C^T:
     //   C_ik = (A_ik - sum_(j<k) C_ij C_kj) / C_kk.
@@ -136,13 +139,13 @@ namespace greville
     column_begin.assign(1, 0);
     rows.clear();
     entries.clear();
-    inverse_pivots.assign(n, 0.f);
+    inverse_pivots.assign(n_columns, 0.f);
     ColumnsByRow              finished(n);
     std::vector<double>       column(n);
     std::vector<unsigned int> last_column_with(n,
                                                static_cast<unsigned int>(-1));
     std::vector<unsigned int> touched;
-    for (unsigned int k = 0; k < n; ++k)
+    for (unsigned int k = 0; k < n_columns; ++k)
       {
         touched.clear();
         const auto touch = [&](const unsigned int i, const double value) {
@@ -201,6 +204,67 @@ namespace greville
         inverse_pivots[k] = inverse_root;
       }
     return true;
+  }
+
+
+
+  UpperTriangle
+  IncompleteCholesky::complement(
+    const UpperTriangle              &last_rows,
+    const std::vector<unsigned char> &is_fixed) const
+  {
+    const unsigned int n = last_rows.size(), first = size();
+    ColumnsByRow       columns(first + n);
+    for (unsigned int j = 0; j < first; ++j)
+      {
+        const auto end = rows.begin() + column_begin[j + 1];
+        const auto entry =
+          std::lower_bound(rows.begin() + column_begin[j], end, first);
+        if (entry != end)
+          columns.insert(j, *entry, entry - rows.begin());
+      }
+    UpperTriangle             result;
+    std::vector<double>       row(n, 0.);
+    std::vector<unsigned int> touched, last_row_with(n, n);
+    for (unsigned int k = 0; k < n; ++k)
+      {
+        touched.clear();
+        const auto add = [&](const unsigned int i, const double value) {
+          if (i != k && (is_fixed[i] || is_fixed[k]))
+            return;
+          if (last_row_with[i] != k)
+            {
+              last_row_with[i] = k;
+              row[i]           = 0.;
+              touched.push_back(i);
+            }
+          row[i] += value;
+        };
+        for (std::size_t e = last_rows.row_begin[k];
+             e < last_rows.row_begin[k + 1];
+             ++e)
+          add(last_rows.columns[e], last_rows.values[e]);
+        columns.take(first + k,
+                     [&](const unsigned int j, const std::size_t entry) {
+                       // L_kj D_j
+                       const double factor =
+                         entries[entry] * largest_diagonal / inverse_pivots[j];
+                       const std::size_t end = column_begin[j + 1];
+                       if (!is_fixed[k])
+                         for (std::size_t e = entry; e < end; ++e)
+                           add(rows[e] - first, -factor * entries[e]);
+                       if (entry + 1 < end)
+                         columns.insert(j, rows[entry + 1], entry + 1);
+                     });
+        std::sort(touched.begin(), touched.end());
+        for (const unsigned int i : touched)
+          {
+            result.columns.push_back(i);
+            result.values.push_back(row[i]);
+          }
+        result.row_begin.push_back(result.columns.size());
+      }
+    return result;
   }
 
 
@@ -284,7 +348,7 @@ namespace greville
 
 
   void
-  IncompleteCholesky::solve(float *x, const unsigned int width) const
+  IncompleteCholesky::eliminate(float *x, const unsigned int width) const
   {
     with_width(width, [&](const auto w) {
       constexpr unsigned int n_columns = decltype(w)::value;
@@ -300,6 +364,22 @@ namespace greville
           for (std::size_t e = column_begin[k]; e < column_begin[k + 1]; ++e)
             store(at(r[e]) - l[e] * value, x + r[e] * n_columns);
         }
+    });
+  }
+
+
+
+  void
+  IncompleteCholesky::substitute(float *x, const unsigned int width) const
+  {
+    with_width(width, [&](const auto w) {
+      constexpr unsigned int n_columns = decltype(w)::value;
+      using Columns                    = FixedSimd<float, n_columns>;
+      const unsigned int *r            = rows.data();
+      const float        *l            = entries.data();
+      const auto          at           = [&](const std::size_t i) {
+        return load<Columns>(x + i * n_columns);
+      };
       for (std::size_t k = size(); k-- > 0;)
         {
           // Two sums, since the first entries wait for the rows just before.

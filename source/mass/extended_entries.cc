@@ -138,11 +138,17 @@ namespace greville
   class ExtendedMass<dim>::EntrySums
   {
   public:
-    EntrySums(const ExtendedMass<dim> &mass,
-              const unsigned int       components,
-              const int                reach)
+    /**
+     * If @p rows is not null, only the entries between these unknowns are
+     * computed.
+     */
+    EntrySums(const ExtendedMass<dim>          &mass,
+              const unsigned int                components,
+              const int                         reach,
+              const std::vector<unsigned char> *rows = nullptr)
       : M(mass.points_mass)
       , reach(reach)
+      , rows(rows)
       , E(*mass.E)
       , n(E.unknowns.size())
       , is_constrained(n, 0)
@@ -184,12 +190,14 @@ namespace greville
       result.values.reserve(n_entries);
       for (unsigned int i = 0; i < n; ++i)
         {
-          if (is_plain(i))
+          if (rows == nullptr && is_plain(i))
             add_plain_row(result, i);
-          else
+          else if (is_wanted(i))
             {
               sum_row(i);
               sum.take([&](const unsigned int j, const double value) {
+                if (!is_wanted(j))
+                  return;
                 result.columns.push_back(j);
                 result.values.push_back(value);
               });
@@ -206,6 +214,43 @@ namespace greville
     has_place(const unsigned int unknown) const
     {
       return E.unknowns[unknown] != numbers::invalid_unsigned_int;
+    }
+
+    bool
+    is_wanted(const unsigned int unknown) const
+    {
+      return rows == nullptr || (*rows)[unknown];
+    }
+
+    /// Return whether wanted rows depend on the extended function number @p k.
+    bool
+    is_needed(const unsigned int k, const std::vector<unsigned char> &meets)
+    {
+      if (rows == nullptr || meets[k])
+        return true;
+      bool result = false;
+      M.for_each_entry(
+        E.extended[k],
+        [&](const unsigned int j, const double) {
+          const int number = E.signed_numbers[j];
+          result           = result || (number > 0   ? is_wanted(number - 1)
+                                        : number < 0 ? meets[-number - 1]
+                                                     : false);
+        },
+        reach);
+      return result;
+    }
+
+    /// Return which extended functions depend on wanted unknowns.
+    std::vector<unsigned char>
+    meet_wanted() const
+    {
+      std::vector<unsigned char> result(E.extended.size(), 0);
+      for (unsigned int k = 0; k < E.extended.size(); ++k)
+        W.for_each(k, [&](const unsigned int u, const double) {
+          result[k] |= is_wanted(u);
+        });
+      return result;
     }
 
     /// Find unknowns that are constrained in all components.
@@ -248,9 +293,10 @@ namespace greville
     void
     make_C()
     {
+      const auto meets = meet_wanted();
       for (unsigned int k = 0; k < E.extended.size(); ++k)
         {
-          if (W.begin[k] < W.begin[k + 1])
+          if (W.begin[k] < W.begin[k + 1] && is_needed(k, meets))
             M.for_each_entry(
               E.extended[k],
               [&](const unsigned int j, const double value) {
@@ -353,16 +399,17 @@ namespace greville
       });
     }
 
-    const StencilMatrix<dim>    &M;
-    const int                    reach;
-    const ExtendedUnknowns<dim> &E;
-    const unsigned int           n;
-    std::vector<unsigned char>   is_constrained, is_constrained_extended;
-    std::vector<unsigned char>   is_near_ghost;
-    std::vector<double>          image_diagonal;
-    SparseRows<Entry>            W, C, W_columns, C_columns;
-    std::vector<std::size_t>     W_next, C_next;
-    RowSum                       sum;
+    const StencilMatrix<dim>         &M;
+    const int                         reach;
+    const std::vector<unsigned char> *rows;
+    const ExtendedUnknowns<dim>      &E;
+    const unsigned int                n;
+    std::vector<unsigned char>        is_constrained, is_constrained_extended;
+    std::vector<unsigned char>        is_near_ghost;
+    std::vector<double>               image_diagonal;
+    SparseRows<Entry>                 W, C, W_columns, C_columns;
+    std::vector<std::size_t>          W_next, C_next;
+    RowSum                            sum;
   };
 
 
@@ -382,6 +429,66 @@ namespace greville
   ExtendedMass<dim>::local_entries(const unsigned int components) const
   {
     return local_entries(components, points_mass.space().degree());
+  }
+
+
+
+  template <int dim>
+  std::vector<unsigned char>
+  ExtendedMass<dim>::rows_that_differ(const int reach) const
+  {
+    constexpr unsigned char    all = (1u << dim) - 1;
+    std::vector<unsigned char> result(E->unknowns.size(), 0);
+    const auto                 mark_unknowns_of = [&](const std::size_t place) {
+      E->for_each_unknown(place, [&](const unsigned int u, const double) {
+        result[u] = 1;
+      });
+    };
+    for (const auto &[place, components] : E->constrained_places)
+      if (components != all)
+        {
+          mark_unknowns_of(place);
+          if (E->signed_numbers[place] < 0)
+            points_mass.for_each_entry(
+              place,
+              [&](const unsigned int j, const double) { mark_unknowns_of(j); },
+              reach);
+        }
+    VectorType flags;
+    E->initialize_vector(flags, 1);
+    std::copy(result.begin(), result.end(), flags.begin());
+    flags.compress(VectorOperation::add);
+    flags.update_ghost_values();
+    for (unsigned int u = 0; u < result.size(); ++u)
+      result[u] = flags.local_element(u) > 0.;
+    return result;
+  }
+
+
+
+  template <int dim>
+  RowVariants
+  ExtendedMass<dim>::row_variants(const int reach) const
+  {
+    RowVariants result;
+    const auto &partly = E->component_is_partly_constrained;
+    if (std::count(partly.begin(), partly.end(), true) == 0)
+      return result;
+    result.differs = rows_that_differ(reach);
+    result.fixed.assign(E->n_owned, 0);
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        result.of_component.push_back(0);
+        if (!partly[c])
+          continue;
+        result.matrices.push_back(
+          EntrySums(*this, 1u << c, reach, &result.differs).run());
+        result.of_component[c] = result.matrices.size();
+        for (unsigned int u = 0; u < E->n_owned; ++u)
+          if (E->is_constrained(E->owned_unknown_functions[u], c))
+            result.fixed[u] |= 1u << result.of_component[c];
+      }
+    return result;
   }
 
 

@@ -302,13 +302,21 @@ namespace greville
         constrained_places.emplace_back(place, constrained[f]);
     });
 
-    std::vector<unsigned int> found(dim);
+    constexpr unsigned int    all = (1u << dim) - 1;
+    std::vector<unsigned int> found(2 * dim);
     for (const auto &entry : constrained_places)
       for (unsigned int c = 0; c < dim; ++c)
-        found[c] |= (entry.second >> c) & 1;
+        if ((entry.second >> c) & 1)
+          {
+            found[c] = 1;
+            found[dim + c] |= entry.second != all;
+          }
     Utilities::MPI::max(found, communicator(), found);
     for (unsigned int c = 0; c < dim; ++c)
-      component_has_constrained[c] = found[c] != 0;
+      {
+        component_has_constrained[c]       = found[c] != 0;
+        component_is_partly_constrained[c] = found[dim + c] != 0;
+      }
   }
 
 

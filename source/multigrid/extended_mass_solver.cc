@@ -81,7 +81,8 @@ namespace greville
                       mass.unknowns().unknown_positions(),
                       reach,
                       1,
-                      parameters_for(degree));
+                      parameters_for(degree),
+                      mass.row_variants(reach));
     ++factorizations;
     age = 0;
   }

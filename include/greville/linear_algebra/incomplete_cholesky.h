@@ -54,6 +54,10 @@ namespace greville
    *
    * Vectors are interleaved, @p width (1, 2, 4 or 8) of them: entry c of row i
    * is x[i * width + c].
+   *
+   * The elimination may end before the last rows. Several matrices that differ
+   * in these rows only share the columns before, and each needs a factorization
+   * of its complement().
    */
   class IncompleteCholesky
   {
@@ -64,7 +68,25 @@ namespace greville
      */
     void
     factorize(const UpperTriangle      &matrix,
-              const CholeskyParameters &parameters = CholeskyParameters());
+              const CholeskyParameters &parameters = CholeskyParameters())
+    {
+      factorize(matrix, parameters, matrix.size());
+    }
+
+    /// Eliminate the first @p n_columns of the matrix only.
+    void
+    factorize(const UpperTriangle      &matrix,
+              const CholeskyParameters &parameters,
+              const unsigned int        n_columns);
+
+    /**
+     * Return the Schur complement of the last rows of a matrix, numbered from
+     * 0 on, which has the eliminated columns. Rows that are fixed are left with
+     * their diagonal.
+     */
+    UpperTriangle
+    complement(const UpperTriangle              &last_rows,
+               const std::vector<unsigned char> &is_fixed) const;
 
     /// Return the shift that was used.
     double
@@ -80,6 +102,7 @@ namespace greville
       return n_raised_pivots;
     }
 
+    /// Return the number of columns of L.
     unsigned int
     size() const
     {
@@ -102,7 +125,20 @@ namespace greville
      * The solution is multiplied by unit().
      */
     void
-    solve(float *x, const unsigned int width) const;
+    solve(float *x, const unsigned int width) const
+    {
+      eliminate(x, width);
+      substitute(x, width);
+    }
+
+    /// The first half of solve(), which subtracts the eliminated rows from
+    /// later ones.
+    void
+    eliminate(float *x, const unsigned int width) const;
+
+    /// The second half of solve(), given the solution of later rows.
+    void
+    substitute(float *x, const unsigned int width) const;
 
     /// Return the divisor of the matrix.
     double
@@ -126,7 +162,8 @@ namespace greville
     bool
     factorize_columns(const UpperTriangle       &matrix,
                       const std::vector<double> &scaling,
-                      const double               drop_tolerance);
+                      const double               drop_tolerance,
+                      const unsigned int         n_columns);
 
     void
     undo_scaling(const std::vector<double> &scaling);

@@ -7,12 +7,18 @@
 
 #include <greville/linear_algebra/incomplete_cholesky.h>
 #include <greville/linear_algebra/interleaved_layout.h>
+#include <greville/linear_algebra/row_variants.h>
 
 #include <array>
 #include <memory>
 
 namespace greville
 {
+  namespace internal
+  {
+    class OverlappingDomain;
+  }
+
   /**
    * Additive Schwarz with an IncompleteCholesky factorization per process, for
    * a matrix A that is the sum of matrices of all processes, each between the
@@ -30,6 +36,11 @@ namespace greville
    * with the square root of the partition of unity on both sides). Each domain
    * is eliminated in lexicographic order. On one process B is
    * IncompleteCholesky.
+   *
+   * RowVariants give the components of a field different matrices. Rows that
+   * differ are eliminated last, so that all components share the other columns
+   * of the factors; an unknown that is constrained in a component is divided by
+   * its diagonal entry there.
    *
    * A factorization needs two exchanges with neighbours: the matrix entries of
    * shared rows, and the rows of the overlap. A solve needs two exchanges of
@@ -52,10 +63,12 @@ namespace greville
               const std::vector<std::array<int, 3>>          &positions,
               const int                                       reach,
               const unsigned int                              n_layers,
-              const CholeskyParameters                       &parameters);
+              const CholeskyParameters                       &parameters,
+              const RowVariants &variants = RowVariants());
 
     /**
-     * Collective. Solve in place for the owned unknowns, @p width columns.
+     * Collective. Solve in place for the owned unknowns, @p width columns, the
+     * components of fields one after another.
      */
     void
     solve(double *x, const unsigned int width) const;
@@ -78,26 +91,37 @@ namespace greville
           Vectors<Number>   &vectors) const;
 
     void
-    factorize_domain(const UpperTriangle                   &matrix,
-                     const InterleavedLayout               &layout,
-                     const std::vector<std::array<int, 3>> &positions,
-                     const int                              reach,
-                     const unsigned int                     n_layers,
-                     const CholeskyParameters              &parameters);
+    factorize_domain(internal::OverlappingDomain &rows,
+                     const CholeskyParameters    &parameters);
 
     /// Set the weights W^{1/2} of the unknowns of the domain.
     void
-    find_weights(const std::vector<std::array<int, 3>> &positions,
-                 const int                              reach);
+    find_weights(const internal::OverlappingDomain &rows, const int reach);
 
-    bool                      is_parallel = false;
-    unsigned int              n_owned     = 0;
+    /// The last rows of the factors in one variant.
+    struct LastRows
+    {
+      IncompleteCholesky        factors;
+      std::vector<unsigned int> fixed;         // numbered among the last rows
+      std::vector<float>        inverse_fixed; // diagonals, times the unit
+    };
+
+    /// Solve with the factors of the domain in place.
+    void
+    solve_domain(float *x, const unsigned int width) const;
+
+    bool                      is_parallel = false, has_domain = false;
+    unsigned int              n_owned = 0;
     InterleavedLayout         domain;  // the overlap as ghosts
     std::vector<unsigned int> order;   // local unknown of each row of factors
     std::vector<float>        weights; // by row of factors
     IncompleteCholesky        factors;
+    std::vector<LastRows>     last_rows; // by variant; empty if there is one
+    std::vector<unsigned int> variant_of_component;
 
-    mutable std::vector<float> rows;    // of factors
+    mutable std::vector<float> rows; // of factors
+    // Of the last rows.
+    mutable std::vector<float> given, eliminated, solution;
     mutable Vectors<double>    doubles; // of the domain, by width
     mutable Vectors<float>     floats;
   };

@@ -3,7 +3,7 @@
 #ifndef greville_mass_extended_mass_h
 #define greville_mass_extended_mass_h
 
-#include <greville/linear_algebra/upper_triangle.h>
+#include <greville/linear_algebra/row_variants.h>
 #include <greville/mass/extended_unknowns.h>
 #include <greville/mass/stencil_matrix.h>
 
@@ -164,6 +164,15 @@ namespace greville
     local_entries(const unsigned int components) const;
 
     /**
+     * Collective. Return the rows of A that differ between components, because
+     * unknowns, or extended functions that depend on them, are constrained in
+     * some components only. Variant 0 has the local_entries() of all
+     * components.
+     */
+    RowVariants
+    row_variants(const int reach) const;
+
+    /**
      * Collective. Approximate the diagonal of E^T M~ E. Entries of unknowns on
      * which no extended function depends are exact, other entries are
      * incomplete.
@@ -173,6 +182,10 @@ namespace greville
 
   private:
     class EntrySums;
+
+    /// Collective. Return by local unknown whether its row differs.
+    std::vector<unsigned char>
+    rows_that_differ(const int reach) const;
 
     /// Return the entry of M~ place_x at a place.
     double

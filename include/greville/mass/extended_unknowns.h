@@ -253,6 +253,8 @@ namespace greville
     std::vector<unsigned char>                          constrained_functions;
     std::vector<std::pair<unsigned int, unsigned char>> constrained_places;
     std::array<bool, dim> component_has_constrained{};
+    // Whether functions are constrained in this component, but not in all.
+    std::array<bool, dim> component_is_partly_constrained{};
 
     mutable ZeroedArray<double> place_x, place_y;
     mutable ZeroedArray<float>  single_x, single_y;
