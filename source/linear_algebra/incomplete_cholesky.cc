@@ -260,7 +260,7 @@ namespace greville
         for (const unsigned int i : touched)
           {
             result.columns.push_back(i);
-            result.values.push_back(row[i]);
+            result.values.push_back(is_fixed[k] ? largest_diagonal : row[i]);
           }
         result.row_begin.push_back(result.columns.size());
       }

@@ -65,23 +65,27 @@ namespace greville
       last_rows.empty() ? matrix.size() : rows.n_common();
     run_on_all([&]() { factors.factorize(matrix, parameters, n_common); },
                domain.communicator());
+    const UpperTriangle last_of_matrix = rows.last_rows(matrix);
     for (unsigned int v = 0; v < last_rows.size(); ++v)
       {
         const UpperTriangle last =
-          rows.last_rows(v == 0 ? matrix : rows.domain_matrix(v));
+          v == 0 ? last_of_matrix : rows.last_rows(rows.domain_matrix(v));
+        if (!is_used(v))
+          continue;
         const auto is_fixed = rows.is_fixed(v);
+        LastRows  &variant  = last_rows[v];
         run_on_all(
           [&]() {
-            last_rows[v].factors.factorize(factors.complement(last, is_fixed),
-                                           parameters);
+            variant.factors.factorize(factors.complement(last, is_fixed),
+                                      parameters);
           },
           domain.communicator());
         for (unsigned int k = 0; k < is_fixed.size(); ++k)
           if (is_fixed[k])
             {
-              last_rows[v].fixed.push_back(k);
-              last_rows[v].inverse_fixed.push_back(factors.unit() /
-                                                   last.diagonal(k));
+              variant.fixed.push_back(k);
+              variant.inverse_fixed.push_back(factors.unit() /
+                                              last_of_matrix.diagonal(k));
             }
       }
   }
@@ -133,6 +137,8 @@ namespace greville
     eliminated.assign(end, end + n);
     for (unsigned int v = 0; v < last_rows.size(); ++v)
       {
+        if (!is_used(v))
+          continue;
         const LastRows &variant = last_rows[v];
         const float     factor  = factors.unit() / variant.factors.unit();
         solution                = eliminated;

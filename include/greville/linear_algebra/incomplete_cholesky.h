@@ -81,8 +81,8 @@ namespace greville
 
     /**
      * Return the Schur complement of the last rows of a matrix, numbered from
-     * 0 on, which has the eliminated columns. Rows that are fixed are left with
-     * their diagonal.
+     * 0 on, which has the eliminated columns. Fixed rows are left with a
+     * diagonal entry, that of the unit() of this factorization.
      */
     UpperTriangle
     complement(const UpperTriangle              &last_rows,

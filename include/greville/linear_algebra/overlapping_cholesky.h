@@ -9,6 +9,7 @@
 #include <greville/linear_algebra/interleaved_layout.h>
 #include <greville/linear_algebra/row_variants.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -103,8 +104,17 @@ namespace greville
     {
       IncompleteCholesky        factors;
       std::vector<unsigned int> fixed;         // numbered among the last rows
-      std::vector<float>        inverse_fixed; // diagonals, times the unit
+      std::vector<float>        inverse_fixed; // unit over the diagonal
     };
+
+    /// Return whether a component has this variant.
+    bool
+    is_used(const unsigned int variant) const
+    {
+      return std::find(variant_of_component.begin(),
+                       variant_of_component.end(),
+                       variant) != variant_of_component.end();
+    }
 
     /// Solve with the factors of the domain in place.
     void
