@@ -164,9 +164,7 @@ namespace greville
             throw CommandLineError("the option <" + argument +
                                    "> takes no value.");
           const auto is_word = [&](const std::string &word) {
-            return option.words.empty() ||
-                   std::count(option.words.begin(), option.words.end(), word) >
-                     0;
+            return option.words.empty() || contains(option.words, word);
           };
           if (!option.value.empty() && values.empty() &&
               k + 1 < arguments.size() &&

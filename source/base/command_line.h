@@ -11,9 +11,6 @@ namespace greville
 {
   namespace internal
   {
-    /**
-     * The option that sets a parameter.
-     */
     extern const ProgramOption set_option;
 
     /// Return all options of a program, options of runs first.

@@ -91,9 +91,7 @@ namespace greville
             }
         },
         comm);
-      std::uint64_t sum = 0;
-      MPI_Allreduce(&own, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
-      return sum;
+      return Utilities::MPI::sum(own, comm);
     }
   } // namespace
 

@@ -4,10 +4,9 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
-#include <greville/base/formulas.h>
+#include <greville/base/expression.h>
 #include <greville/base/named_formulas.h>
 
-#include "formula_names.h"
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <cctype>
@@ -20,8 +19,6 @@
 namespace greville
 {
   using namespace dealii;
-  using internal::contains_name;
-  using internal::variables_of_names;
 
   struct Formulas::Formula
   {
@@ -70,14 +67,10 @@ namespace greville
     std::string
     text_of_value(const double value)
     {
-      std::ostringstream text;
-      if (std::isnan(value))
-        text << "NaN";
-      else if (std::isfinite(value))
-        text << value;
-      else
-        text << (value > 0. ? "infinite" : "-infinite");
-      return text.str();
+      return std::isnan(value)      ? "NaN"
+             : std::isfinite(value) ? text_of(value)
+             : value > 0.           ? "infinite"
+                                    : "-infinite";
     }
 
 
@@ -128,6 +121,8 @@ namespace greville
     void
     define_functions(mu::Parser &parser)
     {
+      using Function1 = double (*)(double);
+      using Function2 = double (*)(double, double);
       // muParser's own _pi and _e have only 13 digits.
       parser.DefineConst("pi", numbers::PI);
       parser.DefineConst("_pi", numbers::PI);
@@ -136,10 +131,8 @@ namespace greville
         "if", +[](double condition, double yes, double no) {
           return condition != 0. ? yes : no;
         });
-      parser.DefineFun(
-        "pow", +[](double x, double y) { return std::pow(x, y); });
-      parser.DefineFun(
-        "atan2", +[](double y, double x) { return std::atan2(y, x); });
+      parser.DefineFun("pow", Function2(std::pow));
+      parser.DefineFun("atan2", Function2(std::atan2));
       parser.DefineFun(
         "mod", +[](double x, double y) { return x - y * std::floor(x / y); });
       parser.DefineFun(
@@ -148,16 +141,11 @@ namespace greville
         "sec", +[](double x) { return 1. / std::cos(x); });
       parser.DefineFun(
         "csc", +[](double x) { return 1. / std::sin(x); });
-      parser.DefineFun(
-        "floor", +[](double x) { return std::floor(x); });
-      parser.DefineFun(
-        "ceil", +[](double x) { return std::ceil(x); });
-      parser.DefineFun(
-        "int", +[](double x) { return std::round(x); });
-      parser.DefineFun(
-        "erf", +[](double x) { return std::erf(x); });
-      parser.DefineFun(
-        "erfc", +[](double x) { return std::erfc(x); });
+      parser.DefineFun("floor", Function1(std::floor));
+      parser.DefineFun("ceil", Function1(std::ceil));
+      parser.DefineFun("int", Function1(std::round));
+      parser.DefineFun("erf", Function1(std::erf));
+      parser.DefineFun("erfc", Function1(std::erfc));
       parser.DefineOprt(
         "&",
         +[](double a, double b) { return double(a != 0. && b != 0.); },
@@ -244,8 +232,8 @@ namespace greville
       if (used.count(definition->first) > 0)
         use(definition->second);
     std::vector<std::string> their_variables;
-    for (const std::string &variable : variables_of_names())
-      if (contains_name(variables, variable))
+    for (const std::string &variable : variables_of<3>("xXt"))
+      if (contains(variables, variable))
         their_variables.push_back(variable);
     for (const auto &named : definitions)
       {
@@ -263,7 +251,7 @@ namespace greville
         definition.value       = &numbers.back();
         std::uint64_t constant = 0;
         for (unsigned int i = 0; i < variables.size(); ++i)
-          if (contains_name(constant_variables, variables[i]))
+          if (contains(constant_variables, variables[i]))
             constant |= bit_of(i);
         definition.is_constant = definition.variables != 0 &&
                                  (definition.variables & ~constant) == 0 &&
@@ -292,15 +280,15 @@ namespace greville
     try
       {
         for (unsigned int i = 0; i < variables.size(); ++i)
-          if (contains_name(its_variables, variables[i]))
+          if (contains(its_variables, variables[i]))
             {
               result.parser->DefineVar(variables[i], &numbers[i]);
-              if (contains_name(words, variables[i]))
+              if (contains(words, variables[i]))
                 result.variables |= bit_of(i);
             }
         for (unsigned int k = 0; k < names.size(); ++k)
-          if (contains_name(words, names[k].name) &&
-              !contains_name(its_variables, names[k].name))
+          if (contains(words, names[k].name) &&
+              !contains(its_variables, names[k].name))
             {
               result.parser->DefineVar(names[k].name, names[k].value);
               result.names.push_back(k);

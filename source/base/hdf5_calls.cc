@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/hdf5_calls.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <cstdlib>
 
 namespace greville
@@ -13,12 +11,6 @@ namespace greville
 
   namespace
   {
-    // The largest number of elements per HDF5 call, since MPI-IO counts bytes
-    // by int.
-    constexpr hsize_t max_elements_of_call = 1u << 27;
-
-
-
     /**
      * Return HDF5's reason for the failure of the last call: its innermost
      * message, with the system's reason if there is one.
@@ -132,22 +124,6 @@ namespace greville
 
 
 
-  std::vector<std::string>
-  hdf5_links(const hid_t group)
-  {
-    std::vector<std::string> names;
-    const auto               add =
-      [](hid_t, const char *name, const H5L_info_t *, void *list) -> herr_t {
-      static_cast<std::vector<std::string> *>(list)->push_back(name);
-      return 0;
-    };
-    hsize_t n = 0;
-    check_hdf5(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, &n, +add, &names));
-    return names;
-  }
-
-
-
   HDF5Handle
   hdf5_access(const MPI_Comm comm)
   {
@@ -165,45 +141,4 @@ namespace greville
     return {list, H5Pclose};
   }
 
-
-
-  void
-  transfer_hdf5_rows(const hsize_t       first,
-                     const hsize_t       n_rows,
-                     const hsize_t       n_columns,
-                     const hid_t         data_set,
-                     const MPI_Comm      comm,
-                     const HDF5Transfer &transfer)
-  {
-    const HDF5Handle space(H5Dget_space(data_set), H5Sclose);
-    const HDF5Handle list(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
-    check_hdf5(H5Pset_dxpl_mpio(list, H5FD_MPIO_COLLECTIVE));
-    const hsize_t chunk =
-      std::max<hsize_t>(1, max_elements_of_call / n_columns);
-    const hsize_t n_chunks =
-      Utilities::MPI::max<std::uint64_t>((n_rows + chunk - 1) / chunk, comm);
-    bool has_failed = false;
-    for (hsize_t k = 0; k < n_chunks; ++k)
-      {
-        const hsize_t    begin    = std::min(n_rows, k * chunk);
-        const hsize_t    n        = std::min(chunk, n_rows - begin);
-        const hsize_t    start[2] = {first + begin, 0};
-        const hsize_t    count[2] = {n, n_columns};
-        const HDF5Handle memory(H5Screate_simple(2, count, nullptr), H5Sclose);
-        // A process whose selection fails takes part with no rows.
-        bool is_selected = n > 0 && H5Sselect_hyperslab(space,
-                                                        H5S_SELECT_SET,
-                                                        start,
-                                                        nullptr,
-                                                        count,
-                                                        nullptr) >= 0;
-        has_failed       = has_failed || (n > 0 && !is_selected);
-        if (!is_selected)
-          is_selected =
-            H5Sselect_none(space) >= 0 && H5Sselect_none(memory) >= 0;
-        has_failed = transfer(memory, space, list, begin) < 0 || !is_selected ||
-                     has_failed;
-      }
-    throw_on_all(has_failed ? "HDF5 has failed" : "", comm);
-  }
 } // namespace greville

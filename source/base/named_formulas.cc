@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/formulas.h>
+#include <greville/base/expression.h>
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
+#include <greville/base/parameter_tree.h>
 
-#include "formula_names.h"
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
-#include <boost/property_tree/json_parser.hpp>
-#include <cctype>
-#include <sstream>
+#include <boost/property_tree/ptree.hpp>
 
 namespace greville
 {
   using namespace dealii;
-  using internal::contains_name;
-  using internal::variables_of_names;
 
   namespace
   {
@@ -30,46 +25,13 @@ namespace greville
       AssertThrow(names_in_formula(name) == std::vector<std::string>{name},
                   ExcMessage(what + "has to consist of letters, digits and _, "
                                     "and not to begin with a digit."));
-      AssertThrow(!contains_name(variables_of_names(), name),
+      AssertThrow(!contains(variables_of<3>("xXt"), name),
                   ExcMessage(what + "is a variable of formulas."));
-      AssertThrow(!contains_name(Formulas::known_names(), name) &&
-                    !contains_name(functions, name),
+      AssertThrow(!contains(Formulas::known_names(), name) &&
+                    !contains(functions, name),
                   ExcMessage(what + "is a function or a constant."));
     }
 
-
-
-    /**
-     * Collect the entries of ParameterHandler's property tree that are
-     * formulas, with their sections.
-     */
-    void
-    collect_formulas(const boost::property_tree::ptree &tree,
-                     const std::vector<std::string>    &path,
-                     std::vector<ParameterLine>        &result)
-    {
-      for (const auto &child : tree)
-        {
-          const auto &entry = child.second;
-          // Names in JSON are not mangled.
-          const std::string name = child.first;
-          if (entry.find("value") == entry.not_found())
-            {
-              auto inner = path;
-              inner.push_back(name);
-              collect_formulas(entry, inner, result);
-            }
-          else if (entry.get<std::string>("pattern_description", "") ==
-                   FormulaPattern::name)
-            {
-              ParameterLine line;
-              line.name  = name;
-              line.value = entry.get<std::string>("value");
-              line.path  = path;
-              result.push_back(line);
-            }
-        }
-    }
   } // namespace
 
 
@@ -90,7 +52,7 @@ namespace greville
         collect(text, path, order);
         Formulas({attach(text)},
                  "Formulas/" + name,
-                 variables_of_names(),
+                 variables_of<3>("xXt"),
                  known);
       }
   }
@@ -105,7 +67,7 @@ namespace greville
     for (const std::string &name : names_in_formula(text))
       {
         const auto formula = formulas.find(name);
-        if (formula == formulas.end() || contains_name(order, name))
+        if (formula == formulas.end() || contains(order, name))
           continue;
         path.push_back(name);
         AssertThrow(std::count(path.begin(), path.end(), name) == 1,
@@ -138,12 +100,12 @@ namespace greville
   {
     if (formulas.empty())
       return;
-    std::stringstream json;
-    prm.print_parameters(json, ParameterHandler::JSON);
-    boost::property_tree::ptree tree;
-    boost::property_tree::read_json(json, tree);
     std::vector<ParameterLine> lines;
-    collect_formulas(tree, {}, lines);
+    for_each_parameter(
+      prm, [&](const auto &path, const auto &name, const auto &entry) {
+        if (entry.get("pattern_description", "") == FormulaPattern::name)
+          lines.push_back({"", name, entry.get("value", ""), "", path, false});
+      });
     for (const ParameterLine &line : lines)
       {
         const std::string text = attach(line.value);

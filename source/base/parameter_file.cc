@@ -4,14 +4,15 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
+#include <greville/base/parameter_tree.h>
 
 #include <algorithm>
-#include <boost/property_tree/json_parser.hpp>
+#include <boost/algorithm/string/join.hpp>
+#include <boost/algorithm/string/predicate.hpp>
+#include <boost/property_tree/ptree.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <sstream>
 
 namespace greville
 {
@@ -40,48 +41,24 @@ namespace greville
       std::string default_value, pattern, documentation;
     };
 
-    /**
-     * Entries of a section by name.
-     */
     using Entries = std::map<std::string, Entry>;
-
-
-
-    void
-    collect(const boost::property_tree::ptree &tree,
-            const std::string                 &section,
-            std::map<std::string, Entries>    &result)
-    {
-      // Names in JSON are not mangled.
-      Entries &entries = result[section];
-      for (const auto &child : tree)
-        {
-          const auto &entry    = child.second;
-          const auto  value_of = [&](const char *key) {
-            return entry.get<std::string>(key, "");
-          };
-          if (entry.find("value") != entry.not_found())
-            entries[child.first] = {value_of("default_value"),
-                                    value_of("pattern_description"),
-                                    value_of("documentation")};
-          else
-            collect(entry,
-                    (section.empty() ? "" : section + "/") + child.first,
-                    result);
-        }
-    }
 
 
 
     std::map<std::string, Entries>
     sections_of(const ParameterHandler &prm)
     {
-      std::stringstream json;
-      prm.print_parameters(json, ParameterHandler::JSON);
-      boost::property_tree::ptree tree;
-      boost::property_tree::read_json(json, tree);
-      std::map<std::string, Entries> sections;
-      collect(tree, "", sections);
+      std::map<std::string, Entries> sections = {{"", {}}};
+      for_each_parameter(
+        prm, [&](const auto &path, const auto &name, const auto &entry) {
+          // Outer sections may have no parameters of their own.
+          for (auto outer = path; !outer.empty(); outer.pop_back())
+            sections[boost::algorithm::join(outer, "/")];
+          sections[boost::algorithm::join(path, "/")][name] = {
+            entry.get("default_value", ""),
+            entry.get("pattern_description", ""),
+            entry.get("documentation", "")};
+        });
       return sections;
     }
 
@@ -161,23 +138,13 @@ namespace greville
 
 
 
+    template <typename Value>
     std::vector<std::string>
-    names_of(const Entries &entries)
+    names_of(const std::map<std::string, Value> &entries)
     {
       std::vector<std::string> names;
       for (const auto &entry : entries)
         names.push_back(entry.first);
-      return names;
-    }
-
-
-
-    std::vector<std::string>
-    names_of(const std::map<std::string, Entries> &sections)
-    {
-      std::vector<std::string> names;
-      for (const auto &section : sections)
-        names.push_back(section.first);
       return names;
     }
 
@@ -282,18 +249,6 @@ namespace greville
 
 
   void
-  check_parameter_lines(const ParameterHandler             &prm,
-                        const std::vector<ParameterLine>   &lines,
-                        const std::vector<FormerParameter> &former)
-  {
-    const auto sections = sections_of(prm);
-    for (const ParameterLine &line : lines)
-      check_line(line, sections, former);
-  }
-
-
-
-  void
   check_word(const std::string &value,
              const std::string &parameter,
              const std::string &allowed)
@@ -312,7 +267,9 @@ namespace greville
                         const std::vector<ParameterLine>   &lines,
                         const std::vector<FormerParameter> &former)
   {
-    check_parameter_lines(prm, lines, former);
+    const auto sections = sections_of(prm);
+    for (const ParameterLine &line : lines)
+      check_line(line, sections, former);
     for (const ParameterLine &line : lines)
       if (!line.name.empty())
         {
@@ -362,20 +319,11 @@ namespace greville
     hint_for_section(const std::string              &section,
                      const std::vector<std::string> &known)
     {
-      const auto in_lower_case = [](std::string text) {
-        std::transform(text.begin(), text.end(), text.begin(), ::tolower);
-        return text;
-      };
-      const std::string end = " NAME";
       for (const std::string &name : known)
-        if (name.size() > end.size() &&
-            name.compare(name.size() - end.size(), end.size(), end) == 0)
-          {
-            const std::string kind =
-              in_lower_case(name.substr(0, name.size() - 4));
-            if (in_lower_case(section + " ").compare(0, kind.size(), kind) == 0)
-              return " Did you mean <" + name + ">?";
-          }
+        if (boost::algorithm::ends_with(name, " NAME") &&
+            boost::algorithm::istarts_with(section + " ",
+                                           name.substr(0, name.size() - 4)))
+          return " Did you mean <" + name + ">?";
       return did_you_mean(section, known);
     }
   } // namespace

@@ -2,7 +2,6 @@
 
 #include <deal.II/base/utilities.h>
 
-#include <greville/base/errors.h>
 #include <greville/base/parameter_tree.h>
 #include <greville/base/parameters.h>
 #include <greville/base/text_file.h>
@@ -73,6 +72,10 @@ namespace greville
       unsigned int number = 0, first = 0;
       const auto   depth = sections.size();
       std::string  place;
+      const auto add = [&](const std::string &name, const std::string &value) {
+        const std::string section = boost::algorithm::join(sections, "/");
+        result.push_back({section, name, value, place, sections, false});
+      };
       while (read_text_line(stream, text, number))
         {
           text = text.substr(0, text.find('#'));
@@ -102,12 +105,7 @@ namespace greville
               sections.push_back(words);
               // A section is known from its lines, so an empty one needs an
               // entry, too.
-              result.push_back({boost::algorithm::join(sections, "/"),
-                                "",
-                                "",
-                                place,
-                                sections,
-                                false});
+              add("", "");
             }
           else if (words == "end" || words == "END")
             {
@@ -140,12 +138,7 @@ namespace greville
               AssertThrow(!name.empty(),
                           ExcMessage(place + ": the parameter of <" + whole +
                                      "> has no name."));
-              result.push_back({boost::algorithm::join(sections, "/"),
-                                name,
-                                Utilities::trim(words.substr(equal + 1)),
-                                place,
-                                sections,
-                                false});
+              add(name, Utilities::trim(words.substr(equal + 1)));
             }
         }
       AssertThrow(line.empty(),

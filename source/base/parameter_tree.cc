@@ -2,6 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/json.h>
 #include <greville/base/parameter_tree.h>
 #include <greville/base/text_file.h>
 
@@ -81,6 +82,25 @@ namespace greville
              std::any_of(tree.begin(), tree.end(), [](const auto &child) {
                return has_descriptions(child.second);
              });
+    }
+
+
+
+    /// "Box_20size" becomes "Box size".
+    std::string
+    demangle(const std::string &name)
+    {
+      std::string result;
+      for (std::size_t i = 0; i < name.size(); ++i)
+        if (name[i] == '_' && i + 2 < name.size() &&
+            std::isxdigit(name[i + 1]) && std::isxdigit(name[i + 2]))
+          {
+            result += char(std::stoi(name.substr(i + 1, 2), nullptr, 16));
+            i += 2;
+          }
+        else
+          result += name[i];
+      return result;
     }
 
 
@@ -262,26 +282,6 @@ namespace greville
 
 
     void
-    write_text(std::ostream &out, const std::string &text)
-    {
-      out << '"';
-      for (const char c : text)
-        if (c == '"' || c == '\\')
-          out << '\\' << c;
-        else if (static_cast<unsigned char>(c) < 0x20)
-          {
-            char code[8];
-            std::snprintf(code, sizeof(code), "\\u%04x", unsigned(c));
-            out << code;
-          }
-        else
-          out << c;
-      out << '"';
-    }
-
-
-
-    void
     write_tree(std::ostream &out, const Tree &tree, const std::string &indent)
     {
       static const std::regex plain(
@@ -291,14 +291,14 @@ namespace greville
           if (std::regex_match(tree.data(), plain))
             out << tree.data();
           else
-            write_text(out, tree.data());
+            JsonWriter::write(out, tree.data());
           return;
         }
       const char *separator = "{\n";
       for (const auto &child : tree)
         {
           out << separator << indent << "  ";
-          write_text(out, child.first);
+          JsonWriter::write(out, child.first);
           out << ": ";
           write_tree(out, child.second, indent + "  ");
           separator = ",\n";
@@ -306,6 +306,41 @@ namespace greville
       out << '\n' << indent << '}';
     }
   } // namespace
+
+
+
+  Tree
+  tree_of(const ParameterHandler &prm)
+  {
+    std::stringstream json;
+    prm.print_parameters(json, ParameterHandler::JSON);
+    Tree tree;
+    boost::property_tree::read_json(json, tree);
+    return tree;
+  }
+
+
+
+  void
+  for_each_parameter(const ParameterHandler                  &prm,
+                     const std::function<void(const std::vector<std::string> &,
+                                              const std::string &,
+                                              const Tree &)> &visit)
+  {
+    std::vector<std::string>                path;
+    const std::function<void(const Tree &)> walk = [&](const Tree &tree) {
+      for (const auto &[name, entry] : tree)
+        if (entry.find("value") != entry.not_found())
+          visit(path, name, entry);
+        else
+          {
+            path.push_back(name);
+            walk(entry);
+            path.pop_back();
+          }
+    };
+    walk(tree_of(prm));
+  }
 
 
 
@@ -390,10 +425,7 @@ namespace greville
                const std::string      &text,
                const ParameterHandler &reference)
   {
-    std::stringstream json;
-    reference.print_parameters(json, ParameterHandler::JSON);
-    Tree known;
-    boost::property_tree::read_json(json, known);
+    const Tree                         known = tree_of(reference);
     const auto                         lines = parameter_lines_of(text, "");
     std::map<std::string, std::string> variants;
     for (const ParameterLine &line : lines)

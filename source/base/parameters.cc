@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/expression.h>
-#include <greville/base/parameters.h>
+#include <greville/base/parameter_tree.h>
 
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
-#include <boost/property_tree/json_parser.hpp>
+#include <boost/property_tree/ptree.hpp>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -20,24 +19,6 @@
 namespace greville
 {
   using namespace dealii;
-
-  std::string
-  demangle(const std::string &name)
-  {
-    std::string result;
-    for (std::size_t i = 0; i < name.size(); ++i)
-      if (name[i] == '_' && i + 2 < name.size() && std::isxdigit(name[i + 1]) &&
-          std::isxdigit(name[i + 2]))
-        {
-          result += char(std::stoi(name.substr(i + 1, 2), nullptr, 16));
-          i += 2;
-        }
-      else
-        result += name[i];
-    return result;
-  }
-
-
 
   namespace
   {
@@ -150,13 +131,13 @@ namespace greville
         variants;
       for (auto &child : tree)
         {
-          const Variant variant(demangle(child.first));
+          const Variant variant(child.first);
           if (!variant.value.empty())
             variants[variant.section].push_back(&child.second);
         }
       for (auto &child : tree)
         {
-          const auto sections = variants.find(demangle(child.first));
+          const auto sections = variants.find(child.first);
           if (sections == variants.end())
             continue;
           const boost::property_tree::ptree first = *sections->second.front();
@@ -241,9 +222,9 @@ namespace greville
                 return other.second == text;
               });
             if (row == rows.end())
-              rows.emplace_back(demangle(child.first), text);
+              rows.emplace_back(child.first, text);
             else
-              row->first += ", " + demangle(child.first);
+              row->first += ", " + child.first;
           }
       if (!rows.empty())
         {
@@ -264,8 +245,7 @@ namespace greville
         if (child.second.find("value") == child.second.not_found())
           print_section(out,
                         child.second,
-                        (section.empty() ? "" : section + "/") +
-                          demangle(child.first),
+                        (section.empty() ? "" : section + "/") + child.first,
                         examples,
                         printed);
     }
@@ -279,10 +259,7 @@ namespace greville
                             const ParameterHandler &prm,
                             const std::string      &examples)
   {
-    std::stringstream json;
-    prm.print_parameters(json, ParameterHandler::JSON);
-    boost::property_tree::ptree tree;
-    boost::property_tree::read_json(json, tree);
+    boost::property_tree::ptree tree = tree_of(prm);
     move_shared_parameters(tree);
 
     out << "# Parameters of " << program << "\n\n"

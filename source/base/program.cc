@@ -19,7 +19,6 @@
 #include <new>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -174,23 +173,21 @@ namespace greville
                const Program     &program,
                const std::string &what)
     {
-      if (what.empty())
-        {
-          for (const ProgramList &list : program.lists)
-            out << list.name << '\n';
-          return;
-        }
       std::vector<std::string> names;
       for (const ProgramList &list : program.lists)
         {
           names.push_back(list.name);
-          if (list.name == what)
-            {
-              for (const std::string &word : words_of(program, list))
-                out << word << '\n';
-              return;
-            }
+          const bool is_it = list.name == what;
+          if (what.empty())
+            out << list.name << '\n';
+          for (const std::string &word :
+               is_it ? words_of(program, list) : std::vector<std::string>())
+            out << word << '\n';
+          if (is_it)
+            return;
         }
+      if (what.empty())
+        return;
       const std::string hint = did_you_mean(what, names);
       if (!hint.empty() && what.find('/') == std::string::npos)
         throw CommandLineError("there is no list <" + what + ">." + hint);
@@ -323,7 +320,6 @@ namespace greville
 
 
 
-    /// Throw if the options do not support several files.
     void
     check_several_files(const Program &program, const CommandLine &line)
     {

@@ -171,7 +171,6 @@ namespace greville
 
 
 
-    /// Return the libraries of deal.II in this program.
     std::set<std::string>
     loaded_dealii()
     {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <deal.II/base/utilities.h>
+
 #include <greville/base/disk.h>
 #include <greville/base/errors.h>
 #include <greville/base/hdf5_calls.h>
 #include <greville/base/index_limits.h>
-#include <greville/base/parameters.h>
 #include <greville/base/tables.h>
 
 #include <boost/algorithm/string/join.hpp>
 #include <cstdint>
 #include <filesystem>
-#include <sstream>
 
 namespace greville
 {
@@ -23,6 +23,10 @@ namespace greville
 
     // Bytes that HDF5 adds to the content of a file, and of a table in it.
     constexpr std::uint64_t size_of_headers = 4096;
+
+    // The largest number of elements per HDF5 call, since MPI-IO counts bytes
+    // by int.
+    constexpr hsize_t max_elements_of_call = 1u << 27;
 
 
 
@@ -38,41 +42,68 @@ namespace greville
 
 
 
-    std::uint64_t
-    sum_of(const std::uint64_t value, const MPI_Comm comm)
+    /// Add a name to a list, for each attribute or link of an object.
+    template <typename Info>
+    herr_t
+    add_name(hid_t, const char *name, const Info *, void *list)
     {
-      std::uint64_t sum = 0;
-      MPI_Allreduce(&value, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
-      return sum;
+      static_cast<std::vector<std::string> *>(list)->push_back(name);
+      return 0;
     }
 
 
 
-    std::vector<std::string>
-    names_of_attributes(const hid_t object)
+    /**
+     * Collective. Read or write, by the @p call H5Dread or H5Dwrite, the rows
+     * [first, first + n_rows) of a data set. All processes make the same number
+     * of calls, and throw together.
+     */
+    template <typename Call, typename Number>
+    void
+    transfer_rows(const Call     call,
+                  const hsize_t  first,
+                  const hsize_t  n_rows,
+                  const hsize_t  n_columns,
+                  const hid_t    data_set,
+                  const MPI_Comm comm,
+                  Number        *values)
     {
-      std::vector<std::string> names;
-      const auto               add =
-        [](hid_t, const char *name, const H5A_info_t *, void *list) -> herr_t {
-        static_cast<std::vector<std::string> *>(list)->push_back(name);
-        return 0;
-      };
-      hsize_t n = 0;
-      check_hdf5(
-        H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, &n, +add, &names));
-      return names;
-    }
-
-
-
-    std::vector<std::string>
-    split(const std::string &text)
-    {
-      std::vector<std::string> words;
-      std::istringstream       stream(text);
-      for (std::string word; std::getline(stream, word, ',');)
-        words.push_back(word);
-      return words;
+      const HDF5Handle space(H5Dget_space(data_set), H5Sclose);
+      const HDF5Handle list(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+      check_hdf5(H5Pset_dxpl_mpio(list, H5FD_MPIO_COLLECTIVE));
+      const hsize_t chunk =
+        std::max<hsize_t>(1, max_elements_of_call / n_columns);
+      const hsize_t n_chunks =
+        Utilities::MPI::max<std::uint64_t>((n_rows + chunk - 1) / chunk, comm);
+      bool has_failed = false;
+      for (hsize_t k = 0; k < n_chunks; ++k)
+        {
+          const hsize_t    begin    = std::min(n_rows, k * chunk);
+          const hsize_t    n        = std::min(chunk, n_rows - begin);
+          const hsize_t    start[2] = {first + begin, 0};
+          const hsize_t    count[2] = {n, n_columns};
+          const HDF5Handle memory(H5Screate_simple(2, count, nullptr),
+                                  H5Sclose);
+          // A process whose selection fails takes part with no rows.
+          bool is_selected = n > 0 && H5Sselect_hyperslab(space,
+                                                          H5S_SELECT_SET,
+                                                          start,
+                                                          nullptr,
+                                                          count,
+                                                          nullptr) >= 0;
+          has_failed       = has_failed || (n > 0 && !is_selected);
+          if (!is_selected)
+            is_selected =
+              H5Sselect_none(space) >= 0 && H5Sselect_none(memory) >= 0;
+          has_failed = call(data_set,
+                            H5T_NATIVE_DOUBLE,
+                            memory,
+                            space,
+                            list,
+                            values + begin * n_columns) < 0 ||
+                       !is_selected || has_failed;
+        }
+      throw_on_all(has_failed ? "HDF5 has failed" : "", comm);
     }
 
 
@@ -85,7 +116,7 @@ namespace greville
       const std::uint64_t own       = table.n_rows();
       const std::uint64_t first     = sum_before(own, comm);
       const hsize_t       n_columns = table.columns.size();
-      const hsize_t       size[2]   = {sum_of(own, comm), n_columns};
+      const hsize_t       size[2] = {Utilities::MPI::sum(own, comm), n_columns};
       const HDF5Handle    space(H5Screate_simple(2, size, nullptr), H5Sclose);
       HDF5Handle          data_set(H5Dcreate2(file,
                                      table.name.c_str(),
@@ -100,26 +131,11 @@ namespace greville
                       boost::algorithm::join(table.columns, ","));
       write_hdf5_text(data_set,
                       checksum_name,
-                      std::to_string(sum_of(
+                      std::to_string(Utilities::MPI::sum(
                         checksum(table.values, first * n_columns), comm)));
       if (size[0] > 0)
-        transfer_hdf5_rows(first,
-                           own,
-                           n_columns,
-                           data_set,
-                           comm,
-                           [&](const hid_t       memory,
-                               const hid_t       file_space,
-                               const hid_t       list,
-                               const std::size_t begin) {
-                             return H5Dwrite(data_set,
-                                             H5T_NATIVE_DOUBLE,
-                                             memory,
-                                             file_space,
-                                             list,
-                                             table.values.data() +
-                                               begin * n_columns);
-                           });
+        transfer_rows(
+          H5Dwrite, first, own, n_columns, data_set, comm, table.values.data());
       data_set.finish();
     }
 
@@ -132,7 +148,8 @@ namespace greville
       table.name = name;
       const HDF5Handle data_set(H5Dopen2(file, name.c_str(), H5P_DEFAULT),
                                 H5Dclose);
-      table.columns = split(read_hdf5_text(data_set, columns_name));
+      table.columns =
+        Utilities::split_string_list(read_hdf5_text(data_set, columns_name));
       const HDF5Handle space(H5Dget_space(data_set), H5Sclose);
       hsize_t          size[2] = {0, 0};
       AssertThrow(H5Sget_simple_extent_ndims(space) == 2 &&
@@ -147,24 +164,10 @@ namespace greville
       const hsize_t first = share.first, own = share.second - first;
       table.values.resize(own * size[1]);
       if (size[0] > 0)
-        transfer_hdf5_rows(first,
-                           own,
-                           size[1],
-                           data_set,
-                           comm,
-                           [&](const hid_t       memory,
-                               const hid_t       file_space,
-                               const hid_t       list,
-                               const std::size_t at) {
-                             return H5Dread(data_set,
-                                            H5T_NATIVE_DOUBLE,
-                                            memory,
-                                            file_space,
-                                            list,
-                                            table.values.data() + at * size[1]);
-                           });
-      const std::string found =
-        std::to_string(sum_of(checksum(table.values, first * size[1]), comm));
+        transfer_rows(
+          H5Dread, first, own, size[1], data_set, comm, table.values.data());
+      const std::string found = std::to_string(
+        Utilities::MPI::sum(checksum(table.values, first * size[1]), comm));
       AssertThrow(found == read_hdf5_text(data_set, checksum_name),
                   ExcMessage("the table " + name +
                              " does not have its checksum"));
@@ -183,8 +186,8 @@ namespace greville
       std::uint64_t own = 0;
       for (const DistributedTable &table : content.tables)
         own += table.values.size() * sizeof(double);
-      std::uint64_t size =
-        sum_of(own, comm) + size_of_headers * (1 + content.tables.size());
+      std::uint64_t size = Utilities::MPI::sum(own, comm) +
+                           size_of_headers * (1 + content.tables.size());
       for (const auto &[name, text] : content.texts)
         size += name.size() + text.size();
       return size;
@@ -300,14 +303,29 @@ namespace greville
         const HDF5Handle handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access),
                                 H5Fclose);
         std::string      sum;
-        for (const std::string &name : names_of_attributes(handle))
+        std::vector<std::string> names, links;
+        hsize_t                  n = 0;
+        check_hdf5(H5Aiterate2(handle,
+                               H5_INDEX_NAME,
+                               H5_ITER_INC,
+                               &n,
+                               add_name<H5A_info_t>,
+                               &names));
+        n = 0;
+        check_hdf5(H5Literate(handle,
+                              H5_INDEX_NAME,
+                              H5_ITER_INC,
+                              &n,
+                              add_name<H5L_info_t>,
+                              &links));
+        for (const std::string &name : names)
           if (name == checksum_name)
             sum = read_hdf5_text(handle, name);
           else
             content.texts[name] = read_hdf5_text(handle, name);
         AssertThrow(sum == std::to_string(checksum_of(content.texts)),
                     ExcMessage("its texts do not have their checksum"));
-        for (const std::string &name : hdf5_links(handle))
+        for (const std::string &name : links)
           content.tables.push_back(read_table(handle, name, comm));
       }
     catch (const std::exception &error)

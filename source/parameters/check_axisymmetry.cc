@@ -3,10 +3,8 @@
 #include <greville/base/errors.h>
 #include <greville/base/expression.h>
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
 #include <greville/parameters/simulation_parameters.h>
 
-#include <cmath>
 
 namespace greville
 {

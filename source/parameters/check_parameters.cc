@@ -93,7 +93,8 @@ namespace greville
       check_different(sweep.degrees, "Sweep/Orders");
       check_different(sweep.formulations, "Sweep/Formulations");
       check_different(sweep.masses, "Sweep/Masses");
-      check_different(sweep.list_of_values(), "Sweep/Values");
+      check_different(Utilities::split_string_list(sweep.values, '|'),
+                      "Sweep/Values");
       AssertThrow(sweep.parameter.empty() == sweep.values.empty(),
                   ExcMessage(
                     "'Sweep' needs both of 'Parameter' and 'Values', or "
@@ -179,6 +180,84 @@ namespace greville
                                first.walls.type[w] +
                                " in the first stage: a wall is periodic "
                                "in all stages or in none."));
+    }
+
+
+
+    void
+    check_total_lagrangian(const SimulationParameters &parameters)
+    {
+      const auto refuse = [&](const bool         wrong,
+                              const std::string &parameter,
+                              const std::string &why) {
+        AssertThrow(!wrong,
+                    ExcMessage("'Scheme/Formulation' = total Lagrangian does "
+                               "not support " +
+                               parameter + ": " + why));
+      };
+      refuse(parameters.scheme.transfer == "APIC",
+             "'Scheme/Transfer' = APIC",
+             "take FLIP or PIC.");
+      for (unsigned int w = 0; w < 2 * parameters.general.dimension; ++w)
+        refuse(parameters.walls.type[w] == "friction",
+               "'Walls/" + WallParameters::names[w] + "' = friction",
+               "walls act on the initial configuration, which does not slide "
+               "along them.");
+    }
+
+
+
+    void
+    check_friction_walls(const SimulationParameters &parameters)
+    {
+      for (unsigned int w = 0; w < 2 * parameters.general.dimension; ++w)
+        AssertThrow(parameters.walls.type[w] != "friction" ||
+                      support_of_mass(parameters.scheme.mass).friction_walls ||
+                      is_implicit_scheme(parameters.scheme.stress_update),
+                    ExcMessage(
+                      "'Walls/" + WallParameters::names[w] +
+                      "' = friction does not support 'Scheme/Mass' = " +
+                      parameters.scheme.mass + ": take " +
+                      masses_with(&MassSupport::friction_walls) +
+                      ", or a rigid body that 'Contacts' name, such as "
+                      "half_space(0, 1, 0)."));
+    }
+
+
+
+    void
+    check_domains(const SimulationParameters &parameters)
+    {
+      const auto refuse = [](const bool         wrong,
+                             const std::string &parameter,
+                             const std::string &why) {
+        AssertThrow(!wrong,
+                    ExcMessage(
+                      "'Scheme/Functions' = domains does not support " +
+                      parameter + ": " + why));
+      };
+      refuse(parameters.scheme.is_total_lagrangian(),
+             "'Scheme/Formulation' = total Lagrangian",
+             "points do not move through cells; take points.");
+      refuse(parameters.scheme.has_projection(),
+             "'Scheme/Volumetric projection' = " +
+               parameters.scheme.volumetric_projection,
+             "it projects gradients at points; take none.");
+      refuse(is_explicit_scheme(parameters.scheme.stress_update) &&
+               !support_of_mass(parameters.scheme.mass).domains,
+             "'Scheme/Mass' = " + parameters.scheme.mass,
+             "take " + masses_with(&MassSupport::domains) + ".");
+      refuse(parameters.scheme.is_apic(),
+             "'Scheme/Transfer' = APIC",
+             "take FLIP or PIC.");
+      for (const auto &body : parameters.bodies)
+        refuse(body.second.points_file.empty() &&
+                 (body.second.placement == Placement::gauss ||
+                  body.second.placement == Placement::fitted),
+               "'Body " + body.first +
+                 "/Placement' = " + word_of(body.second.placement, placements),
+               "no boxes around such points fill a cell; take equidistant or "
+               "fitted lattice.");
     }
   } // namespace
 
@@ -354,10 +433,10 @@ namespace greville
     if (grid.is_axisymmetric())
       check_axisymmetry_of_stage();
     if (scheme.is_total_lagrangian())
-      check_total_lagrangian();
-    check_friction_walls();
+      check_total_lagrangian(*this);
+    check_friction_walls(*this);
     if (scheme.averages_over_domains())
-      check_domains();
+      check_domains(*this);
     check_water_of_stage();
     AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,
                 ExcMessage("The parameter 'Scheme/FLIP share' is " +
@@ -399,78 +478,5 @@ namespace greville
                                  "' is <" + value +
                                  ">, but there is no such wall in 2D."));
       }
-  }
-
-
-
-  void
-  SimulationParameters::check_total_lagrangian() const
-  {
-    const auto refuse = [&](const bool         wrong,
-                            const std::string &parameter,
-                            const std::string &why) {
-      AssertThrow(!wrong,
-                  ExcMessage("'Scheme/Formulation' = total Lagrangian does "
-                             "not support " +
-                             parameter + ": " + why));
-    };
-    refuse(scheme.transfer == "APIC",
-           "'Scheme/Transfer' = APIC",
-           "take FLIP or PIC.");
-    for (unsigned int w = 0; w < 2 * general.dimension; ++w)
-      refuse(walls.type[w] == "friction",
-             "'Walls/" + WallParameters::names[w] + "' = friction",
-             "walls act on the initial configuration, which does not slide "
-             "along them.");
-  }
-
-
-
-  void
-  SimulationParameters::check_friction_walls() const
-  {
-    for (unsigned int w = 0; w < 2 * general.dimension; ++w)
-      AssertThrow(walls.type[w] != "friction" ||
-                    support_of_mass(scheme.mass).friction_walls ||
-                    is_implicit_scheme(scheme.stress_update),
-                  ExcMessage("'Walls/" + WallParameters::names[w] +
-                             "' = friction does not support 'Scheme/Mass' = " +
-                             scheme.mass + ": take " +
-                             masses_with(&MassSupport::friction_walls) +
-                             ", or a rigid body that 'Contacts' name, such as "
-                             "half_space(0, 1, 0)."));
-  }
-
-
-
-  void
-  SimulationParameters::check_domains() const
-  {
-    const auto refuse = [](const bool         wrong,
-                           const std::string &parameter,
-                           const std::string &why) {
-      AssertThrow(!wrong,
-                  ExcMessage("'Scheme/Functions' = domains does not support " +
-                             parameter + ": " + why));
-    };
-    refuse(scheme.is_total_lagrangian(),
-           "'Scheme/Formulation' = total Lagrangian",
-           "points do not move through cells; take points.");
-    refuse(scheme.has_projection(),
-           "'Scheme/Volumetric projection' = " + scheme.volumetric_projection,
-           "it projects gradients at points; take none.");
-    refuse(is_explicit_scheme(scheme.stress_update) &&
-             !support_of_mass(scheme.mass).domains,
-           "'Scheme/Mass' = " + scheme.mass,
-           "take " + masses_with(&MassSupport::domains) + ".");
-    refuse(scheme.is_apic(), "'Scheme/Transfer' = APIC", "take FLIP or PIC.");
-    for (const auto &body : bodies)
-      refuse(body.second.points_file.empty() &&
-               (body.second.placement == Placement::gauss ||
-                body.second.placement == Placement::fitted),
-             "'Body " + body.first +
-               "/Placement' = " + word_of(body.second.placement, placements),
-             "no boxes around such points fill a cell; take equidistant or "
-             "fitted lattice.");
   }
 } // namespace greville

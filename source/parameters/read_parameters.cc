@@ -37,7 +37,6 @@ namespace greville
 
 
 
-    /// Return the names of an entry of the section "Simulation".
     std::vector<std::string>
     names_of(const std::vector<ParameterLine> &lines, const std::string &entry)
     {
@@ -137,9 +136,6 @@ namespace greville
 
 
 
-    /**
-     * Declare the names of the section 'Formulas'.
-     */
     void
     declare_formulas(ParameterHandler                   &prm,
                      std::map<std::string, std::string> &formulas)
@@ -315,6 +311,7 @@ namespace greville
             {
               result.push_back(line);
               result.back().section = section;
+              result.back().path    = {section};
             }
       return result;
     }
@@ -323,9 +320,6 @@ namespace greville
 
     using Laws = std::map<std::string, std::shared_ptr<Material>>;
 
-    /**
-     * Make the materials, and declare their parameters.
-     */
     Laws
     make_laws(const std::vector<ParameterLine> &lines, ParameterHandler &prm)
     {
@@ -509,14 +503,7 @@ namespace greville
     StageParameters  common;
     ParameterHandler prm;
     common.declare_sections(prm);
-    const auto outside = lines_of_stage(lines, "");
-    check_parameter_lines(prm, outside, former_parameters());
-    for (const ParameterLine &line : outside)
-      {
-        prm.enter_subsection(line.section);
-        prm.set(line.name, line.value);
-        prm.leave_subsection();
-      }
+    parse_parameter_lines(prm, lines_of_stage(lines, ""), former_parameters());
     for (const std::string &name : names)
       {
         stages.push_back(common);

@@ -7,7 +7,6 @@
 #include <greville/parameters/run_parameters.h>
 #include <greville/points/point_fields.h>
 
-#include <boost/algorithm/string/join.hpp>
 
 namespace greville
 {
@@ -85,14 +84,6 @@ namespace greville
       "Each run takes so many processes, and as many runs go side by side as "
       "there are groups of processes; what a run prints is in its folder, "
       "output.txt. 0: all processes take one run after the other. Unit: none.");
-  }
-
-
-
-  std::vector<std::string>
-  SweepParameters::list_of_values() const
-  {
-    return Utilities::split_string_list(values, '|');
   }
 
 

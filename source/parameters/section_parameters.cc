@@ -5,7 +5,6 @@
 #include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
 
-#include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 
 namespace greville

@@ -5,7 +5,6 @@
 #include <greville/parameters/names.h>
 #include <greville/parameters/stage_parameters.h>
 
-#include <boost/algorithm/string/join.hpp>
 
 namespace greville
 {
@@ -206,16 +205,10 @@ namespace greville
   void
   ImplicitParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm,
-                  "Spectral radius",
-                  spectral_radius,
-                  Patterns::Double(0., 1.))(
+    add_parameter(prm, "Spectral radius", spectral_radius, Double(0., 1.))(
       "Factor by which a step of generalized-alpha changes the amplitude of "
       "the highest modes; 1 keeps them, 0 removes them. Unit: none.");
-    add_parameter(prm,
-                  "Smallest step",
-                  smallest_step,
-                  Patterns::Double(1e-12, 1.))(
+    add_parameter(prm, "Smallest step", smallest_step, Double(1e-12, 1.))(
       "Smallest step, as a fraction of 'Time/Step'. The run ends if Newton's "
       "method fails with this step. Unit: none.");
   }
@@ -225,26 +218,20 @@ namespace greville
   void
   NewtonParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Tolerance", tolerance, Patterns::Double(1e-14, 1.))(
+    add_parameter(prm, "Tolerance", tolerance, Double(1e-14, 1.))(
       "Newton's method ends if the residual is below this fraction of the "
       "largest of its terms, the forces of stresses, loads and inertia, or if "
       "it consists of round-off. Unit: none.");
-    add_parameter(prm,
-                  "Absolute tolerance",
-                  absolute_tolerance,
-                  Patterns::Double(0.))(
+    add_parameter(prm, "Absolute tolerance", absolute_tolerance, Double(0.))(
       "Newton's method also ends if the residual is smaller than this force. "
       "Unit: N (2D: N / m).");
-    add_parameter(prm,
-                  "Maximum iterations",
-                  max_iterations,
-                  Patterns::Integer(1))(
+    add_parameter(prm, "Maximum iterations", max_iterations, Integer(1))(
       "Largest number of iterations of Newton's method. A step that needs more "
       "is tried again with half of its length. Unit: iterations.");
     add_parameter(prm,
                   "Largest linear tolerance",
                   largest_forcing,
-                  Patterns::Double(0., 1.))(
+                  Double(0., 1.))(
       "Largest relative residual of linear systems. It decreases as Newton's "
       "method converges. Unit: none.");
   }

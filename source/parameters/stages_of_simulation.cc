@@ -5,7 +5,6 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <algorithm>
@@ -17,17 +16,6 @@ namespace greville
 
   namespace
   {
-    bool
-    contains(const std::vector<std::string> &names, const std::string &name)
-    {
-      return std::find(names.begin(), names.end(), name) != names.end();
-    }
-
-
-
-    /**
-     * Throw unless @p name is one of @p names.
-     */
     void
     check_name(const std::string              &parameter,
                const std::string              &name,

@@ -42,6 +42,13 @@ namespace greville
     return text.str();
   }
 
+  template <typename List, typename T>
+  bool
+  contains(const List &list, const T &entry)
+  {
+    return std::find(std::begin(list), std::end(list), entry) != std::end(list);
+  }
+
   /**
    * Return " Did you mean <lumped>?" if @p known contains a word close to @p
    * word, otherwise an empty text.

@@ -7,6 +7,9 @@
 
 #include <greville/base/formulas.h>
 
+#include <algorithm>
+#include <array>
+
 namespace greville
 {
   /**
@@ -41,13 +44,27 @@ namespace greville
 
 
 
+  /**
+   * Return the variables for which the letters of @p kinds stand: x, y (and z);
+   * X, Y (and Z); t.
+   */
+  template <int dim>
+  std::vector<std::string>
+  variables_of(const std::string &kinds)
+  {
+    std::vector<std::string> result;
+    for (const char kind : kinds)
+      for (unsigned int d = 0; d < (kind == 't' ? 1 : dim); ++d)
+        result.emplace_back(1, char(kind + d));
+    return result;
+  }
+
   /// Return x, y (and z): the variables of formulas of the position.
   template <int dim>
   std::vector<std::string>
   coordinate_names()
   {
-    return dim == 2 ? std::vector<std::string>{"x", "y"}
-                    : std::vector<std::string>{"x", "y", "z"};
+    return variables_of<dim>("x");
   }
 
 
@@ -86,7 +103,7 @@ namespace greville
       return result;
     }
 
-    /// Evaluate formulas of one variable, or of the coordinates.
+    /// Evaluate formulas of one variable, of the coordinates, or of both.
     dealii::Tensor<1, n>
     operator()(const double t) const
     {
@@ -98,6 +115,16 @@ namespace greville
     operator()(const dealii::Point<dim> &x) const
     {
       return (*this)(dealii::ArrayView<const double>(&x[0], dim));
+    }
+
+    template <int dim>
+    dealii::Tensor<1, n>
+    operator()(const dealii::Point<dim> &x, const double t) const
+    {
+      std::array<double, dim + 1> values;
+      std::copy_n(x.begin_raw(), dim, values.begin());
+      values[dim] = t;
+      return (*this)(dealii::ArrayView<const double>(values.data(), dim + 1));
     }
 
   private:

@@ -77,7 +77,6 @@ namespace greville
              const dealii::ArrayView<const double> &precomputed,
              const dealii::ArrayView<double>       &results) const;
 
-    /// Return the number of values that precompute() returns.
     unsigned int
     n_precomputed() const;
 

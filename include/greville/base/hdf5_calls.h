@@ -5,10 +5,8 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <functional>
 #include <hdf5.h>
 #include <string>
-#include <vector>
 
 /**
  * Functions for reading and writing HDF5 files. All of them throw
@@ -80,35 +78,9 @@ namespace greville
   std::string
   read_hdf5_text(const hid_t object, const std::string &name);
 
-  /// Return the names of the data sets and groups in a group.
-  std::vector<std::string>
-  hdf5_links(const hid_t group);
-
   /// Return the property list of HDF5 for files shared by all processes.
   HDF5Handle
   hdf5_access(const MPI_Comm comm);
-
-  /**
-   * A call of HDF5 that reads or writes the rows of this process from number @p
-   * begin on, which have their place in @p file.
-   */
-  using HDF5Transfer = std::function<herr_t(const hid_t         memory,
-                                            const hid_t         file,
-                                            const hid_t         list,
-                                            const unsigned long begin)>;
-
-  /**
-   * Collective. Read or write the rows [first, first + n_rows) of a data set of
-   * @p n_columns by @p transfer. All processes make the same number of calls,
-   * and throw together.
-   */
-  void
-  transfer_hdf5_rows(const hsize_t       first,
-                     const hsize_t       n_rows,
-                     const hsize_t       n_columns,
-                     const hid_t         data_set,
-                     const MPI_Comm      comm,
-                     const HDF5Transfer &transfer);
 } // namespace greville
 
 #endif

@@ -42,7 +42,7 @@ namespace greville
     add(const std::string &name, const std::string &value)
     {
       key(name);
-      write(value);
+      write(out, value);
       return *this;
     }
 
@@ -73,18 +73,9 @@ namespace greville
       return out.str();
     }
 
-  private:
-    void
-    key(const std::string &name)
-    {
-      out << (is_empty ? "\n" : ",\n") << std::string(2 * depth, ' ');
-      write(name);
-      out << ": ";
-      is_empty = false;
-    }
-
-    void
-    write(const std::string &value)
+    /// Write a text in quotes, with its special letters escaped.
+    static void
+    write(std::ostream &out, const std::string &value)
     {
       static constexpr char digits[] = "0123456789abcdef";
       out << '"';
@@ -96,6 +87,16 @@ namespace greville
         else
           out << c;
       out << '"';
+    }
+
+  private:
+    void
+    key(const std::string &name)
+    {
+      out << (is_empty ? "\n" : ",\n") << std::string(2 * depth, ' ');
+      write(out, name);
+      out << ": ";
+      is_empty = false;
     }
 
     std::ostringstream out;

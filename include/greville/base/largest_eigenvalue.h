@@ -10,7 +10,6 @@
 
 namespace greville
 {
-  /// The result of largest_eigenvalue().
   struct LargestEigenvalue
   {
     double value = 0.;

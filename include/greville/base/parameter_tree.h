@@ -5,6 +5,8 @@
 
 #include <greville/base/parameters.h>
 
+#include <boost/property_tree/ptree_fwd.hpp>
+#include <functional>
 #include <istream>
 #include <ostream>
 #include <string>
@@ -18,6 +20,18 @@ namespace greville
    */
   bool
   is_parameter_tree(const std::string &file);
+
+  /// Return the tree of @p prm, whose names are not mangled.
+  boost::property_tree::ptree
+  tree_of(const dealii::ParameterHandler &prm);
+
+  /// Call @p visit with the path, the name and the tree of each parameter.
+  void
+  for_each_parameter(
+    const dealii::ParameterHandler                                 &prm,
+    const std::function<void(const std::vector<std::string> &,
+                             const std::string &,
+                             const boost::property_tree::ptree &)> &visit);
 
   /**
    * Return the parameter lines of a JSON or XML file. JSON contains nested

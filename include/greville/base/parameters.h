@@ -64,16 +64,6 @@ namespace greville
   };
 
   /**
-   * Throw dealii::ExcMessage with the line, the parameter, the value, the
-   * allowed values and a suggestion if @p prm does not have a parameter or does
-   * not allow its value. Suggestions for @p former ones are their advice.
-   */
-  void
-  check_parameter_lines(const dealii::ParameterHandler     &prm,
-                        const std::vector<ParameterLine>   &lines,
-                        const std::vector<FormerParameter> &former = {});
-
-  /**
    * The names of the parameters in an outer section.
    */
   std::vector<std::string>
@@ -111,9 +101,6 @@ namespace greville
   template <typename Enumeration>
   using Choices = std::vector<std::pair<Enumeration, std::string>>;
 
-  /**
-   * The word of a @p value.
-   */
   template <typename Enumeration>
   std::string
   word_of(const Enumeration value, const Choices<Enumeration> &choices)
@@ -171,7 +158,9 @@ namespace greville
 
   /**
    * Set the values of @p lines in @p prm, in which they have been declared.
-   * Throws as check_parameter_lines().
+   * Throws dealii::ExcMessage with the line, the parameter, the value, the
+   * allowed values and a suggestion if @p prm does not have a parameter or does
+   * not allow its value. Suggestions for @p former ones are their advice.
    */
   void
   parse_parameter_lines(dealii::ParameterHandler           &prm,
@@ -202,13 +191,6 @@ namespace greville
   describe_parameter(std::ostream                   &out,
                      const dealii::ParameterHandler &prm,
                      const std::string              &what);
-
-  /**
-   * Return a name from ParameterHandler's form: "Box_20size" becomes "Box
-   * size".
-   */
-  std::string
-  demangle(const std::string &name);
 
   /**
    * Write all parameters of @p prm as a page of Markdown: a table per section

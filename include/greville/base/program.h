@@ -70,7 +70,6 @@ namespace greville
 
 
 
-  /// The description of a program.
   struct Program
   {
     std::string name;

@@ -4,6 +4,7 @@
 #define greville_parameters_run_parameters_h
 
 #include <deal.II/base/parameter_handler.h>
+#include <deal.II/base/utilities.h>
 
 #include <string>
 #include <vector>
@@ -55,15 +56,10 @@ namespace greville
     std::string               parameter;
     std::string               values;
     unsigned int              processes = 0;
-
-    /// Return the values, which '|' separates.
-    std::vector<std::string>
-    list_of_values() const;
   };
 
 
 
-  /// The output of a run.
   struct OutputParameters
   {
     void
@@ -86,19 +82,11 @@ namespace greville
     std::string              statistics_every = "auto";
     double                   runout_above     = -1e100;
     bool                     grid_fields      = true;
-    std::vector<std::string> fields           = {"velocity",
-                                                 "displacement",
-                                                 "stress",
-                                                 "pressure",
-                                                 "von_mises",
-                                                 "J",
-                                                 "density",
-                                                 "body",
-                                                 "id",
-                                                 "size",
-                                                 "history"};
-    std::string              probes;
-    bool                     load = false;
+    std::vector<std::string> fields = dealii::Utilities::split_string_list(
+      "velocity, displacement, stress, pressure, von_mises, J, density, body, "
+      "id, size, history");
+    std::string probes;
+    bool        load = false;
   };
 
 

@@ -14,7 +14,6 @@
 
 namespace greville
 {
-  /// General parameters of the simulation.
   struct GeneralParameters
   {
     void
@@ -34,7 +33,6 @@ namespace greville
 
 
 
-  /// The pore water of all bodies.
   struct WaterParameters
   {
     void
@@ -67,9 +65,6 @@ namespace greville
 
 
 
-  /**
-   * The background grid.
-   */
   struct GridParameters
   {
     void
@@ -248,7 +243,6 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /// Return the names of the bodies of both sides.
     std::array<std::vector<std::string>, 2>
     sides() const;
 

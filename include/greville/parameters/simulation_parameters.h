@@ -100,7 +100,6 @@ namespace greville
     std::vector<std::vector<std::string>>
     body_groups() const;
 
-    /// Return the grid of a body.
     GridParameters
     grid_of(const std::string &body) const;
 
@@ -210,9 +209,6 @@ namespace greville
     void
     find_materials();
 
-    /**
-     * check() of the grids of bodies.
-     */
     void
     check_body_grids() const;
 
@@ -241,16 +237,6 @@ namespace greville
     /// Do the part of check() for the parameters of one stage.
     void
     check_stage() const;
-
-    /// Do the part of check_stage() for total Lagrangian steps.
-    void
-    check_total_lagrangian() const;
-
-    void
-    check_friction_walls() const;
-
-    void
-    check_domains() const;
 
     /// Do the part of check() for pore water, for all stages and for one.
     void

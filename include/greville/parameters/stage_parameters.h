@@ -12,9 +12,6 @@
 
 namespace greville
 {
-  /**
-   * The time stepping.
-   */
   struct TimeParameters
   {
     void
@@ -149,7 +146,6 @@ namespace greville
       return energy_gain == "stop";
     }
 
-    /// Return whether points that leave the grid are an error.
     bool
     stops_outside() const
     {
@@ -173,9 +169,6 @@ namespace greville
 
 
 
-  /**
-   * The walls of the grid.
-   */
   struct WallParameters
   {
     void
@@ -209,9 +202,6 @@ namespace greville
 
 
 
-  /**
-   * Forces on points, and damping.
-   */
   struct LoadParameters
   {
     void
@@ -253,7 +243,6 @@ namespace greville
   /// Sections that may differ between the stages of a simulation.
   struct StageSections
   {
-    /// Declare each member in its section.
     void
     declare_sections(dealii::ParameterHandler &prm);
 
@@ -267,9 +256,6 @@ namespace greville
 
 
 
-  /**
-   * A stage of a simulation.
-   */
   struct StageParameters : StageSections
   {
     /// Declare the parameters outside the sections.
