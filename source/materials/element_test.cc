@@ -61,6 +61,7 @@ namespace greville
         , is_drained(test == "triaxial-drained")
         , is_undrained(test == "triaxial-undrained")
         , is_shear(test == "simple-shear")
+        , kept(is_shear ? z : x)
         , parameters(parameters)
         , names(material.state_names())
       {
@@ -83,15 +84,9 @@ namespace greville
       run()
       {
         ElementTestTable table;
-        table.names = {"strain_axial",
-                       "strain_volumetric",
-                       "strain_shear",
-                       "p",
-                       "q",
-                       "void_ratio",
-                       "pore_pressure",
-                       "stress_axial",
-                       "stress_shear"};
+        table.names = Utilities::split_string_list(
+          "strain_axial, strain_volumetric, strain_shear, p, q, void_ratio, "
+          "pore_pressure, stress_axial, stress_shear");
         for (const std::string &name : names)
           if (name != "void_ratio")
             table.names.push_back(name);
@@ -152,8 +147,7 @@ namespace greville
       double
       residual(const MaterialPoint &at) const
       {
-        const unsigned int c = is_shear ? z : x;
-        return at.stress[c][c] - stress_start[c][c];
+        return at.stress[kept][kept] - stress_start[kept][kept];
       }
 
       /// Return the derivative of residual() by the unknown.
@@ -213,23 +207,17 @@ namespace greville
         AssertThrow(std::isfinite(ended.stress.norm()),
                     ExcMessage(where(strain) +
                                " gives a stress that is not finite."));
-        AssertThrow(is_done,
-                    ExcMessage(
-                      where(strain) + " has not converged: the " +
-                      (is_shear ? "axial" : "lateral") + " stress is " +
-                      text_of(-residual(ended) - prescribed_stress()) +
-                      " Pa and has to be " + text_of(-prescribed_stress()) +
-                      " Pa, positive in compression. Increase 'Element "
-                      "test/Steps' for smaller steps."));
+        AssertThrow(
+          is_done,
+          ExcMessage(where(strain) + " has not converged: the " +
+                     (is_shear ? "axial" : "lateral") + " stress is " +
+                     text_of(-residual(ended) - stress_start[kept][kept]) +
+                     " Pa and has to be " + text_of(-stress_start[kept][kept]) +
+                     " Pa, positive in compression. Increase 'Element "
+                     "test/Steps' for smaller steps."));
         point   = ended;
         stretch = stretch_of(strain, unknown);
         time += dt;
-      }
-
-      double
-      prescribed_stress() const
-      {
-        return is_shear ? stress_start[z][z] : stress_start[x][x];
       }
 
       std::string
@@ -270,9 +258,10 @@ namespace greville
 
       static constexpr unsigned int most_iterations = 50;
 
-      const Material   &material;
-      const std::string section, test;
-      const bool        is_isotropic, is_drained, is_undrained, is_shear;
+      const Material    &material;
+      const std::string  section, test;
+      const bool         is_isotropic, is_drained, is_undrained, is_shear;
+      const unsigned int kept; // direction of the prescribed stress
       const ElementTestParameters   &parameters;
       const std::vector<std::string> names;
 
@@ -290,36 +279,33 @@ namespace greville
   ElementTestParameters::declare_section(ParameterHandler &prm)
   {
     const ElementTestParameters defaults;
-    const auto                  declare = [&](const std::string           &name,
-                             const std::string           &value,
-                             const Patterns::PatternBase &pattern,
-                             const std::string           &text) {
-      prm.declare_entry(name, value, pattern, text);
-    };
     prm.enter_subsection(section);
-    declare("Initial stress",
-            text_of(defaults.initial_stress[0]),
-            Patterns::List(Patterns::Double(), 1, 2),
-            "Axial and lateral stress at the start of an element test, "
-            "positive in compression; one number: both. Unit: Pa.");
-    declare(
+    prm.declare_entry(
+      "Initial stress",
+      text_of(defaults.initial_stress[0]),
+      Patterns::List(Patterns::Double(), 1, 2),
+      "Axial and lateral stress at the start of an element test, "
+      "positive in compression; one number: both. Unit: Pa.");
+    prm.declare_entry(
       "Strain",
       text_of(defaults.strains[0]),
       Patterns::List(Patterns::Double(), 1),
       "Values of the controlled strain at which it reverses, and at which the "
       "test ends: the logarithmic axial strain, volumetric strain (isotropic) "
       "or shear; positive in compression. Unit: none.");
-    declare("Steps",
-            text_of(defaults.steps),
-            Patterns::Integer(1),
-            "Number of steps from one of the values of 'Strain' to the next. "
-            "Unit: none.");
-    declare("Strain rate",
-            text_of(defaults.strain_rate),
-            positive(),
-            "Rate of the controlled strain, for laws that depend on the rate "
-            "or on time. Unit: 1 / s.");
-    declare(
+    prm.declare_entry(
+      "Steps",
+      text_of(defaults.steps),
+      Patterns::Integer(1),
+      "Number of steps from one of the values of 'Strain' to the next. "
+      "Unit: none.");
+    prm.declare_entry(
+      "Strain rate",
+      text_of(defaults.strain_rate),
+      positive(),
+      "Rate of the controlled strain, for laws that depend on the rate "
+      "or on time. Unit: 1 / s.");
+    prm.declare_entry(
       "Void ratio",
       text_of(defaults.void_ratio),
       Patterns::Double(0.),

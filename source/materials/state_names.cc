@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/exceptions.h>
+#include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
 #include <greville/materials/state_names.h>
@@ -15,33 +15,11 @@ namespace greville
   namespace
   {
     // Names of other numbers and fields of points.
-    const std::vector<std::string> taken = {"position",
-                                            "velocity",
-                                            "mass",
-                                            "volume0",
-                                            "J",
-                                            "stress",
-                                            "volume",
-                                            "wave_modulus",
-                                            "F",
-                                            "reference",
-                                            "id",
-                                            "affine",
-                                            "load",
-                                            "initial_F",
-                                            "projected_J",
-                                            "domain",
-                                            "size",
-                                            "displacement",
-                                            "density",
-                                            "pressure",
-                                            "von_mises",
-                                            "dissipation",
-                                            "body",
-                                            "process",
-                                            "x",
-                                            "y",
-                                            "z"};
+    const auto taken = Utilities::split_string_list(
+      "position, velocity, mass, volume0, J, stress, volume, wave_modulus, F, "
+      "reference, id, affine, load, initial_F, projected_J, domain, size, "
+      "displacement, density, pressure, von_mises, dissipation, body, process, "
+      "x, y, z");
   } // namespace
 
 
@@ -64,10 +42,8 @@ namespace greville
     const bool        is_component =
       last != std::string::npos && (last > 1 || text[0] == 'F') &&
       text.find_first_not_of("xyz0123456789", last + 1) == std::string::npos;
-    const auto is_taken = [](const std::string &name) {
-      return std::count(taken.begin(), taken.end(), name) > 0;
-    };
-    return is_taken(text) || (is_component && is_taken(text.substr(0, last)));
+    return contains(taken, text) ||
+           (is_component && contains(taken, text.substr(0, last)));
   }
 
 

@@ -30,21 +30,10 @@ namespace greville
                            dissipated = 10, modulus = 11, n_fixed = 12;
     static_assert(n_fixed == History<double>::n_first, "");
 
-    const std::vector<std::string> fixed_names = {"stran_xx",
-                                                  "stran_yy",
-                                                  "stran_zz",
-                                                  "stran_xy",
-                                                  "stran_xz",
-                                                  "stran_yz",
-                                                  "energy_elastic",
-                                                  "energy_plastic",
-                                                  "energy_creep",
-                                                  "energy_work",
-                                                  "energy_dissipated",
-                                                  "modulus"};
-
-    constexpr unsigned int rows[]    = {0, 1, 2, 0, 0, 1};
-    constexpr unsigned int columns[] = {0, 1, 2, 1, 2, 2};
+    const auto fixed_names = Utilities::split_string_list(
+      "stran_xx, stran_yy, stran_zz, stran_xy, stran_xz, stran_yz, "
+      "energy_elastic, energy_plastic, energy_creep, energy_work, "
+      "energy_dissipated, modulus");
 
 
 
@@ -66,9 +55,9 @@ namespace greville
           RA[i][j] = R[i][0] * A[entry_of(0, j)] + R[i][1] * A[entry_of(1, j)] +
                      R[i][2] * A[entry_of(2, j)];
       for (unsigned int k = 0; k < 6; ++k)
-        result[k] = RA[rows[k]][0] * R[columns[k]][0] +
-                    RA[rows[k]][1] * R[columns[k]][1] +
-                    RA[rows[k]][2] * R[columns[k]][2];
+        result[k] = RA[entry_rows[k]][0] * R[entry_columns[k]][0] +
+                    RA[entry_rows[k]][1] * R[entry_columns[k]][1] +
+                    RA[entry_rows[k]][2] * R[entry_columns[k]][2];
       std::copy_n(result, 6, A);
     }
 
@@ -82,16 +71,6 @@ namespace greville
              2. * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
     }
 
-
-
-    bool
-    is_number(const std::string &text)
-    {
-      return !text.empty() &&
-             std::all_of(text.begin(), text.end(), [](const unsigned char c) {
-               return std::isdigit(c);
-             });
-    }
   } // namespace
 
 
@@ -177,7 +156,8 @@ namespace greville
                     std::to_string(most_state_variables) + " are allowed."));
     };
     check_number(double(given.size()));
-    if (given.size() == 1 && is_number(given[0]))
+    if (given.size() == 1 && !given[0].empty() &&
+        given[0].find_first_not_of("0123456789") == std::string::npos)
       {
         check_number(std::stod(given[0].substr(0, 300)));
         for (int k = 1; k <= Utilities::string_to_int(given[0]); ++k)
@@ -199,9 +179,7 @@ namespace greville
                                  "and _ with an optional unit in brackets, or "
                                  "the number of all variables."));
           AssertThrow(!is_taken_by_points(state) &&
-                        std::count(fixed_names.begin(),
-                                   fixed_names.end(),
-                                   state) == 0,
+                        !contains(fixed_names, state),
                       ExcMessage("The parameter '" + section +
                                  "/State variables' has the name <" + state +
                                  ">, but all points have a variable of this "
@@ -602,9 +580,6 @@ namespace greville
   Moduli
   Umat::moduli() const
   {
-    Moduli result;
-    result.bulk  = bulk;
-    result.shear = shear;
-    return result;
+    return {bulk, shear};
   }
 } // namespace greville

@@ -55,26 +55,24 @@ namespace greville
                           const std::size_t size,
                           const char       *what) const
   {
-    const auto place = [&](char *text, const std::size_t n) {
-      if (point == nullptr)
-        std::snprintf(text, n, "for the stiffness without an increment");
-      else
-        {
-          char third[40] = "";
-          if (point->dim == 3)
-            std::snprintf(third, sizeof(third), ", %g", point->position[2]);
-          std::snprintf(text,
-                        n,
-                        "at (%g, %g%s), t = %g s, step %g s",
-                        point->position[0],
-                        point->position[1],
-                        third,
-                        point->time - point->dt,
-                        point->dt);
-        }
-    };
-    char where[200];
-    place(where, sizeof(where));
+    char where[200], third[40] = "";
+    if (point == nullptr)
+      std::snprintf(where,
+                    sizeof(where),
+                    "for the stiffness without an increment");
+    else
+      {
+        if (point->dim == 3)
+          std::snprintf(third, sizeof(third), ", %g", point->position[2]);
+        std::snprintf(where,
+                      sizeof(where),
+                      "at (%g, %g%s), t = %g s, step %g s",
+                      point->position[0],
+                      point->position[1],
+                      third,
+                      point->time - point->dt,
+                      point->dt);
+      }
     std::snprintf(buffer,
                   size,
                   "the UMAT of '%s' %s (<%s>, call %llu %s)",

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/exceptions.h>
 
 #include <greville/base/errors.h>
 #include <greville/materials/umat_memory.h>
@@ -114,22 +113,13 @@ namespace greville
       set_guard(data + guard);
     std::copy(properties.begin(), properties.end(), (*this)[props]);
     std::memcpy((*this)[cmname], padded_name.data(), padded_name.size());
-    (*this)[constants][0]      = element_length;
-    const int integer_values[] = {3,
-                                  int(n) - 3,
-                                  int(n),
-                                  int(nstatv),
-                                  int(properties.size()),
-                                  1,
-                                  1,
-                                  1,
-                                  1,
-                                  1,
-                                  1,
-                                  1,
-                                  0,
-                                  0};
-    std::memcpy((*this)[integers], integer_values, sizeof(integer_values));
+    (*this)[constants][0] = element_length;
+    std::array<int, 14> integer_values{
+      {3, int(n) - 3, int(n), int(nstatv), int(properties.size())}};
+    std::fill_n(integer_values.begin() + 5, 7, 1);
+    std::memcpy((*this)[integers],
+                integer_values.data(),
+                sizeof(integer_values));
     image.assign(data, data + begin[stran]);
   }
 

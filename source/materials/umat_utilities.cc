@@ -4,7 +4,6 @@
 
 #include <greville/base/eigenvectors.h>
 #include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/materials/umat_call.h>
 #include <greville/materials/umat_utilities.h>
 
@@ -47,15 +46,6 @@ namespace greville
             c > 2 && lstr == 2 ? 0.5 * s[k] : s[k];
         }
       return result;
-    }
-
-
-
-    std::array<std::pair<double, Tensor<1, 3>>, 3>
-    spectrum(const double *s, const int lstr, const int ndi, const int nshr)
-    {
-      return eigenvectors(tensor_of(s, lstr, ndi, nshr),
-                          SymmetricTensorEigenvectorMethod::jacobi);
     }
 
 
@@ -118,9 +108,8 @@ namespace greville
           const int    *ndi,
           const int    *nshr)
   {
-    const auto parts = spectrum(s, *lstr, *ndi, *nshr);
-    for (unsigned int k = 0; k < 3; ++k)
-      ps[k] = parts[k].first;
+    double directions[9];
+    sprind_(s, ps, directions, lstr, ndi, nshr);
   }
 
 
@@ -133,7 +122,8 @@ namespace greville
           const int    *ndi,
           const int    *nshr)
   {
-    const auto parts = spectrum(s, *lstr, *ndi, *nshr);
+    const auto parts = eigenvectors(tensor_of(s, *lstr, *ndi, *nshr),
+                                    SymmetricTensorEigenvectorMethod::jacobi);
     for (unsigned int k = 0; k < 3; ++k)
       {
         ps[k] = parts[k].first;

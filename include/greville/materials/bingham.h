@@ -28,12 +28,10 @@ namespace greville
     declare(dealii::ParameterHandler &prm) override
     {
       TaitFluid<Bingham>::declare(prm);
-      add_parameter(prm,
-                    "Yield stress",
-                    yield_stress,
-                    dealii::Patterns::Double(0.))(
+      using dealii::Patterns::Double;
+      add_parameter(prm, "Yield stress", yield_stress, Double(0.))(
         "Shear stress at which the fluid yields. Unit: Pa.");
-      add_parameter(prm, "Plastic viscosity", mu, dealii::Patterns::Double(0.))(
+      add_parameter(prm, "Plastic viscosity", mu, Double(0.))(
         "Growth of the shear stress with the shear rate after yield. Unit: Pa "
         "s.");
       add_parameter(prm, "Regularization", regularization, positive())(

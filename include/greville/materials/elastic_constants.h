@@ -27,10 +27,8 @@ namespace greville
     {
       add_parameter(prm, "Young modulus", youngs_modulus, positive())(
         "Young's modulus E. Unit: Pa.");
-      add_parameter(prm,
-                    "Poisson ratio",
-                    poissons_ratio,
-                    dealii::Patterns::Double(-1., 0.5))(
+      using dealii::Patterns::Double;
+      add_parameter(prm, "Poisson ratio", poissons_ratio, Double(-1., 0.5))(
         "Poisson's ratio nu, between -1 and 0.5 (both excluded). Unit: none.");
     }
 

@@ -3,6 +3,8 @@
 #ifndef greville_materials_elastoplastic_law_h
 #define greville_materials_elastoplastic_law_h
 
+#include <deal.II/base/utilities.h>
+
 #include <greville/materials/hencky_law.h>
 
 #include <algorithm>
@@ -61,14 +63,8 @@ namespace greville
     static std::vector<std::string>
     names_with(const std::vector<std::string> &of_law)
     {
-      std::vector<std::string> names = {"b_xx",
-                                        "b_yy",
-                                        "b_zz",
-                                        "b_xy",
-                                        "b_xz",
-                                        "b_yz",
-                                        "plastic_strain",
-                                        "dissipation"};
+      auto names = dealii::Utilities::split_string_list(
+        "b_xx, b_yy, b_zz, b_xy, b_xz, b_yz, plastic_strain, dissipation");
       names.insert(names.end(), of_law.begin(), of_law.end());
       return names;
     }

@@ -15,9 +15,6 @@
  */
 namespace greville
 {
-  /**
-   * Three principal values.
-   */
   using Principal = std::array<double, 3>;
 
 

@@ -99,12 +99,6 @@ namespace greville
       return result;
     }
 
-    double
-    strain_energy(const MaterialPoint &point) const override
-    {
-      return energies(MaterialLanes(point)).strain[0];
-    }
-
   protected:
     using ElasticMaterial<LanesMaterial, Elastic>::elastic;
 
@@ -159,9 +153,7 @@ namespace greville
         }
       for (unsigned int i = 0; i < 6; ++i)
         {
-          constexpr unsigned int rows[]    = {0, 1, 2, 0, 0, 1};
-          constexpr unsigned int columns[] = {0, 1, 2, 1, 2, 2};
-          const unsigned int     r = rows[i], c = columns[i];
+          const unsigned int r = entry_rows[i], c = entry_columns[i];
           for (unsigned int a = 0; a < 3; ++a)
             {
               normal[a][i] = n[a][r] * n[a][c];

@@ -95,13 +95,9 @@ namespace greville
           for (unsigned int lane = 0; lane < points.count; ++lane)
             if (state[opening][lane] > 0.)
               {
-                const double closed =
-                  closing(state[opening][lane],
-                          state[plastic_strain][lane],
-                          double(eps[0][lane]) + eps[1][lane] + eps[2][lane]);
-                state[opening][lane] = state[opening][lane] - closed;
-                for (Lanes &strain : eps)
-                  strain[lane] = strain[lane] + closed / 3.;
+                const double open = state[opening][lane];
+                state[opening][lane] =
+                  open - close(eps, lane, open, state[plastic_strain][lane]);
                 has_changed[lane] = any_changed = true;
               }
 
@@ -151,14 +147,10 @@ namespace greville
         for (unsigned int lane = 0; lane < count; ++lane)
           if (points[lane].state[opening] > 0.)
             {
+              const double open = points[lane].state[opening];
               const double closed =
-                closing(points[lane].state[opening],
-                        points[lane].state[plastic_strain],
-                        double(eps[0][lane]) + eps[1][lane] + eps[2][lane]);
-              for (Lanes &strain : eps)
-                strain[lane] = strain[lane] + closed / 3.;
-              keeps_volume[lane] =
-                closed > 0. && closed < points[lane].state[opening];
+                close(eps, lane, open, points[lane].state[plastic_strain]);
+              keeps_volume[lane] = closed > 0. && closed < open;
             }
 
       const double     lambda = elastic.lambda, G = elastic.shear;
@@ -226,17 +218,23 @@ namespace greville
     static constexpr unsigned int opening = ElastoplasticLaw<Law>::more;
 
     /**
-     * Return the part of an opening that closes at an elastic volumetric
-     * strain.
+     * Close the part of an opening that the elastic strain closes, and return
+     * it.
      */
     double
-    closing(const double open,
-            const double alpha,
-            const double volume_strain) const
+    close(std::array<Lanes, 3> &eps,
+          const unsigned int    lane,
+          const double          open,
+          const double          alpha) const
     {
-      return law().largest_mean_stress(alpha) > 0.
-               ? std::min(open, std::max(-volume_strain, 0.))
-               : open;
+      const double volume_strain =
+        double(eps[0][lane]) + eps[1][lane] + eps[2][lane];
+      const double closed = law().largest_mean_stress(alpha) > 0.
+                              ? std::min(open, std::max(-volume_strain, 0.))
+                              : open;
+      for (Lanes &strain : eps)
+        strain[lane] = strain[lane] + closed / 3.;
+      return closed;
     }
   };
 

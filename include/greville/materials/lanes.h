@@ -18,6 +18,10 @@ namespace greville
 
   constexpr unsigned int n_lanes = Lanes::size();
 
+  /// Rows and columns of the entries xx, yy, zz, xy, xz, yz.
+  constexpr unsigned int entry_rows[]    = {0, 1, 2, 0, 0, 1};
+  constexpr unsigned int entry_columns[] = {0, 1, 2, 1, 2, 2};
+
 
 
   // Return, lane by lane, a where the condition holds and b elsewhere. With

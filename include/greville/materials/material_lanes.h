@@ -87,9 +87,19 @@ namespace greville
 
 
   /**
+   * Energies per volume of the stress-free state, J / m^3.
+   */
+  struct EnergyLanes
+  {
+    Lanes strain = 0., dissipation = 0.;
+  };
+
+
+
+  /**
    * A Material that updates as many points at once as Lanes hold: a law
    * implements update_lanes(), which the kernels of explicit steps call with
-   * their groups of points.
+   * their groups of points, and energies() or strain_energy().
    */
   class LanesMaterial : public Material
   {
@@ -115,16 +125,12 @@ namespace greville
           lanes.write(points.begin() + first);
         }
     }
-  };
 
-
-
-  /**
-   * Energies per volume of the stress-free state, J / m^3.
-   */
-  struct EnergyLanes
-  {
-    Lanes strain = 0., dissipation = 0.;
+    double
+    strain_energy(const MaterialPoint &point) const override
+    {
+      return energies(MaterialLanes(point)).strain[0];
+    }
   };
 
 
@@ -168,9 +174,7 @@ namespace greville
       }
     for (unsigned int k = 0; k < 6; ++k)
       {
-        constexpr unsigned int rows[]    = {0, 1, 2, 0, 0, 1};
-        constexpr unsigned int columns[] = {0, 1, 2, 1, 2, 2};
-        const unsigned int     i = rows[k], j = 3 * columns[k];
+        const unsigned int i = entry_rows[k], j = 3 * entry_columns[k];
         result[k] += m[i][0] * f[j] + m[i][1] * f[j + 1] + m[i][2] * f[j + 2];
       }
     return result;

@@ -127,12 +127,6 @@ namespace greville
       return result;
     }
 
-    double
-    strain_energy(const MaterialPoint &point) const override
-    {
-      return energies(MaterialLanes(point)).strain[0];
-    }
-
     void
     tangents(const dealii::ArrayView<const MaterialPoint> &points,
              const dealii::ArrayView<MaterialTangent>     &result,

@@ -39,9 +39,6 @@ namespace greville
 
 
 
-  /**
-   * Scale the deviator of @p tau and set the mean stress to @p mean.
-   */
   inline void
   scale_deviator(Principal &tau, const double factor, const double mean)
   {

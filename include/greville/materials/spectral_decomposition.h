@@ -66,9 +66,7 @@ namespace greville
       Entries      A;
       for (unsigned int k = 0; k < 6; ++k)
         {
-          constexpr unsigned int first[]  = {0, 1, 2, 0, 0, 1};
-          constexpr unsigned int second[] = {0, 1, 2, 1, 2, 2};
-          const unsigned int     i = first[k], j = second[k];
+          const unsigned int i = entry_rows[k], j = entry_columns[k];
           A[k] = rest * n[i] * n[j] + (c * u[i] + s * w[i]) * u[j] +
                  (s * u[i] - c * w[i]) * w[j];
           if (k < 3)

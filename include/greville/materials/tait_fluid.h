@@ -51,15 +51,10 @@ namespace greville
       Material::declare(prm);
       add_parameter(prm, "Sound speed", sound_speed, positive())(
         "Speed of sound in the stress-free fluid. Unit: m / s.");
-      add_parameter(prm,
-                    "Bulk viscosity",
-                    bulk_viscosity,
-                    dealii::Patterns::Double(0.))(
+      using dealii::Patterns::Double;
+      add_parameter(prm, "Bulk viscosity", bulk_viscosity, Double(0.))(
         "Viscosity of changes of volume, often artificial. Unit: Pa s.");
-      add_parameter(prm,
-                    "Allow tension",
-                    allow_tension,
-                    dealii::Patterns::Bool())(
+      add_parameter(prm, "Allow tension", allow_tension)(
         "Allow negative pressure. If false, an expanded fluid has no "
         "pressure.");
     }
@@ -177,12 +172,6 @@ namespace greville
         result.strain = choose(points.J > 1., Lanes(0.), result.strain);
       result.dissipation = points.state[0];
       return result;
-    }
-
-    double
-    strain_energy(const MaterialPoint &point) const override
-    {
-      return energies(MaterialLanes(point)).strain[0];
     }
 
     bool

@@ -32,10 +32,8 @@ namespace greville
       HenckyPlasticity<VonMises>::declare(prm);
       add_parameter(prm, "Yield stress", yield_stress, positive())(
         "Yield stress in uniaxial tension, Kirchhoff stress. Unit: Pa.");
-      add_parameter(prm,
-                    "Hardening modulus",
-                    hardening_modulus,
-                    dealii::Patterns::Double(0.))(
+      using dealii::Patterns::Double;
+      add_parameter(prm, "Hardening modulus", hardening_modulus, Double(0.))(
         "Growth of the yield stress per equivalent plastic strain. Unit: Pa.");
     }
 
