@@ -46,9 +46,7 @@ namespace greville
         const auto               sides   = contact.sides();
         for (unsigned int side = 0; side < 2; ++side)
           for (const std::string &body : sides[side])
-            if (std::count(all.general.bodies.begin(),
-                           all.general.bodies.end(),
-                           body) > 0)
+            if (contains(all.general.bodies, body))
               contacts.push_back(
                 {name, body, side == 0 && contact.is_by_material_points()});
       }

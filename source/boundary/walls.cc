@@ -22,37 +22,10 @@ namespace greville
         {"sliding", WallType::sliding},
         {"moving", WallType::moving},
         {"friction", WallType::friction},
-        // Contacts act on the points of surfaces, not on the grid.
-        {"contact", WallType::free},
         {"periodic", WallType::periodic}};
       return types.at(name);
     }
 
-
-
-    template <int dim>
-    std::vector<std::string>
-    position_and_time()
-    {
-      std::vector<std::string> names = coordinate_names<dim>();
-      names.push_back("t");
-      return names;
-    }
-
-
-
-    template <int dim>
-    Tensor<1, dim>
-    value_at(const VectorExpression<dim> &formula,
-             const Point<dim>            &x,
-             const double                 t)
-    {
-      std::array<double, dim + 1> values;
-      for (unsigned int d = 0; d < dim; ++d)
-        values[d] = x[d];
-      values[dim] = t;
-      return formula(ArrayView<const double>(values.data(), dim + 1));
-    }
   } // namespace
 
 
@@ -70,11 +43,11 @@ namespace greville
         if (!parameters.velocity[w].empty())
           velocity[w] = {parameters.velocity[w],
                          name + " velocity",
-                         position_and_time<dim>()};
+                         variables_of<dim>("xt")};
         if (!parameters.displacement[w].empty())
           displacement[w] = {parameters.displacement[w],
                              name + " displacement",
-                             position_and_time<dim>()};
+                             variables_of<dim>("xt")};
       }
   }
 
@@ -141,11 +114,10 @@ namespace greville
   {
     const VectorExpression<dim> &d = displacement[wall];
     if (d.is_zero())
-      return value_at(velocity[wall], x, time.t);
+      return velocity[wall](x, time.t);
     if (time.begin == time.end)
       return Tensor<1, dim>();
-    return (value_at(d, x, time.end) - value_at(d, x, time.begin)) /
-           (time.end - time.begin);
+    return (d(x, time.end) - d(x, time.begin)) / (time.end - time.begin);
   }
 
 
@@ -177,14 +149,13 @@ namespace greville
                 const double t = start + dt * k;
                 if (displacement[w].is_zero())
                   {
-                    const double v = value_at(velocity[w], x, t)[d];
+                    const double v = velocity[w](x, t)[d];
                     if (k > 0)
                       path += 0.5 * dt * (last + v);
                     last = v;
                   }
                 else
-                  path = (value_at(displacement[w], x, t) -
-                          value_at(displacement[w], x, start))[d];
+                  path = (displacement[w](x, t) - displacement[w](x, start))[d];
                 AssertThrow(
                   !walls_have_to_stay || std::abs(path) <= 0.1 * h,
                   ExcMessage(

@@ -21,10 +21,7 @@ namespace greville
          const std::string   &name)
     {
       if (!text.empty())
-        formulas = {text,
-                    "Exact solution/" + name,
-                    dim == 2 ? std::vector<std::string>{"X", "Y", "t"}
-                             : std::vector<std::string>{"X", "Y", "Z", "t"}};
+        formulas = {text, "Exact solution/" + name, variables_of<dim>("Xt")};
     }
 
 
@@ -45,14 +42,9 @@ namespace greville
       double error = 0., norm = 0., volume = 0., max_error = 0., max_norm = 0.;
       const auto add = [&](const Body<dim> &body) {
         body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-          double arguments[dim + 1];
-          for (unsigned int d = 0; d < dim; ++d)
-            arguments[d] = p.reference(d);
-          arguments[dim]  = t;
-          const double V0 = p.volume0();
-          Tensor<1, n> exact =
-            formulas(ArrayView<const double>(arguments, dim + 1));
-          const double u2 = exact.norm_square();
+          const double V0    = p.volume0();
+          Tensor<1, n> exact = formulas(p.reference(), t);
+          const double u2    = exact.norm_square();
           for (unsigned int k = 0; k < n; ++k)
             exact[k] -= value(p, k);
           const double e2 = exact.norm_square();

@@ -47,7 +47,6 @@ namespace greville
       return !point_loads.empty();
     }
 
-    /// Return the loads on surfaces.
     const SurfaceLoads<dim> &
     surfaces() const
     {

@@ -107,10 +107,9 @@ namespace greville
     LoadFormulas(const std::string &text, const std::string &parameter)
       : formulas(split_formulas(text, parameter, dim),
                  parameter,
-                 variables(),
+                 variables_of<dim>("xXt"),
                  {},
-                 dim == 2 ? std::vector<std::string>{"X", "Y"}
-                          : std::vector<std::string>{"X", "Y", "Z"})
+                 variables_of<dim>("X"))
     {
       for (const std::string &name : coordinate_names<dim>())
         with_position = with_position || formulas.depends_on(name);
@@ -189,14 +188,6 @@ namespace greville
     field() const
     {
       return "load_terms_" + std::to_string(formulas.n_precomputed());
-    }
-
-    static std::vector<std::string>
-    variables()
-    {
-      return dim == 2
-               ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
-               : std::vector<std::string>{"x", "y", "z", "X", "Y", "Z", "t"};
     }
 
     static std::array<double, 2 * dim + 1>

@@ -23,9 +23,6 @@ namespace greville
 
 
 
-  /**
-   * The kinds of WallParameters::type.
-   */
   enum class WallType
   {
     free,
@@ -38,7 +35,6 @@ namespace greville
 
 
 
-  /// One vector for each wall of the grid.
   template <int dim>
   using WallSums = std::array<dealii::Tensor<1, dim>, 2 * dim>;
 
@@ -109,7 +105,6 @@ namespace greville
     constrained_functions(const SplineSpace<dim> &space,
                           const unsigned int      component) const;
 
-    /// Return whether there are moving walls.
     bool
     have_moving() const;
 
@@ -213,7 +208,6 @@ namespace greville
     coefficients_at(const SplineSpace<dim> &space,
                     const unsigned int      wall) const;
 
-    /// Return whether a wall has a velocity or a displacement.
     bool
     is_moving(const unsigned int wall) const
     {

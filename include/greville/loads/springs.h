@@ -3,6 +3,7 @@
 #ifndef greville_loads_springs_h
 #define greville_loads_springs_h
 
+#include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/loads/surface_load.h>
@@ -26,25 +27,13 @@ namespace greville
       : k(k)
     {
       if (!displacement.empty())
-        formulas = {displacement,
-                    parameter,
-                    dim == 2 ? std::vector<std::string>{"X", "Y", "t"}
-                             : std::vector<std::string>{"X", "Y", "Z", "t"}};
+        formulas = {displacement, parameter, variables_of<dim>("Xt")};
     }
 
     dealii::Tensor<1, dim>
     load(const SurfaceState<dim> &state, const double t) const override
     {
-      dealii::Tensor<1, dim> u = state.x - state.X;
-      if (!formulas.is_zero())
-        {
-          double arguments[dim + 1];
-          for (unsigned int d = 0; d < dim; ++d)
-            arguments[d] = state.X[d];
-          arguments[dim] = t;
-          u -= formulas(dealii::ArrayView<const double>(arguments, dim + 1));
-        }
-      return -k * u;
+      return -k * (state.x - state.X - formulas(state.X, t));
     }
 
     double

@@ -204,11 +204,7 @@ namespace greville
   {
   public:
     SurfaceFormula(const std::string &text, const std::string &parameter)
-      : formulas(text,
-                 parameter,
-                 dim == 2 ? std::vector<std::string>{"x", "y", "X", "Y", "t"}
-                          : std::vector<std::string>{
-                              "x", "y", "z", "X", "Y", "Z", "t"})
+      : formulas(text, parameter, variables_of<dim>("xXt"))
     {}
 
     dealii::Tensor<1, n>
