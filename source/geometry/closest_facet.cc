@@ -31,7 +31,6 @@ namespace greville
 
 
 
-    /// Return the closest point of a facet.
     Point<2>
     closest_of(const FlatFacet<2> &facet, const Point<2> &x)
     {

@@ -95,9 +95,6 @@ namespace greville
 
 
 
-    /**
-     * The points of a cell that is wholly inside.
-     */
     template <int dim>
     std::vector<WeightedPoint<dim>>
     whole_cell(const MultiIndex<dim> &extents, const bool has_lattice)

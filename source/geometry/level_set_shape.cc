@@ -61,11 +61,8 @@ namespace greville
       CellPart<dim>
       cut()
       {
-        Point<dim> lower, upper;
-        for (unsigned int d = 0; d < dim; ++d)
-          upper[d] = 1.;
-        const BoundingBox<dim> cell({lower, upper});
-        Sides sides(level_sets.size(), ShapeTree<dim>::unknown);
+        const auto cell = create_unit_bounding_box<dim>();
+        Sides      sides(level_sets.size(), ShapeTree<dim>::unknown);
         find_sides(cell, sides);
         std::vector<bool> active(level_sets.size(), false);
         const Side        side = tree.evaluate(sides, active);
@@ -94,11 +91,11 @@ namespace greville
                   if (std::abs(level_sets[j].value(on_face)) <
                       level_sets[j].gradient(on_face).norm() * same_place)
                     {
-                      Point<dim> a = lower, b = upper;
-                      a[d] = b[d] = face;
+                      auto  ends = cell.get_boundary_points();
                       Sides others(level_sets.size(), ShapeTree<dim>::unknown);
+                      ends.first[d] = ends.second[d] = face;
                       cut_flat_box(
-                        BoundingBox<dim>({a, b}), d, j, sides[j], others, 0);
+                        BoundingBox<dim>(ends), d, j, sides[j], others, 0);
                     }
                 }
         return part;

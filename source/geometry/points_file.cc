@@ -17,7 +17,6 @@ namespace greville
 
   namespace
   {
-    /// The columns that are read from a file.
     struct Columns
     {
       std::vector<int> coordinates, further, reference, displacement;

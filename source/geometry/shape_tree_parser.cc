@@ -150,8 +150,7 @@ namespace greville
                 (text[i + 1] == '=' ||
                  (text[i + 1] == text[i] && (word == "|" || word == "&"))))
               word += text[i + 1];
-            if (std::find(operators.begin(), operators.end(), word) !=
-                operators.end())
+            if (contains(operators, word))
               result = {i, word};
             i += word.size() - 1;
           }
@@ -249,7 +248,6 @@ namespace greville
       refuse(text);
     }
 
-    /// Return numbers that are given as formulas.
     std::vector<double>
     numbers_of(const std::vector<std::string> &arguments) const
     {

@@ -2,6 +2,7 @@
 
 #include <deal.II/base/config.h>
 #include <deal.II/base/exceptions.h>
+#include <deal.II/base/utilities.h>
 
 #include <greville/base/csv.h>
 #include <greville/base/errors.h>
@@ -47,22 +48,16 @@ namespace greville
     void
     check_ply(const std::string &file, const std::string &of)
     {
-      static const std::map<std::string, unsigned int> sizes = {{"char", 1},
-                                                                {"int8", 1},
-                                                                {"uchar", 1},
-                                                                {"uint8", 1},
-                                                                {"short", 2},
-                                                                {"int16", 2},
-                                                                {"ushort", 2},
-                                                                {"uint16", 2},
-                                                                {"int", 4},
-                                                                {"int32", 4},
-                                                                {"uint", 4},
-                                                                {"uint32", 4},
-                                                                {"float", 4},
-                                                                {"float32", 4},
-                                                                {"double", 8},
-                                                                {"float64", 8}};
+      const auto size_of = [](const std::string &type) {
+        const auto is_in = [&](const std::string &types) {
+          return contains(Utilities::split_string_list(types), type);
+        };
+        return is_in("char, int8, uchar, uint8")                   ? 1
+               : is_in("short, int16, ushort, uint16")             ? 2
+               : is_in("int, int32, uint, uint32, float, float32") ? 4
+               : is_in("double, float64")                          ? 8
+                                                                   : 0;
+      };
       const auto fail_if = [&](const bool wrong, const std::string &why) {
         AssertThrow(!wrong,
                     ExcMessage("Cannot read the file " + of + ": " + why +
@@ -95,9 +90,9 @@ namespace greville
               words >> word;
               if (word == "list")
                 words >> word;
-              fail_if(elements.empty() || sizes.count(word) == 0,
+              fail_if(elements.empty() || size_of(word) == 0,
                       "its header has <" + line + ">");
-              elements.back().second += sizes.at(word);
+              elements.back().second += size_of(word);
             }
         }
       fail_if(!stream, "its header has no end");

@@ -150,9 +150,6 @@ namespace greville
   CellPart<dim>
   SurfaceShape<dim>::cut(const CellBox<dim> &cell, const unsigned int n) const
   {
-    Point<dim> upper_corner;
-    for (unsigned int d = 0; d < dim; ++d)
-      upper_corner[d] = 1.;
     const std::uint64_t key = cell_key(cell.index);
 
     CellPart<dim>           part;
@@ -197,8 +194,7 @@ namespace greville
       part.is_full = contains(cell.center);
     else
       {
-        cut_part(ConvexPart<dim>(
-                   BoundingBox<dim>({Point<dim>(), upper_corner})),
+        cut_part(ConvexPart<dim>(create_unit_bounding_box<dim>()),
                  facets,
                  cell,
                  n,

@@ -47,7 +47,6 @@ namespace greville
     virtual std::optional<ClosestPoint<dim>>
     closest(const dealii::Point<dim> &x, const double within) const = 0;
 
-    /// Return whether the place is inside the body.
     virtual bool
     contains(const dealii::Point<dim> &x) const = 0;
 

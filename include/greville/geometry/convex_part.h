@@ -10,7 +10,6 @@
 
 namespace greville
 {
-  /// A quadrature point.
   template <int dim>
   struct WeightedPoint
   {
