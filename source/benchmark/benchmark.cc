@@ -53,9 +53,6 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the entries of a list, or the single value if the list is empty.
-     */
     std::vector<std::string>
     list_or(const std::vector<std::string> &list, const std::string &value)
     {

@@ -12,6 +12,7 @@
 namespace greville
 {
   using namespace dealii;
+  using namespace dealii::Patterns;
 
   std::vector<BenchmarkParameters::Variants>
   BenchmarkParameters::variants()
@@ -28,36 +29,21 @@ namespace greville
   void
   BenchmarkParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm,
-                  "Operators",
-                  operators,
-                  Patterns::List(Patterns::Anything(), 1))(
+    add_parameter(prm, "Operators", operators, List(Anything(), 1))(
       "What is solved with: the mass, the Laplacian (laplace, on the box), the "
       "stiffness of a linear-elastic body (elasticity), and 4 / dt^2 times the "
       "mass plus the stiffness (mass and elasticity): " +
       operator_names() + ".");
-    add_parameter(prm,
-                  "Poisson ratios",
-                  poissons_ratios,
-                  Patterns::List(Patterns::Double(), 1))(
+    add_parameter(prm, "Poisson ratios", poissons_ratios, List(Double(), 1))(
       "Poisson's ratios of elasticity, greater than -1 and smaller than 0.5. "
       "Unit: none.");
-    add_parameter(prm,
-                  "Courant numbers",
-                  courant_numbers,
-                  Patterns::List(Patterns::Double(), 1))(
+    add_parameter(prm, "Courant numbers", courant_numbers, List(Double(), 1))(
       "Courant numbers dt sqrt((lambda + 2 G) / rho) / h of mass and "
       "elasticity, greater than 0, with the smallest side h of cells and the "
       "mean density. Unit: none.");
-    add_parameter(prm,
-                  "Dimensions",
-                  dimensions,
-                  Patterns::List(Patterns::Integer(2, 3), 1))(
+    add_parameter(prm, "Dimensions", dimensions, List(Integer(2, 3), 1))(
       "Dimensions to run, one after the other.");
-    add_parameter(prm,
-                  "Orders",
-                  orders,
-                  Patterns::List(Patterns::Integer(1, 5), 1))(
+    add_parameter(prm, "Orders", orders, List(Integer(1, 5), 1))(
       "Orders p of the splines, which are their degrees.");
     add_parameter(prm, "Cells", cells)(
       "Numbers of cells per direction (times 'Cell ratio'). Lists for several "
@@ -73,7 +59,7 @@ namespace greville
       "Tables to compare with in the first of the dimensions: solver:FILE, "
       "relative to the parameter file; lines of FILE are cells,iterations at "
       "p1,p2,...");
-    add_parameter(prm, "Repetitions", repetitions, Patterns::Integer(1, 1000))(
+    add_parameter(prm, "Repetitions", repetitions, Integer(1, 1000))(
       "Each solve runs so many times; the median of each time is reported. "
       "Unit: solves.");
     add_parameter(prm, "Operator throughput", throughput)(

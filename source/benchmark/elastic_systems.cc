@@ -14,9 +14,6 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the law of the bodies, with unit modulus.
-     */
     std::unique_ptr<Material>
     make_elastic(const double poissons_ratio)
     {
@@ -110,12 +107,6 @@ namespace greville
                                                      b,
                                                      parameters.tolerance);
                                     });
-      }
-
-      std::optional<double>
-      error() override
-      {
-        return {};
       }
 
     private:
@@ -248,10 +239,8 @@ namespace greville
         run_on_all(
           [&]() {
             body.points.for_each([&](const unsigned int, PointRef<dim> q) {
-              Point<dim> x;
-              for (unsigned int d = 0; d < dim; ++d)
-                x[d] = q.position(d);
-              const double rho = density->value(x);
+              const Point<dim> x   = q.position();
+              const double     rho = density->value(x);
               AssertThrow(rho >= 0. && std::isfinite(rho),
                           ExcMessage("'Problem/Density' has to be a number >= "
                                      "0, but is " +

@@ -133,12 +133,6 @@ namespace greville
         return space->n_dofs();
       }
 
-      typename Extension<dim>::Counts
-      count_functions() const override
-      {
-        return {};
-      }
-
       std::unique_ptr<BenchmarkSystem>
       make_system(const std::string          &name,
                   const PMultigridParameters &multigrid,

@@ -278,9 +278,6 @@ namespace greville
     class MassSystems : public BenchmarkProblem<dim>
     {
     public:
-      /**
-       * Construct from the parameters of a problem and its further arguments.
-       */
       template <typename... Others>
       MassSystems(const MassSolverParameters    &solver,
                   DistributedTriangulation<dim> &triangulation,

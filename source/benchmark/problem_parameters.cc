@@ -13,25 +13,17 @@
 namespace greville
 {
   using namespace dealii;
+  using namespace dealii::Patterns;
 
   void
   ProblemParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm,
-                  "Lower corner",
-                  lower,
-                  Patterns::List(Patterns::Double(), 2, 3))(
+    add_parameter(prm, "Lower corner", lower, List(Double(), 2, 3))(
       "Corner of the box with the smallest coordinates; 2D takes the first "
       "two. Unit: m.");
-    add_parameter(prm,
-                  "Upper corner",
-                  upper,
-                  Patterns::List(Patterns::Double(), 2, 3))(
+    add_parameter(prm, "Upper corner", upper, List(Double(), 2, 3))(
       "Corner with the largest coordinates. Unit: m.");
-    add_parameter(prm,
-                  "Cell ratio",
-                  cell_ratio,
-                  Patterns::List(Patterns::Integer(1), 2, 3))(
+    add_parameter(prm, "Cell ratio", cell_ratio, List(Integer(1), 2, 3))(
       "The box has this multiple of the number of cells in each direction. "
       "Unit: none.");
     add_parameter(prm, "Density", density)(
@@ -43,16 +35,11 @@ namespace greville
     add_parameter(prm,
                   "Clamped walls",
                   clamped,
-                  Patterns::List(Patterns::Selection(
-                                   "Left|Right|Bottom|Top|Back|Front"),
-                                 0))(
+                  List(Selection("Left|Right|Bottom|Top|Back|Front"), 0))(
       "Where the solution is zero, for operators with derivatives: Left, Right "
       "(x), Bottom, Top (y), Back, Front (z). Empty: all walls for laplace, "
       "and the floor (the lower wall in the last direction) for elasticity.");
-    add_parameter(prm,
-                  "Points",
-                  bodies,
-                  Patterns::List(Patterns::Anything(), 0))(
+    add_parameter(prm, "Points", bodies, List(Anything(), 0))(
       "Bodies of material points with this density, one after the other: box "
       "fills the grid, column stands on the floor (the lower wall in the last "
       "direction) away from all other walls, disk (2D) and ball (3D) are "
@@ -65,16 +52,13 @@ namespace greville
     add_parameter(prm,
                   "Points per direction",
                   points_per_direction,
-                  Patterns::List(Patterns::Integer(2, 4), 1))(
+                  List(Integer(2, 4), 1))(
       "Material points per cell in each direction; several numbers one after "
       "the other. Unit: none.");
-    add_parameter(prm, "Jitter", jitter, Patterns::Double(0., 1.))(
+    add_parameter(prm, "Jitter", jitter, Double(0., 1.))(
       "Each material point is moved at random by at most this part of half the "
       "distance between points; 0: a lattice. Unit: none.");
-    add_parameter(prm,
-                  "Filling threshold",
-                  filling_threshold,
-                  Patterns::Double(0.))(
+    add_parameter(prm, "Filling threshold", filling_threshold, Double(0.))(
       "Cells of which material points fill this part are well-filled. "
       "B-splines without a cell that is surrounded by such cells are extended "
       "from those with one; 0: all cells with points count. Unit: none.");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/base/patterns.h>
 #include <deal.II/base/utilities.h>
 
@@ -113,10 +112,7 @@ namespace greville
         if (r.points_per_direction > 0)
           out << r.points_per_direction;
         for (const unsigned long n : {r.stable, r.extended, r.lumped})
-          if (r.stable > 0)
-            out << ',' << n;
-          else
-            out << ',';
+          out << ',' << (r.stable > 0 ? std::to_string(n) : "");
         out << ',' << r.operator_name;
         optional(r.poissons_ratio);
         optional(r.courant_number);

@@ -140,9 +140,6 @@ namespace greville
     void
     check_parameters(const std::string &directory);
 
-    /**
-     * Return the cell numbers of each dimension.
-     */
     std::vector<std::vector<unsigned int>>
     cells_of_dimensions() const;
 

@@ -29,9 +29,6 @@ namespace greville
     virtual void
     assemble() = 0;
 
-    /**
-     * Compute the right-hand side.
-     */
     virtual void
     make_right_hand_side() = 0;
 
@@ -48,7 +45,10 @@ namespace greville
      * Return the relative error of the solution; empty if it is unknown.
      */
     virtual std::optional<double>
-    error() = 0;
+    error()
+    {
+      return {};
+    }
   };
 
 
@@ -76,7 +76,10 @@ namespace greville
      * Return the number of functions per class, for extended B-splines.
      */
     virtual typename Extension<dim>::Counts
-    count_functions() const = 0;
+    count_functions() const
+    {
+      return {};
+    }
 
     /**
      * Return a solver by its name, with the current p-multigrid parameters.

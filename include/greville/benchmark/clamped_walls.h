@@ -3,6 +3,7 @@
 #ifndef greville_benchmark_clamped_walls_h
 #define greville_benchmark_clamped_walls_h
 
+#include <greville/base/errors.h>
 #include <greville/benchmark/problem_parameters.h>
 #include <greville/boundary/constrained_functions.h>
 
@@ -18,14 +19,10 @@ namespace greville
   {
     WallParameters walls;
     for (unsigned int w = 0; w < 2 * dim; ++w)
-      {
-        const auto &given = parameters.clamped;
-        if (given.empty() ? all || w == 2 * (dim - 1)
-                          : std::count(given.begin(),
-                                       given.end(),
-                                       WallParameters::names[w]) > 0)
-          walls.type[w] = "fixed";
-      }
+      if (parameters.clamped.empty()
+            ? all || w == 2 * (dim - 1)
+            : contains(parameters.clamped, WallParameters::names[w]))
+        walls.type[w] = "fixed";
     return Walls<dim>(walls);
   }
 } // namespace greville

@@ -69,9 +69,6 @@ namespace greville
   PublishedTable
   read_published_table(const std::string &file, const std::string &parameter);
 
-  /**
-   * Return the content of solves.csv or operators.csv.
-   */
   std::string
   solves_csv(const std::vector<SolveRecord> &records);
 
