@@ -4,6 +4,7 @@
 #include <greville/steps/body_grids.h>
 #include <greville/steps/common_step.h>
 #include <greville/steps/coupled_simulations.h>
+#include <greville/steps/stage_bodies.h>
 #include <greville/steps/state_tables.h>
 
 #include <algorithm>
@@ -214,7 +215,9 @@ namespace greville
     AllBodies                   all;
     const SimulationParameters &parameters = first().stage_parameters();
     for (const auto &part : parts)
-      for (Body<dim> &body : part->later_bodies())
+      for (Body<dim> &body : make_later_bodies(part->state().bodies,
+                                               part->stage_parameters(),
+                                               part->grid()))
         all.later.push_back(std::move(body));
     for (const StageParameters &stage : parameters.stages)
       for (const auto &[name, material] : stage.material_of)

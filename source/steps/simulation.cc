@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/named_formulas.h>
 #include <greville/base/step_errors.h>
 #include <greville/parameters/in_stage.h>
 #include <greville/steps/initial_state.h>
@@ -9,12 +8,10 @@
 #include <greville/steps/simulation.h>
 #include <greville/steps/stage_bodies.h>
 #include <greville/steps/state_tables.h>
-#include <greville/steps/step_size.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <sstream>
 
 namespace greville
@@ -121,15 +118,6 @@ namespace greville
 
 
   template <int dim>
-  std::vector<Body<dim>>
-  Simulation<dim>::later_bodies()
-  {
-    return make_later_bodies(current.bodies, parameters, discretization);
-  }
-
-
-
-  template <int dim>
   void
   Simulation<dim>::set_state(const State<dim> &state)
   {
@@ -210,9 +198,7 @@ namespace greville
     redistribute(current, discretization, partition);
     ++current.n_partitions;
     current.imbalance = imbalance(work(), comm);
-    integrator        = make_time_integrator<dim>(
-      parameters.scheme.stress_update,
-      {parameters, discretization, loads, current, log, guard, requested_row});
+    integrator        = make_integrator();
     last_good.take(current);
   }
 
@@ -364,9 +350,11 @@ namespace greville
     result.active    = discretization.field().mass->n_active();
     result.fragments = discretization.field().mass->n_fragments();
     // Send all sums over processes in one message.
-    std::vector<std::pair<std::string, double>> sums;
+    std::vector<std::string> names;
+    std::vector<double>      values;
     const auto add = [&](const std::string &name, const double own) {
-      sums.emplace_back(name, own);
+      names.push_back(name);
+      values.push_back(own);
     };
     late.energy.visit_numbers(
       EnergyBalance::surfaces + current.surfaces.size(),
@@ -375,21 +363,19 @@ namespace greville
     for (const Tensor<1, dim> &reaction : late.row.reactions)
       for (unsigned int d = 0; d < dim; ++d)
         add("reaction", reaction[d]);
-    std::vector<double> values;
-    for (const auto &sum : sums)
-      values.push_back(sum.second);
     Utilities::MPI::sum(values, comm, values);
-    std::map<std::string, double> energy;
-    for (unsigned int k = 0; k < sums.size(); ++k)
-      energy[sums[k].first] = values[k];
+    const auto sum_of = [&](const std::string &name) {
+      return values.at(std::find(names.begin(), names.end(), name) -
+                       names.begin());
+    };
     const auto work = [&](const unsigned int source) {
-      return energy.at("work_" + std::to_string(source));
+      return sum_of("work_" + std::to_string(source));
     };
     result.work.gravity  = work(EnergyBalance::gravity);
     result.work.loads    = work(EnergyBalance::loads);
     result.work.walls    = work(EnergyBalance::walls);
-    result.work.friction = energy.at("friction");
-    result.work.damping  = energy.at("damping");
+    result.work.friction = sum_of("friction");
+    result.work.damping  = sum_of("damping");
     for (unsigned int k = 0; k < current.surfaces.size(); ++k)
       {
         const double of_surface = work(EnergyBalance::surfaces + k);

@@ -6,7 +6,6 @@
 #include <greville/steps/move_points.h>
 #include <greville/steps/step_size.h>
 
-#include <algorithm>
 #include <sstream>
 
 // The steps of a simulation, and its return to a good state.
@@ -18,6 +17,10 @@ namespace greville
   {
     // Steps between two snapshots.
     constexpr unsigned int remember_every = 50;
+
+    // Cells with lumped mass without a warning, as a fraction of those with
+    // points.
+    constexpr double largest_fraction_of_fragments = 0.05;
   } // namespace
 
 
@@ -65,10 +68,11 @@ namespace greville
   {
     // The guard checks the state before the step, whose energy the step sums
     // up.
-    const bool is_for_guard =
-      rows_are_late() && !requested_row.is_wanted &&
-      (guard.looks_at_energy(current.n_steps + 1) || is_last_step(dt));
-    if (is_for_guard)
+    const bool is_last_step =
+      current.n_steps + 1 == parameters.time.max_steps ||
+      (current.stage + 1 == parameters.n_stages() && is_end(current.time + dt));
+    if (rows_are_late() && !requested_row.is_wanted &&
+        (is_last_step || guard.looks_at_energy(current.n_steps + 1)))
       ask_for_row(0.);
     requested_row.is_known = false;
     integrator->advance(current, dt);
@@ -81,22 +85,16 @@ namespace greville
     }
     if (parameters.time.largest_displacement > 0.)
       current.displacement = largest_displacement(current.bodies, comm);
-    if (is_first_step_of_stage)
-      check_fragments();
+    const double fraction = is_first_step_of_stage
+                              ? discretization.field().mass->fragment_fraction()
+                              : 0.;
+    if (fraction > largest_fraction_of_fragments)
+      log.warnings.push_back(
+        text_of(100. * fraction) +
+        " % of the cells with points have lumped mass: the bodies are too thin "
+        "there for the exact mass. Take smaller cells.");
     guard.check(current, is_implicit());
     check_energy();
-  }
-
-
-
-  template <int dim>
-  bool
-  Simulation<dim>::is_last_step(const double dt) const
-  {
-    const TimeParameters &time = parameters.time;
-    return current.n_steps + 1 == time.max_steps ||
-           (current.stage + 1 == parameters.n_stages() &&
-            is_end(current.time + dt));
   }
 
 
@@ -190,23 +188,6 @@ namespace greville
     AssertThrow(false, StepGivenUp(message.str()));
     // Not reached.
     throw failure;
-  }
-
-
-
-  template <int dim>
-  void
-  Simulation<dim>::check_fragments()
-  {
-    constexpr double largest_fraction_of_fragments = 0.05;
-    const double fraction = discretization.field().mass->fragment_fraction();
-    if (fraction <= largest_fraction_of_fragments)
-      return;
-    std::ostringstream message;
-    message << 100. * fraction
-            << " % of the cells with points have lumped mass: the bodies are "
-               "too thin there for the exact mass. Take smaller cells.";
-    log.warnings.push_back(message.str());
   }
 
 

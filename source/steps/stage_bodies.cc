@@ -135,9 +135,6 @@ namespace greville
 
 
 
-    /**
-     * The change of a body to another material.
-     */
     template <int dim>
     class NewMaterial
     {
@@ -396,10 +393,8 @@ namespace greville
                                "' is outside of the grid after the initial "
                                "displacement."));
         if (bodies[surface.body].n_points == 0)
-          {
-            const PointLayout<dim> layout = surface.points.layout();
-            surface.points.reinit(discretization.space(), layout);
-          }
+          surface.points.reinit(discretization.space(),
+                                PointLayout<dim>(surface.points.layout()));
       }
     return surfaces;
   }
@@ -416,39 +411,32 @@ namespace greville
     SimulationParameters   later = parameters;
     result.reserve(first.size());
     for (unsigned int k = 1; k < parameters.stages.size(); ++k)
-      try
-        {
-          later.enter_stage(k);
-          const Loads<dim> loads(later);
-          bool             is_changed = false;
-          for (const std::string &name : parameters.general.bodies)
-            if (later.is_in_stage(name, k) && !later.is_in_stage(name, k - 1))
-              {
-                result.push_back(make_body<dim>(name, later));
-                add_points(result.back(), k, later, loads, discretization);
-                result.back().parameters = &parameters.bodies.at(name);
-                is_changed               = true;
-              }
-          BodyList<dim> there;
-          const auto    add = [&](const std::vector<Body<dim>> &bodies) {
-            for (const Body<dim> &body : bodies)
-              if (body.n_points > 0 && later.is_in_stage(body.name, k))
-                there.add(body);
-          };
-          add(first);
-          add(result);
-          if (is_changed)
+      in_stage(parameters, k, [&]() {
+        later.enter_stage(k);
+        const Loads<dim> loads(later);
+        bool             is_changed = false;
+        for (const std::string &name : parameters.general.bodies)
+          if (later.is_in_stage(name, k) && !later.is_in_stage(name, k - 1))
             {
-              check_overlap(there, discretization.space());
-              check_overlap_of_shapes(there, discretization.space());
+              result.push_back(make_body<dim>(name, later));
+              add_points(result.back(), k, later, loads, discretization);
+              result.back().parameters = &parameters.bodies.at(name);
+              is_changed               = true;
             }
-        }
-      catch (const std::exception &exception)
-        {
-          AssertThrow(false,
-                      ErrorOnAll(parameters.stage_text(k) +
-                                 message_of(exception)));
-        }
+        BodyList<dim> there;
+        const auto    add = [&](const std::vector<Body<dim>> &bodies) {
+          for (const Body<dim> &body : bodies)
+            if (body.n_points > 0 && later.is_in_stage(body.name, k))
+              there.add(body);
+        };
+        add(first);
+        add(result);
+        if (is_changed)
+          {
+            check_overlap(there, discretization.space());
+            check_overlap_of_shapes(there, discretization.space());
+          }
+      });
     return result;
   }
 
@@ -509,10 +497,8 @@ namespace greville
       {
         const Body<dim> &body = state.bodies[surface.body];
         if (!parameters.is_in_stage(body.name, state.stage))
-          {
-            const PointLayout<dim> layout = surface.points.layout();
-            surface.points.reinit(space, layout);
-          }
+          surface.points.reinit(space,
+                                PointLayout<dim>(surface.points.layout()));
         else if (is_new[surface.body])
           {
             if (surfaces.empty())

@@ -121,9 +121,8 @@ namespace greville
     std::vector<std::string>
     columns_of(const PointLayout<dim> &layout)
     {
-      std::vector<std::string> columns = {"cell"};
-      for (const std::string &name : layout.names())
-        columns.push_back(name);
+      std::vector<std::string> columns = layout.names();
+      columns.insert(columns.begin(), "cell");
       return columns;
     }
 

@@ -117,10 +117,8 @@ namespace greville
   {
     double mass = 0.;
     for (const Body<dim> &body : state.bodies)
-      {
-        body.points.for_each(
-          [&](const unsigned int, ConstPointRef<dim> p) { mass += p.mass(); });
-      }
+      body.points.for_each(
+        [&](const unsigned int, ConstPointRef<dim> p) { mass += p.mass(); });
     state.mass = Utilities::MPI::sum(mass, discretization.communicator());
     state.removed_mass = state.mass_removed_last = 0.;
   }
@@ -172,21 +170,17 @@ namespace greville
     double         largest = -std::numeric_limits<double>::infinity();
     std::string    text;
     for (const Body<dim> &body : state.bodies)
-      {
-        body.points.for_each(
-          [&](const unsigned int cell, ConstPointRef<dim> p) {
-            double value = measure(body, p);
-            if (std::isnan(value))
-              value = std::numeric_limits<double>::infinity();
-            if (!(value > largest))
-              return;
-            largest = value;
-            text =
-              "point " + std::to_string(std::int64_t(p.id())) +
-              " of the body '" + body.name + "' " +
-              describe_place<dim>(discretization.space(), cell, p.position());
-          });
-      }
+      body.points.for_each([&](const unsigned int cell, ConstPointRef<dim> p) {
+        double value = measure(body, p);
+        if (std::isnan(value))
+          value = std::numeric_limits<double>::infinity();
+        if (!(value > largest))
+          return;
+        largest = value;
+        text    = "point " + std::to_string(std::int64_t(p.id())) +
+               " of the body '" + body.name + "' " +
+               describe_place<dim>(discretization.space(), cell, p.position());
+      });
     if (largest < Utilities::MPI::max(largest, comm))
       text = "";
     return first_of_all(text, comm);

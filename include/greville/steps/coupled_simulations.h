@@ -178,7 +178,6 @@ namespace greville
     Statistics<dim>
     statistics();
 
-    /// Return whether rows are late, see Simulation.
     bool
     rows_are_late() const
     {
@@ -219,7 +218,7 @@ namespace greville
     std::size_t
     points_memory() const;
 
-    /// Return the sum of @p value(part) over the parts.
+    /// Return the sum of @p value(part), or of a number of the states.
     template <typename Value>
     auto
     sum(const Value &value) const
@@ -228,6 +227,13 @@ namespace greville
       for (unsigned int k = 1; k < parts.size(); ++k)
         result += value(part(k));
       return result;
+    }
+
+    template <typename T, typename Base>
+    T
+    sum(T Base::*number) const
+    {
+      return sum([&](const auto &part) { return part.state().*number; });
     }
 
   private:

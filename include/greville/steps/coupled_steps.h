@@ -93,7 +93,6 @@ namespace greville
     void
     precondition_water(const unsigned int k);
 
-    /// Return the block of the pressure of part k.
     VectorType &
     pressure(std::vector<VectorType> &of_parts, const unsigned int k) const
     {

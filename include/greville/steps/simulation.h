@@ -54,11 +54,6 @@ namespace greville
     bool
     is_finished() const;
 
-    /// Collective. Return later bodies, before the first step: see
-    /// make_later_bodies().
-    std::vector<Body<dim>>
-    later_bodies();
-
     /// Return whether a point has moved by more than 'Time/Largest
     /// displacement'.
     bool
@@ -186,7 +181,6 @@ namespace greville
       return discretization.space();
     }
 
-    /// Return the mass of the grid.
     const GridMass<dim> &
     mass() const
     {
@@ -214,12 +208,6 @@ namespace greville
     /// Return the messages, records of Newton's method, and times of steps.
     StepLog &
     step_log()
-    {
-      return log;
-    }
-
-    const StepLog &
-    step_log() const
     {
       return log;
     }
@@ -281,8 +269,6 @@ namespace greville
     take_step(const double dt);
     bool
     is_end(const double t) const; // of the stage
-    bool
-    is_last_step(const double dt) const;
     void
     check_energy();
     void
@@ -294,8 +280,6 @@ namespace greville
     restore();
     [[noreturn]] void
     go_back(const StepFailed &failure, const double dt);
-    void
-    check_fragments();
 
     SimulationParameters                 parameters;
     MPI_Comm                             comm;
@@ -307,11 +291,8 @@ namespace greville
     State<dim>                           current;
     Snapshot<dim>                        last_good;
     std::unique_ptr<TimeIntegrator<dim>> integrator;
-    bool                                 programs_have_points = false;
-
-    // The current step.
-    bool         is_first_step_of_stage = false;
-    unsigned int entered_stage          = 0; // stage of the parameters
+    bool         programs_have_points = false, is_first_step_of_stage = false;
+    unsigned int entered_stage = 0; // of parameters
   };
 } // namespace greville
 
