@@ -66,9 +66,6 @@ namespace greville
 
 
 
-    /**
-     * One run of a file.
-     */
     template <int dim>
     class Trial
     {

@@ -7,6 +7,7 @@
 #include <greville/run/checkpoint.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/predicate.hpp>
 #include <filesystem>
 #include <regex>
 #include <sstream>
@@ -66,18 +67,15 @@ namespace greville
     bool
     may_change(const std::string &parameter)
     {
-      const auto is = [&](const std::string &end) {
-        return parameter.size() >= end.size() &&
-               parameter.compare(parameter.size() - end.size(),
-                                 end.size(),
-                                 end) == 0;
-      };
       for (const std::string section :
            {"Output/", "Checkpoints/", "Load balance/"})
         if (parameter.rfind(section, 0) == 0)
           return parameter != "Output/Probes";
-      return is("Time/End") || is("Time/Maximum steps") ||
-             is("Time/Largest displacement") || is("Time/End when");
+      for (const std::string name :
+           {"End", "Maximum steps", "Largest displacement", "End when"})
+        if (boost::algorithm::ends_with(parameter, "Time/" + name))
+          return true;
+      return false;
     }
   } // namespace
 

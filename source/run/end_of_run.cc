@@ -8,12 +8,12 @@
 #include <greville/base/named_formulas.h>
 #include <greville/base/parameters.h>
 #include <greville/base/step_errors.h>
+#include <greville/materials/state_names.h>
 #include <greville/parameters/in_stage.h>
 #include <greville/run/simulation_run.h>
 #include <greville/steps/step_size.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -23,17 +23,6 @@ namespace greville
 
   namespace
   {
-    bool
-    is_word(const std::string &name)
-    {
-      return !std::isdigit(static_cast<unsigned char>(name[0])) &&
-             std::all_of(name.begin(), name.end(), [](const unsigned char c) {
-               return std::isalnum(c) || c == '_';
-             });
-    }
-
-
-
     /**
      * Return the sides of all comparisons in a formula.
      */
@@ -209,8 +198,7 @@ namespace greville
   {
     std::vector<std::string> names;
     for (unsigned int k = 0; k < columns.size(); ++k)
-      if (is_word(columns[k]) &&
-          std::find(names.begin(), names.end(), columns[k]) == names.end())
+      if (is_state_name(columns[k]) && !contains(names, columns[k]))
         {
           names.push_back(columns[k]);
           column_numbers.push_back(k);
@@ -432,10 +420,10 @@ namespace greville
       notes.note("The ramp ends because no equilibrium is found. " +
                  ramp.message);
     // The displacement increments are the differences of two states.
-    const auto last = simulations.state();
-    const auto from = bodies_of(ramp.failed.empty() ? ramp.before : last);
-    const auto to   = bodies_of(ramp.failed.empty() ? last : ramp.failed);
-    if (from.size() == 0)
+    const auto  last = simulations.state();
+    const auto &from = ramp.failed.empty() ? ramp.before : last;
+    const auto &to   = ramp.failed.empty() ? last : ramp.failed;
+    if (from.empty())
       return;
     const std::string folder = directory + "/failure";
     run_on_first(
@@ -445,10 +433,8 @@ namespace greville
       },
       comm);
     FieldOutput<dim> states(folder, parameters.output);
-    states.write_points(
-      ramp.failed.empty() ? ramp.before[0].time : last[0].time, from, comm);
-    states.write_points(
-      ramp.failed.empty() ? last[0].time : ramp.failed[0].time, to, comm);
+    states.write_points(from[0].time, bodies_of(from), comm);
+    states.write_points(to[0].time, bodies_of(to), comm);
   }
 
 

@@ -78,9 +78,6 @@ namespace greville
         names.insert(names.end(), dim, name);
       }
 
-      /**
-       * Return a patch of one point.
-       */
       void
       add_point(const Point<dim> &x, const std::vector<double> &values)
       {
@@ -122,9 +119,6 @@ namespace greville
                                field.components.end());
       }
 
-      /**
-       * Write a piece of the file for each block.
-       */
       void
       write_pieces(std::ostream &out)
       {

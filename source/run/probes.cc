@@ -2,6 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/errors.h>
 #include <greville/run/probes.h>
 
 #include <algorithm>
@@ -21,11 +22,9 @@ namespace greville
     bool
     is_for_probes(const std::string &field)
     {
-      for (const char *other :
-           {"velocity", "stress", "reference", "body", "id", "process"})
-        if (field == other)
-          return false;
-      return true;
+      return !contains(Utilities::split_string_list(
+                         "velocity, stress, reference, body, id, process"),
+                       field);
     }
   } // namespace
 

@@ -2,7 +2,6 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/json.h>
-#include <greville/base/parameters.h>
 #include <greville/run/check_materials.h>
 #include <greville/run/run_header.h>
 #include <greville/run/simulation_run.h>
@@ -43,9 +42,7 @@ namespace greville
     reactions_of(const SimulationParameters &parameters)
     {
       std::array<unsigned char, 2 * dim> components{};
-      for (unsigned int k = 0;
-           k < std::max<unsigned int>(1, parameters.stages.size());
-           ++k)
+      for (unsigned int k = 0; k < parameters.n_stages(); ++k)
         {
           SimulationParameters stage = parameters;
           stage.enter_stage(k);

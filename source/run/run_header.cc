@@ -139,12 +139,11 @@ namespace greville
       simulations.first().stage_parameters().scheme;
     const TimeParameters &time = simulations.first().stage_parameters().time;
     if (!parameters.stages.empty())
-      out << "  " << parameters.stage_text(simulations.first().state().stage)
-          << "t = " << time.start << " to " << time.end << " s\n";
-    if (!parameters.stages.empty())
       {
-        const StageParameters &stage =
-          parameters.stages[simulations.first().state().stage];
+        const unsigned int     k     = simulations.first().state().stage;
+        const StageParameters &stage = parameters.stages[k];
+        out << "  " << parameters.stage_text(k) << "t = " << time.start
+            << " to " << time.end << " s\n";
         if (!stage.has_all_bodies())
           out << "  bodies: " << boost::algorithm::join(stage.bodies, ", ")
               << '\n';

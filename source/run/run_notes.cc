@@ -6,10 +6,9 @@
 #include <greville/run/run_notes.h>
 
 #include <algorithm>
-#include <cstring>
+#include <boost/algorithm/string/predicate.hpp>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <sstream>
 
 namespace greville
@@ -18,113 +17,70 @@ namespace greville
 
   namespace
   {
-    const std::vector<std::string> newton_columns = {"step",
-                                                     "part",
-                                                     "time",
-                                                     "dt",
-                                                     "iteration",
-                                                     "residual",
-                                                     "relative",
-                                                     "fraction",
-                                                     "linear_iterations",
-                                                     "converged"};
+    const auto newton_columns = Utilities::split_string_list(
+      "step, part, time, dt, iteration, residual, relative, fraction, "
+      "linear_iterations, converged");
 
 
 
     /**
-     * The unit of columns whose name is this prefix, alone or followed by a
-     * digit or an underscore. The first match of a file counts.
+     * The unit of columns whose name is one of these prefixes, alone or
+     * followed by a digit or an underscore. Without prefixes: all others of a
+     * file.
      */
-    struct ColumnUnit
+    struct ColumnUnits
     {
-      const char *file, *begin, *unit, *unit_2d;
+      const char *file, *unit, *unit_2d, *begins;
     };
 
-    constexpr ColumnUnit units[] = {
-      {"statistics.csv", "time", "s", "s"},
-      {"statistics.csv", "dt", "s", "s"},
-      {"statistics.csv", "mass", "kg", "kg / m"},
-      {"statistics.csv", "momentum", "kg m / s", "kg / s"},
-      {"statistics.csv", "angular_momentum", "kg m^2 / s", "kg m / s"},
-      {"statistics.csv", "kinetic", "J", "J / m"},
-      {"statistics.csv", "strain", "J", "J / m"},
-      {"statistics.csv", "dissipation", "J", "J / m"},
-      {"statistics.csv", "gravitational", "J", "J / m"},
-      {"statistics.csv", "total", "J", "J / m"},
-      {"statistics.csv", "work", "J", "J / m"},
-      {"statistics.csv", "center", "m", "m"},
-      {"statistics.csv", "front", "m", "m"},
-      {"statistics.csv", "height", "m", "m"},
-      {"statistics.csv", "largest_speed", "m / s", "m / s"},
-      {"statistics.csv", "load", "N", "N / m"},
-      {"statistics.csv", "contact", "N", "N / m"},
-      {"statistics.csv", "rigid", "m", "m"},
-      {"statistics.csv", "reaction", "N", "N / m"},
-      {"statistics.csv", "water", "m^3", "m^2"},
-      {"statistics.csv", "iterations", "1", "1"},
-      {"statistics.csv", "active", "1", "1"},
-      {"statistics.csv", "points", "1", "1"},
-      {"statistics.csv", "fragments", "1", "1"},
-      {"statistics.csv", "redone", "1", "1"},
-      {"statistics.csv", "stage", "1", "1"},
-      {"statistics.csv", "factor", "1", "1"},
-      {"statistics.csv", "largest_load", "1", "1"},
-      {"statistics.csv", "imbalance", "1", "1"},
-      {"statistics.csv", "partitions", "1", "1"},
-      {"probes.csv", "time", "s", "s"},
-      {"probes.csv", "stress", "Pa", "Pa"},
-      {"probes.csv", "pore_pressure", "Pa", "Pa"},
-      {"probes.csv", "x", "m", "m"},
-      {"probes.csv", "y", "m", "m"},
-      {"probes.csv", "z", "m", "m"},
-      {"probes.csv", "vx", "m / s", "m / s"},
-      {"probes.csv", "vy", "m / s", "m / s"},
-      {"probes.csv", "vz", "m / s", "m / s"},
-      {"newton.csv", "time", "s", "s"},
-      {"newton.csv", "dt", "s", "s"},
-      {"newton.csv", "residual", "N", "N / m"},
-      {"newton.csv", "", "1", "1"},
-      {"points", "velocity", "m / s", "m / s"},
-      {"points", "displacement", "m", "m"},
-      {"points", "reference", "m", "m"},
-      {"points", "size", "m", "m"},
-      {"points", "stress", "Pa", "Pa"},
-      {"points", "pressure", "Pa", "Pa"},
-      {"points", "pore_pressure", "Pa", "Pa"},
-      {"points", "von_mises", "Pa", "Pa"},
-      {"points", "density", "kg / m^3", "kg / m^3"},
-      {"points", "mass", "kg", "kg / m"},
-      {"points", "volume", "m^3", "m^2"},
-      {"points", "dissipation", "J / m^3", "J / m^3"},
-      {"points", "plastic_strain", "1", "1"},
-      {"points", "opening", "1", "1"},
-      {"points", "strain", "1", "1"},
-      {"points", "b", "1", "1"},
-      {"points", "stran", "1", "1"},
-      {"points", "energy", "J / m^3", "J / m^3"},
-      {"points", "modulus", "Pa", "Pa"},
-      {"points", "F", "1", "1"},
-      {"points", "J", "1", "1"},
-      {"points", "body", "1", "1"},
-      {"points", "id", "1", "1"},
-      {"points", "process", "1", "1"},
-      {"grid", "velocity", "m / s", "m / s"},
-      {"grid", "acceleration", "m / s^2", "m / s^2"},
-      {"grid", "force", "N", "N / m"},
-      {"grid", "mass", "kg", "kg / m"},
-      {"grid", "cell_class", "1", "1"},
-      {"surface", "velocity", "m / s", "m / s"},
-      {"surface", "displacement", "m", "m"},
-      {"surface", "load", "Pa", "Pa"},
-      {"surface", "area", "m^2", "m"},
-      {"surface", "surface_load", "1", "1"},
-      {"surface", "gap", "m", "m"},
-      {"surface", "pressure", "Pa", "Pa"},
-      {"surface", "shear", "Pa", "Pa"},
-      {"surface", "state", "1", "1"},
-      {"surface", "body", "1", "1"},
-      {"rigid", "velocity", "m / s", "m / s"},
-      {"rigid", "displacement", "m", "m"}};
+    constexpr ColumnUnits units[] = {
+      {"statistics.csv", "s", "s", "time dt"},
+      {"statistics.csv", "kg", "kg / m", "mass"},
+      {"statistics.csv", "kg m / s", "kg / s", "momentum"},
+      {"statistics.csv", "kg m^2 / s", "kg m / s", "angular_momentum"},
+      {"statistics.csv",
+       "J",
+       "J / m",
+       "kinetic strain dissipation gravitational total work"},
+      {"statistics.csv", "m", "m", "center front height rigid"},
+      {"statistics.csv", "m / s", "m / s", "largest_speed"},
+      {"statistics.csv", "N", "N / m", "load contact reaction"},
+      {"statistics.csv", "m^3", "m^2", "water"},
+      {"statistics.csv",
+       "1",
+       "1",
+       "iterations active points fragments redone stage factor largest_load "
+       "imbalance partitions"},
+      {"probes.csv", "s", "s", "time"},
+      {"probes.csv", "Pa", "Pa", "stress pore_pressure"},
+      {"probes.csv", "m", "m", "x y z"},
+      {"probes.csv", "m / s", "m / s", "vx vy vz"},
+      {"newton.csv", "s", "s", "time dt"},
+      {"newton.csv", "N", "N / m", "residual"},
+      {"newton.csv", "1", "1", ""},
+      {"points", "m / s", "m / s", "velocity"},
+      {"points", "m", "m", "displacement reference size"},
+      {"points", "Pa", "Pa", "stress pressure pore_pressure von_mises modulus"},
+      {"points", "kg / m^3", "kg / m^3", "density"},
+      {"points", "kg", "kg / m", "mass"},
+      {"points", "m^3", "m^2", "volume"},
+      {"points", "J / m^3", "J / m^3", "dissipation energy"},
+      {"points",
+       "1",
+       "1",
+       "plastic_strain opening strain b stran F J body id process"},
+      {"grid", "m / s", "m / s", "velocity"},
+      {"grid", "m / s^2", "m / s^2", "acceleration"},
+      {"grid", "N", "N / m", "force"},
+      {"grid", "kg", "kg / m", "mass"},
+      {"grid", "1", "1", "cell_class"},
+      {"surface", "m / s", "m / s", "velocity"},
+      {"surface", "m", "m", "displacement gap"},
+      {"surface", "Pa", "Pa", "load pressure shear"},
+      {"surface", "m^2", "m", "area"},
+      {"surface", "1", "1", "surface_load state body"},
+      {"rigid", "m / s", "m / s", "velocity"},
+      {"rigid", "m", "m", "displacement"}};
 
 
 
@@ -148,23 +104,16 @@ namespace greville
 
 
     bool
-    ends_with(const std::string &column, const std::string &end)
+    is_one_of(const std::string &column, const std::string &begins)
     {
-      return column.size() >= end.size() &&
-             column.compare(column.size() - end.size(), end.size(), end) == 0;
-    }
-
-
-
-    bool
-    is_one_of(const std::string &column, const std::string &begin)
-    {
-      if (column.compare(0, begin.size(), begin) != 0)
-        return false;
-      if (begin.empty() || column.size() == begin.size())
-        return true;
-      const char next = column[begin.size()];
-      return next == '_' || (next >= '0' && next <= '9');
+      const auto list = Utilities::split_string_list(begins, ' ');
+      return list.empty() ||
+             std::any_of(list.begin(), list.end(), [&](const auto &begin) {
+               const char next = column[std::min(begin.size(), column.size())];
+               return boost::algorithm::starts_with(column, begin) &&
+                      (next == 0 || next == '_' ||
+                       (next >= '0' && next <= '9'));
+             });
     }
   } // namespace
 
@@ -184,13 +133,13 @@ namespace greville
     };
     for (const EndOfColumn &candidate : units_of_ends)
       if (file == "statistics.csv" &&
-          column.compare(0, std::strlen(candidate.begin), candidate.begin) ==
-            0 &&
-          (ends_with(column, candidate.end) ||
-           ends_with(column.substr(0, column.size() - 2), candidate.end)))
+          boost::algorithm::starts_with(column, candidate.begin) &&
+          (boost::algorithm::ends_with(column, candidate.end) ||
+           boost::algorithm::ends_with(column.substr(0, column.size() - 2),
+                                       candidate.end)))
         return in_dim(candidate.unit, candidate.unit_2d);
-    for (const ColumnUnit &candidate : units)
-      if (file == candidate.file && is_one_of(column, candidate.begin))
+    for (const ColumnUnits &candidate : units)
+      if (file == candidate.file && is_one_of(column, candidate.begins))
         return in_dim(candidate.unit, candidate.unit_2d);
     // Probes have the fields of points.
     return file == "probes.csv"
@@ -350,17 +299,9 @@ namespace greville
     add("points", fields);
     add("grid", {"velocity", "mass", "acceleration", "force", "cell_class"});
     add("surface",
-        {"velocity",
-         "displacement",
-         "load",
-         "area_vector",
-         "area",
-         "surface_load",
-         "body",
-         "gap",
-         "pressure",
-         "shear",
-         "state"});
+        Utilities::split_string_list(
+          "velocity, displacement, load, area_vector, area, surface_load, "
+          "body, gap, pressure, shear, state"));
     add("rigid", {"velocity", "displacement"});
     run_on_first(
       [&]() {

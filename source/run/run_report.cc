@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <iostream>
 #include <sstream>
 
 namespace greville
@@ -126,26 +125,9 @@ namespace greville
   double
   SimulationRun<dim>::iterations_per_step()
   {
-    return double(simulations.sum([](const Simulation<dim> &part) {
-             return part.state().n_all_iterations;
-           })) /
+    return double(simulations.sum(&State<dim>::n_all_iterations)) /
            std::max(1u, common().n_steps);
   }
-
-
-
-  namespace
-  {
-    void
-    print_errors(std::ostream                &out,
-                 const std::string           &what,
-                 const std::optional<Errors> &errors)
-    {
-      if (errors)
-        out << "  relative error of " << what << ": L2 " << std::setprecision(4)
-            << errors->l2 << ", largest " << errors->max << '\n';
-    }
-  } // namespace
 
 
 
@@ -216,16 +198,12 @@ namespace greville
   SimulationRun<dim>::print_summary(const RunSummary &summary)
   {
     const State<dim>   &state     = common();
-    const std::uint64_t n_removed = simulations.sum(
-      [](const Simulation<dim> &part) { return part.state().n_removed; });
+    const std::uint64_t n_removed = simulations.sum(&State<dim>::n_removed);
     out << "\n  " << state.n_steps << " steps to t = " << std::setprecision(6)
         << state.time << " s, " << n_points << " points";
     if (n_removed > 0)
       out << ", of which " << n_removed << " have left the grid";
-    const std::uint64_t n_redone =
-      simulations.sum([](const Simulation<dim> &part) {
-        return part.state().n_all_rejections;
-      });
+    const auto n_redone = simulations.sum(&State<dim>::n_all_rejections);
     if (n_redone > 0)
       out << "; " << n_redone << (n_redone == 1 ? " step was" : " steps were")
           << " done again with a shorter length";
@@ -261,9 +239,13 @@ namespace greville
             << " % of the largest energy or work to the bodies from nothing: "
                "less with shorter steps or a smaller 'Contact "
             << name << "/Penalty'\n";
-    print_errors(out, "displacement", summary.errors.displacement);
-    print_errors(out, "velocity", summary.errors.velocity);
-    print_errors(out, "stress", summary.errors.stress);
+    for (const auto &[name, errors] :
+         {std::make_pair("displacement", summary.errors.displacement),
+          std::make_pair("velocity", summary.errors.velocity),
+          std::make_pair("stress", summary.errors.stress)})
+      if (errors)
+        out << "  relative error of " << name << ": L2 " << std::setprecision(4)
+            << errors->l2 << ", largest " << errors->max << '\n';
     out << "  results: " << directory << std::endl;
   }
 
@@ -287,27 +269,20 @@ namespace greville
     JsonWriter json;
     json.add("dimension", dim)
       .add("points", n_points)
-      .add("removed_points", simulations.sum([](const Simulation<dim> &part) {
-        return part.state().n_removed;
-      }))
+      .add("removed_points", simulations.sum(&State<dim>::n_removed))
       .add("cells", n_cells)
       .add("p", parameters.grid.degree)
       .add("mass", parameters.scheme.mass)
       .add("processes", Utilities::MPI::n_mpi_processes(comm))
       .add("steps", state.n_steps)
-      .add("redone_steps", simulations.sum([](const Simulation<dim> &part) {
-        return part.state().n_all_rejections;
-      }))
+      .add("redone_steps", simulations.sum(&State<dim>::n_all_rejections))
       .add("time", state.time)
       .add("wall_time", summary.wall_time)
       .add("point_steps_per_second",
            double(n_points) * (state.n_steps - first_step) / summary.wall_time)
       .add("bytes_per_point", bytes_per_point())
       .add("points_sent",
-           Utilities::MPI::sum(simulations.sum([](const Simulation<dim> &part) {
-             return part.state().n_sent;
-           }),
-                               comm));
+           Utilities::MPI::sum(simulations.sum(&State<dim>::n_sent), comm));
     if (std::isfinite(critical) && critical > 0.)
       json.add("critical_step", critical);
     if (!parameters.stages.empty())

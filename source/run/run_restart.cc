@@ -20,19 +20,15 @@ namespace greville
   namespace
   {
     // Names of the tables that a run adds to the state of its simulations.
-    constexpr const char *run_name       = "run",
-                         *intervals_name = "contacts of the run";
+    constexpr const char *run_name        = "run",
+                         *intervals_name  = "contacts of the run",
+                         *statistics_name = "/statistics.csv",
+                         *probes_name     = "/probes.csv";
 
-    const std::vector<std::string> run_columns = {"bytes_of_statistics",
-                                                  "bytes_of_probes",
-                                                  "largest_front",
-                                                  "largest_front_99",
-                                                  "row_and_fields_due",
-                                                  "ends",
-                                                  "has_ramp_result",
-                                                  "ramp_from",
-                                                  "ramp_to",
-                                                  "failed_at"};
+    const auto run_columns = Utilities::split_string_list(
+      "bytes_of_statistics, bytes_of_probes, largest_front, largest_front_99, "
+      "row_and_fields_due, ends, has_ramp_result, ramp_from, ramp_to, "
+      "failed_at");
 
 
 
@@ -72,21 +68,6 @@ namespace greville
       return intervals;
     }
 
-
-
-    std::string
-    statistics_file_in(const std::string &directory)
-    {
-      return directory + "/statistics.csv";
-    }
-
-
-
-    std::string
-    probes_file_in(const std::string &directory)
-    {
-      return directory + "/probes.csv";
-    }
   } // namespace
 
 
@@ -193,11 +174,11 @@ namespace greville
         notes.begin();
         for (const std::string &warning : warnings)
           notes.warn(warning);
-        statistics_file.open(statistics_file_in(directory),
+        statistics_file.open(directory + statistics_name,
                              columns_of(parameters),
                              14,
                              comm);
-        probes.open(probes_file_in(directory));
+        probes.open(directory + probes_name);
         next_fields = next_statistics = common().time;
       }
     std::vector<std::string> fields;
@@ -264,14 +245,14 @@ namespace greville
                        ">, which the run has written before. A new file "
                        "begins with the next row, without the earlier rows.");
         };
-        warn_if_new(statistics_file_in(directory),
-                    statistics_file.resume(statistics_file_in(directory),
+        warn_if_new(directory + statistics_name,
+                    statistics_file.resume(directory + statistics_name,
                                            columns_of(parameters),
                                            14,
                                            std::uint64_t(numbers[0]),
                                            comm));
-        warn_if_new(probes_file_in(directory),
-                    probes.resume(probes_file_in(directory),
+        warn_if_new(directory + probes_name,
+                    probes.resume(directory + probes_name,
                                   std::uint64_t(numbers[1])));
         fields.resume(content.text("written"), comm);
         if (numbers[4] != 0.)
@@ -411,7 +392,7 @@ namespace greville
           });
         text = "It is in <" + file + ">";
         if (last_written_statistics == step)
-          row = "the last row of <" + statistics_file_in(directory) + ">";
+          row = "the last row of <" + directory + statistics_name + ">";
         // The simulation keeps the state of each checkpoint.
         if (step > 0 && checkpoint_step != step && mark.n_steps == step)
           write_checkpoint(mark);

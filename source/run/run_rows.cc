@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 // Writes the rows of statistics.csv and probes.csv, and field files.
 namespace greville
@@ -107,8 +106,7 @@ namespace greville
   bool
   SimulationRun<dim>::wants(const std::string &field) const
   {
-    const auto &names = parameters.output.fields;
-    return std::find(names.begin(), names.end(), field) != names.end();
+    return contains(parameters.output.fields, field);
   }
 
 
@@ -206,9 +204,7 @@ namespace greville
           [](const Simulation<dim> &part) { return part.work(); });
         row.more.push_back(Utilities::MPI::max(work, comm));
         row.more.push_back(imbalance(work, comm));
-        row.more.push_back(simulations.sum([](const Simulation<dim> &part) {
-          return part.state().n_partitions;
-        }));
+        row.more.push_back(simulations.sum(&State<dim>::n_partitions));
       }
     return row;
   }

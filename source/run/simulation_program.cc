@@ -96,9 +96,6 @@ namespace greville
 
 
 
-    /**
-     * Return the history variables, each with its laws.
-     */
     std::string
     history_names()
     {

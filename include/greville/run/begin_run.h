@@ -14,9 +14,6 @@ namespace greville
   void
   refuse_sweep(const SimulationParameters &parameters, const std::string &file);
 
-  /**
-   * Return the folder of the results of a parameter file.
-   */
   std::string
   folder_of_run(const SimulationParameters &parameters,
                 const std::string          &file,

@@ -53,9 +53,6 @@ namespace greville
   void
   check_folder_of_checkpoints(const std::string &folder, const MPI_Comm comm);
 
-  /**
-   * A checkpoint that has been read.
-   */
   struct Checkpoint
   {
     std::string file;

@@ -50,9 +50,6 @@ namespace greville
       return bool(stages[stage].factor);
     }
 
-    /**
-     * Return whether a stage is a ramp.
-     */
     bool
     has_ramp() const
     {

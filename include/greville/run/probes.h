@@ -104,15 +104,9 @@ namespace greville
     const std::vector<double> &
     finish(const double time);
 
-    /**
-     * Write the completed row.
-     */
     void
     write();
 
-    /**
-     * Return the columns of the file.
-     */
     std::vector<std::string>
     columns() const;
 

@@ -12,9 +12,6 @@
 
 namespace greville
 {
-  /**
-   * The result of a ramp.
-   */
   struct RampResult
   {
     /// Factors at the last equilibrium and at failure; infinity without
@@ -30,9 +27,6 @@ namespace greville
 
 
 
-  /**
-   * The results of a run.
-   */
   struct RunSummary
   {
     double wall_time = 0.; // s
@@ -50,9 +44,6 @@ namespace greville
 
 
 
-  /**
-   * How runs begin.
-   */
   struct RunOptions
   {
     /// Resume from the last checkpoint in the folder of the run.

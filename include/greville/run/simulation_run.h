@@ -48,15 +48,9 @@ namespace greville
     RunSummary
     run();
 
-    /**
-     * Return the columns of statistics.csv.
-     */
     static std::vector<std::string>
     columns_of(const SimulationParameters &parameters);
 
-    /**
-     * Return the columns of statistics.csv and probes.csv.
-     */
     static std::vector<std::string>
     columns_of(const SimulationParameters &parameters,
                const Probes<dim>          &probes);
@@ -93,7 +87,6 @@ namespace greville
     void
     end_ramp(const double last_time);
 
-    /// Begin the run according to the options.
     void
     begin_run(const RunOptions &options);
 
@@ -227,7 +220,6 @@ namespace greville
     RunSummary
     summarize();
 
-    /// summary.json.
     void
     write_summary(const RunSummary &summary);
 
@@ -235,7 +227,6 @@ namespace greville
     double
     bytes_per_point() const;
 
-    /// Return the mean linear iterations per step.
     double
     iterations_per_step();
 
