@@ -1,4 +1,5 @@
 """The tables of explicit steps, of scripts/tables."""
+import json
 import math
 import os
 import re
@@ -9,7 +10,7 @@ from pathlib import Path
 
 from greville import ResultsError, Run
 from tables_common import (OPTIONS, ROOT, argument, folder_of, print_head, print_row, pyplot, read_csv, run, run_to_end, save,
-                           shipped, table, write_csv)
+                           section, shipped, table, write_csv)
 
 KINDS = [("updated", mass) for mass in ("lumped", "fmpm-2", "fmpm-4", "consistent")] \
     + [("total", mass) for mass in ("lumped", "consistent")]
@@ -182,6 +183,80 @@ def cost_of_rows(_):
             setup, none, rows = cpu(1, 1e9), cpu(steps, 1e9), cpu(steps, 0)
             costs.append((rows - none) / (none - setup))
         print_row(f"`{name}`", mass, f"{statistics.median(costs):.3f}")
+
+
+# Problems of prm/mass/smoothers.prm, with their parameters in 2D and 3D.
+MASSES = {"constant density": ({}, {}),
+          "smooth density": ({"Problem/Density": "exp(2.302585*sin(2*pi*x)*cos(2*pi*y))"},) * 2,
+          "jittered points, full box": ({"Problem/Points": "box"},) * 2,
+          "jittered points, disk or ball": ({"Problem/Points": "disk"}, {"Problem/Points": "ball"})}
+SMOOTHERS = {"ict": "ICT", "ict, 4 processes": "ICT, 4 processes", "ic0": "IC(0)", "ilut": "ILUT", "tensor-product": "lines",
+             "petsc": "Schwarz", "jacobi": "Jacobi"}
+SCHWARZ = "-pc_type asm -pc_asm_local_blocks 8 -pc_asm_overlap 1 -sub_pc_type icc"
+# Steps of bodies that touch: a file, its cells, its order, and other sections.
+TOUCHING = section("Body upper", Shape="ball(0.48, 0.48, 0.2)")
+STEPS = {"disks, p = 2": ("colliding_disks", "60, 60", 2, TOUCHING), "disks, p = 3": ("colliding_disks", "60, 60", 3, TOUCHING),
+         "ball, p = 2": ("bouncing_ball_3d", "20, 20, 20", 2, "")}
+METHODS = [("ICT alone", {"Method": "cg-ic0"}, {}), ("cycle, ICT", {"Method": "cg-p-multigrid"}, {"Smoother": "ict"}),
+           ("cycle, IC(0)", {"Method": "cg-p-multigrid"}, {"Smoother": "ic0"}), ("Jacobi", {"Method": "cg-jacobi"}, {})]
+
+
+@table("mass_smoothers", argument("--draw", action="store_true", help="print the tables of doc/data/mass_smoothers.csv alone"))
+def mass_smoothers(given):
+    """smoothers of p-multigrid for the mass, with and without coarse levels
+
+    Iterations and CPU times per unknown of the systems of prm/mass/smoothers.prm, and the CPU time of steps. Medians of
+    three, one process unless another number is named.
+    """
+    rows = [] if not given.draw else read_csv(ROOT / "doc/data/mass_smoothers.csv")
+    for problem, settings in MASSES.items() if not rows else []:
+        for k, dim in enumerate((2, 3)):
+            for processes in (1, 4):
+                folder = folder_of(problem, dim, processes)
+                smoothers = "ict, ic0, ilut, tensor-product, petsc, jacobi" if processes == 1 else "ict"
+                run_to_end(ROOT / "prm/mass/smoothers.prm", folder,
+                           {"Benchmark/Dimensions": dim, "Benchmark/Cells": (64, 12)[k], "Benchmark/Output directory": folder,
+                            "Benchmark/Smoothers": smoothers, "Smoother/PETSc options": SCHWARZ, **settings[k]}, program="greville_benchmark", processes=processes)
+                for row in read_csv(folder / "solves.csv"):
+                    n = int(row["stable"] or row["unknowns"]) + int(row["lumped"] or 0)
+                    rows.append({"problem": problem, "dim": dim, "p": row["p"], "unknowns": n, "processes": processes,
+                                 "smoother": row["smoother"], "levels": "cycle" if "multigrid" in row["solver"] else "alone",
+                                 "iterations": row["iterations"] if row["converged"] == "1" else f"> {row['iterations']}",
+                                 **{f"{part}_us": f"{1e6 * float(row[f'{part}_s']) / n:.3g}"
+                                    for part in ("assembly", "setup", "solve")}})
+    if not given.draw:
+        write_csv(rows)
+
+    def of(problem, smoother, dim, entry):
+        name, _, several = smoother.partition(", ")
+        mine = [row for row in rows if (row["problem"], row["smoother"], str(row["dim"])) == (problem, name, str(dim))
+                and (str(row["processes"]) == "4") == bool(several)]
+        return "; ".join(" ".join(entry(row) for row in mine if row["levels"] == levels and (row["p"], levels) != ("1", "cycle"))
+                         for levels in ("cycle", "alone"))
+    def microseconds(row):
+        value = float(row["setup_us"]) + float(row["solve_us"])
+        return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+    columns = [(problem, dim) for problem in (list(MASSES)[0], list(MASSES)[-1]) for dim in (2, 3)]
+    for title, entry in (("iterations", lambda row: row["iterations"]), ("set-up and solve, us per unknown", microseconds)):
+        print(f"\n{title}: cycle, p = 2 to 5; alone, p = 1 to 5\n")
+        print_head("smoother", *(f"{problem}, {dim}D" for problem, dim in columns))
+        for smoother, name in SMOOTHERS.items():
+            print_row(name, *(of(problem, smoother, dim, entry) for problem, dim in columns))
+    if given.draw:
+        return
+    print()
+    print_head("file", *(f"{name}: iterations, ms per step, over ICT alone" for name, _, _ in METHODS))
+    for name, (file, cells, order, others) in STEPS.items():
+        entries = []
+        for k, (_, solver, cycle) in enumerate(METHODS):
+            path = folder_of("steps", name, k).with_suffix(".prm")
+            path.write_text(f"include {shipped(file)}\n" + section("Grid", Cells=cells, Order=order) + section("Solver", **solver)
+                            + section("p-multigrid", **cycle) + others)
+            found = [json.loads(subprocess.run([OPTIONS.build / "step_benchmark", path, "consistent", "40", "60"], check=True,
+                                               capture_output=True, text=True).stdout) for _ in range(3)]
+            ms = statistics.median(1e3 * one["cpu"] / one["steps"] for one in found)
+            entries.append((found[0]["iterations"], ms))
+        print_row(name, *(f"{iterations:.1f}, {ms:.3g}, {ms / entries[0][1]:.2f}" for iterations, ms in entries))
 
 
 @table("cost_of_domains")

@@ -163,10 +163,10 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedLevel<dim>::factorize(const ExtendedMass<dim> &matrix,
-                                const double             shift,
-                                const unsigned int       of_components,
-                                OverlappingCholesky     &factors) const
+  ExtendedLevel<dim>::factorize(const ExtendedMass<dim>  &matrix,
+                                const CholeskyParameters &parameters,
+                                const unsigned int        of_components,
+                                OverlappingCholesky      &factors) const
   {
     // Tangents couple more unknowns than masses: a layer alone would double
     // the iterations on four processes in 3D.
@@ -176,7 +176,7 @@ namespace greville
                       matrix.unknowns().unknown_positions(),
                       spline_space.degree(),
                       n_layers,
-                      {shift, 0.});
+                      parameters);
   }
 
 
@@ -214,15 +214,15 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<Preconditioner>
-  ExtendedLevel<dim>::factorization(const double shift,
-                                    const bool   by_components) const
+  ExtendedLevel<dim>::factorization(const CholeskyParameters &parameters,
+                                    const bool by_components) const
   {
     /// The factors of the mean of all diagonal blocks, or of each block.
     class Factorization : public Preconditioner
     {
     public:
       Factorization(const ExtendedLevel<dim> &level,
-                    const double              shift,
+                    const CholeskyParameters &parameters,
                     const bool                by_components)
         : level(level)
         , factors(by_components ? level.components : 1)
@@ -232,7 +232,7 @@ namespace greville
             const unsigned int of_components =
               factors.size() > 1 ? 1u << c : all_components(level.components);
             level.factorize(level.diagonal_block(of_components),
-                            shift,
+                            parameters,
                             of_components,
                             factors[c]);
           }
@@ -250,7 +250,7 @@ namespace greville
       const ExtendedLevel<dim>        &level;
       std::vector<OverlappingCholesky> factors;
     };
-    return std::make_unique<Factorization>(*this, shift, by_components);
+    return std::make_unique<Factorization>(*this, parameters, by_components);
   }
 
 
@@ -262,7 +262,7 @@ namespace greville
     if (!mass_factors)
       {
         auto factors = std::make_unique<OverlappingCholesky>();
-        factorize(extended_mass, 0., all_components(components), *factors);
+        factorize(extended_mass, {}, all_components(components), *factors);
         mass_factors = std::move(factors);
       }
     solve(*mass_factors, x, x, 0, components);

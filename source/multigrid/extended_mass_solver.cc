@@ -54,23 +54,6 @@ namespace greville
 
 
 
-  namespace
-  {
-    /**
-     * Return parameters with which a step needs the least time
-     * (doc/developer/multigrid.md).
-     */
-    CholeskyParameters
-    parameters_for(const unsigned int degree)
-    {
-      return degree <= 2   ? CholeskyParameters{0.01, 0.01}
-             : degree == 3 ? CholeskyParameters{0.003, 0.003}
-                           : CholeskyParameters{0.001, 0.001};
-    }
-  } // namespace
-
-
-
   template <int dim>
   void
   ExtendedMassSolver<dim>::factorize() const
@@ -84,7 +67,7 @@ namespace greville
                       mass.unknowns().unknown_positions(),
                       reach,
                       1,
-                      parameters_for(degree),
+                      ict_parameters(degree),
                       mass.row_variants(reach));
     ++factorizations;
     age = 0;

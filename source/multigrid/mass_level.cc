@@ -2,6 +2,8 @@
 
 #include <greville/multigrid/mass_level.h>
 
+#include <algorithm>
+
 namespace greville
 {
   using namespace dealii;
@@ -18,7 +20,6 @@ namespace greville
         return;
       }
     fill_entries();
-    upper_entries = entries->local_entries(1);
     if (is_extended())
       find_extended_diagonal();
   }
@@ -64,7 +65,8 @@ namespace greville
   void
   MassLevel<dim>::find_extended_diagonal()
   {
-    unknown_result = 0.;
+    const UpperTriangle upper_entries = entries->local_entries(1);
+    unknown_result                    = 0.;
     for (unsigned int u = 0; u < upper_entries.size(); ++u)
       unknown_result.local_element(u) = upper_entries.diagonal(u);
     unknown_result.compress(VectorOperation::add);
@@ -136,21 +138,26 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<Preconditioner>
-  MassLevel<dim>::factorization(const double shift, const bool) const
+  MassLevel<dim>::factorization(const CholeskyParameters &parameters,
+                                const bool) const
   {
     class Factorization : public Preconditioner
     {
     public:
-      Factorization(const MassLevel<dim> &level, const double shift)
+      Factorization(const MassLevel<dim>     &level,
+                    const CholeskyParameters &parameters)
         : level(level)
       {
         const ExtendedMass<dim> &entries = *level.entries;
-        factors.factorize(level.upper_entries,
+        const int                degree  = level.space().degree();
+        const int                reach =
+          parameters.drop_tolerance > 0. ? std::max(1, degree - 1) : degree;
+        factors.factorize(entries.local_entries(1, reach),
                           entries.unknowns().unknown_layout(),
                           entries.unknowns().unknown_positions(),
-                          level.space().degree(),
+                          reach,
                           1,
-                          {shift, 0.});
+                          parameters);
       }
 
       void
@@ -170,7 +177,7 @@ namespace greville
     };
     if (!entries)
       return nullptr;
-    return std::make_unique<Factorization>(*this, shift);
+    return std::make_unique<Factorization>(*this, parameters);
   }
 
 

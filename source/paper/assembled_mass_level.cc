@@ -6,18 +6,19 @@ namespace greville
 {
   template <int dim>
   void
-  AssembledMassLevel<dim>::assemble(const bool with_matrix, const bool apply)
+  AssembledMassLevel<dim>::assemble(const bool with_matrix,
+                                    const bool apply,
+                                    const bool with_entries)
   {
     apply_matrix = apply;
     mass_matrix.reset();
-    MassLevel<dim>::assemble(with_matrix || apply);
+    MassLevel<dim>::assemble(with_matrix || apply || with_entries);
     if (with_matrix || apply)
       mass_matrix =
         std::make_unique<MassMatrix<dim>>(*this->entries,
-                                          this->upper_entries,
+                                          this->entries->local_entries(1),
                                           this->inactive(),
                                           this->diagonal().linfty_norm());
-    this->upper_entries = UpperTriangle();
   }
 
 

@@ -32,6 +32,7 @@ namespace greville
     const std::vector<std::string> solver_names = {"p-multigrid",
                                                    "cg-p-multigrid",
                                                    "fgmres-p-multigrid",
+                                                   "cg-smoother",
                                                    "cg",
                                                    "cg-jacobi",
                                                    "cg-tensor-product",
@@ -99,17 +100,22 @@ namespace greville
     const bool apply_matrix = parameters.operator_kind == "assembled" ||
                               (parameters.operator_kind == "automatic" &&
                                (name == "cg" || name == "cg-jacobi"));
-    const bool smoother_wants_matrix =
-      uses_multigrid(name) &&
-      smoother_needs_matrix(multigrid_parameters.smoother);
+    const std::string smoother = uses_multigrid(name) || name == "cg-smoother"
+                                   ? multigrid_parameters.smoother
+                                   : "";
+    const bool        smoother_wants_matrix =
+      !smoother.empty() && smoother_needs_matrix(smoother);
 
     const auto &levels = hierarchy.all_levels();
     for (unsigned int l = 0; l < levels.size(); ++l)
       if (l + 1 == levels.size() || uses_multigrid(name))
-        levels[l]->assemble(smoother_wants_matrix &&
-                              (l > 0 ||
-                               multigrid_parameters.coarsening == "none"),
-                            apply_matrix);
+        {
+          const bool has_smoother = l > 0 || !uses_multigrid(name) ||
+                                    !multigrid_parameters.has_coarse_levels();
+          levels[l]->assemble(has_smoother && smoother_wants_matrix,
+                              apply_matrix,
+                              has_smoother && smoother == "ict");
+        }
   }
 
 
@@ -130,6 +136,11 @@ namespace greville
             ? 0.5 * parameters.tolerance
             : multigrid_parameters.coarse_tolerance);
       }
+    else if (name == "cg-smoother")
+      preconditioner = make_smoother<dim>(multigrid_parameters.smoother,
+                                          smoother_parameters,
+                                          finest,
+                                          true);
     else if (name == "cg-jacobi")
       preconditioner =
         std::make_unique<DiagonalPreconditioner>(finest.diagonal());

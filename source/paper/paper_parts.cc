@@ -76,7 +76,7 @@ namespace greville
       };
       const auto ilu0 = [](const Mat m, P p) { return make_ilu0(m, p.shift); };
       const auto ic0  = [](P p, L level, const bool symmetric) {
-        if (auto factorization = make_factorization(level, p))
+        if (auto factorization = make_factorization<dim>(level, {p.shift, 0.}))
           return factorization;
         return make_by_components<dim>(schwarz_with<dim>([](const Mat m, P q) {
                                          return make_ic0(m, q.shift);

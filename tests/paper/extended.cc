@@ -263,6 +263,8 @@ test_solvers(const MultiIndex<dim> &cells,
       const unsigned int n = run("cg-p-multigrid", coarsening, "ic0");
       check_range("  iterations", n, 1, 40);
     }
+  check_range("  iterations", run("cg-p-multigrid", "direct", "ict"), 1, 20);
+  check_range("  iterations", run("cg-smoother", "direct", "ict"), 1, 20);
   run("cg-jacobi", "none", "");
   run("cg-p-multigrid", "none", "jacobi");
   run("cg-p-multigrid", "by two", "chebyshev");

@@ -70,6 +70,15 @@ test(const MultiIndex<dim> &cells, const unsigned int p, const std::string &rho)
       check_range("  iterations", *result.iterations, 1, 12);
       check("  solution", difference(x, reference), 1e-4);
     }
+  problem.multigrid.smoother    = "ict";
+  problem.multigrid.restriction = "transpose";
+  for (const std::string name : {"cg-p-multigrid", "cg-smoother"})
+    {
+      const SolveResult result = problem.run(name, x);
+      check("  " + name + " with ICT converges", result.converged);
+      check_range("  iterations", *result.iterations, 1, 12);
+      check("  solution", difference(x, reference), 1e-4);
+    }
   for (const std::string name : {"cg", "cg-jacobi", "cg-tensor-product"})
     {
       const SolveResult result = problem.run(name, x);

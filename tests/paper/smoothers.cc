@@ -60,6 +60,7 @@ test_main()
   const std::vector<std::tuple<std::string, unsigned int, unsigned int>> names =
     {{"ilut", 1, 14},
      {"ilu0", 1, 14},
+     {"ict", 2, 10},
      {"ic0", 1, 14},
      {"jacobi", 100, 260},
      {"symmetric-gauss-seidel", 25, 80},
@@ -86,9 +87,10 @@ test_main()
       smoother->vmult(Sy, y);
       smoother->Tvmult(STy, y);
       const double scale = Sx.l2_norm() * y.l2_norm();
-      // IC(0) works in single precision.
-      const bool   single = name == "ic0" || name == "chebyshev-ic0";
-      const double bound  = single ? 1e-6 : 1e-12;
+      // Cholesky factors are in single precision.
+      const bool single =
+        name == "ict" || name == "ic0" || name == "chebyshev-ic0";
+      const double bound = single ? 1e-6 : 1e-12;
       check("  transpose", std::abs(Sx * y - x * STy) / scale, bound);
       // ILUT drops row by row.
       if (name != "ilut")
@@ -129,6 +131,7 @@ test_main()
     };
   effect("drop tolerance", "ilut", [](auto &p) { p.drop_tolerance = 1e-2; });
   effect("fill factor", "ilut", [](auto &p) { p.fill_factor = 0.3; });
+  effect("shift", "ict", [](auto &p) { p.shift = 0.02; });
   effect("shift", "ic0", [](auto &p) { p.shift = 0.01; });
   effect("shift", "ilu0", [](auto &p) { p.shift = 0.01; });
   effect("ordering", "ic0", [](auto &p) { p.ordering = "rcm"; });

@@ -23,6 +23,19 @@ namespace greville
     double drop_tolerance = 0.;
   };
 
+  /**
+   * Return the parameters of ICT for a mass matrix of B-splines of a @p degree
+   * with which a step needs the least time (doc/developer/multigrid.md).
+   */
+  inline CholeskyParameters
+  ict_parameters(const unsigned int degree)
+  {
+    return degree <= 2   ? CholeskyParameters{0.01, 0.01}
+           : degree == 3 ? CholeskyParameters{0.003, 0.003}
+           : degree == 4 ? CholeskyParameters{1e-4, 1e-4}
+                         : CholeskyParameters{3e-5, 3e-5};
+  }
+
 
 
   /**

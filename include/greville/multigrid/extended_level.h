@@ -100,7 +100,8 @@ namespace greville
     }
 
     std::unique_ptr<Preconditioner>
-    factorization(const double shift, const bool by_components) const override;
+    factorization(const CholeskyParameters &parameters,
+                  const bool                by_components) const override;
 
     void
     apply_inverse_mass(VectorType &x) const override;
@@ -170,10 +171,10 @@ namespace greville
   private:
     /// Collective. Factorize a matrix that represents some components (bits).
     void
-    factorize(const ExtendedMass<dim> &matrix,
-              const double             shift,
-              const unsigned int       of_components,
-              OverlappingCholesky     &factors) const;
+    factorize(const ExtendedMass<dim>  &matrix,
+              const CholeskyParameters &parameters,
+              const unsigned int        of_components,
+              OverlappingCholesky      &factors) const;
 
     /// Solve for @p n components from the given one on; @p dst may be @p src.
     void

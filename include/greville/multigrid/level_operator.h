@@ -4,6 +4,7 @@
 #define greville_multigrid_level_operator_h
 
 #include <greville/base/petsc.h>
+#include <greville/linear_algebra/incomplete_cholesky.h>
 #include <greville/linear_algebra/preconditioner.h>
 #include <greville/mass/density_weights.h>
 
@@ -114,7 +115,8 @@ namespace greville
      * if there is none.
      */
     virtual std::unique_ptr<Preconditioner>
-    factorization(const double /*shift*/, const bool /*by_components*/) const
+    factorization(const CholeskyParameters & /*parameters*/,
+                  const bool /*by_components*/) const
     {
       return nullptr;
     }

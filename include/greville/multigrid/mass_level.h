@@ -77,7 +77,6 @@ namespace greville
     {
       mass_operator.reset();
       entries.reset();
-      upper_entries = UpperTriangle();
     }
 
     const SplineSpace<dim> &
@@ -128,9 +127,13 @@ namespace greville
     void
     condense(VectorType &x, const unsigned int component = 0) const override;
 
-    /// Return IC(0), one for all components.
+    /**
+     * Return IC(0) or ICT, one for all components. ICT leaves out the same
+     * entries as ExtendedMassSolver.
+     */
     std::unique_ptr<Preconditioner>
-    factorization(const double shift, const bool) const override;
+    factorization(const CholeskyParameters &parameters,
+                  const bool) const override;
 
     const DensityWeights<dim> *
     transfer_weights() const override
@@ -142,7 +145,6 @@ namespace greville
     // The matrix with extended B-splines, or if entries are needed; all
     // functions with mass are then unknowns unless an extension is given.
     std::unique_ptr<ExtendedMass<dim>> entries;
-    UpperTriangle                      upper_entries;
 
   private:
     /// Collective. Assemble M on the places of unknowns.

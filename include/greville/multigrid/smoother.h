@@ -47,7 +47,9 @@ namespace greville
 
   /**
    * Return the names of smoothers, separated by '|':
-   * - "ic0": LevelOperator::factorization(), one for all components,
+   * - "ict": ICT by LevelOperator::factorization(), one for all components,
+   *   with ict_parameters() and at least the given shift,
+   * - "ic0": the same with IC(0),
    * - "jacobi": @f$ \omega D^{-1} @f$ with @f$ \omega @f$ = damping /
    *   @f$ \lambda_\text{max}(D^{-1} A) @f$,
    * - "chebyshev": deal.II's polynomial smoother on @f$ D^{-1} A @f$,
@@ -101,7 +103,7 @@ namespace greville
   template <int dim>
   std::unique_ptr<Preconditioner>
   make_factorization(const LevelOperator<dim> &level,
-                     const SmootherParameters &parameters);
+                     const CholeskyParameters &parameters);
 
   /**
    * Collective. Make a smoother for @p level, which is kept by reference. @p

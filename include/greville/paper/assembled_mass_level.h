@@ -10,7 +10,7 @@ namespace greville
 {
   /**
    * A MassLevel that is assembled if a smoother or solver needs a PETSc matrix.
-   * For factorizations it uses the Schwarz smoothers of add_paper_parts().
+   * For IC(0) it uses the Schwarz smoother of add_paper_parts().
    */
   template <int dim>
   class AssembledMassLevel : public MassLevel<dim>
@@ -20,10 +20,13 @@ namespace greville
 
     /**
      * Collective. Make the operators. vmult() applies the assembled matrix if
-     * @p apply_matrix, which implies @p with_matrix.
+     * @p apply_matrix, which implies @p with_matrix. ICT needs @p with_entries,
+     * which both imply.
      */
     void
-    assemble(const bool with_matrix, const bool apply_matrix);
+    assemble(const bool with_matrix,
+             const bool apply_matrix,
+             const bool with_entries = false);
 
     /**
      * Free the operators.
@@ -56,8 +59,11 @@ namespace greville
     vmult(VectorType &dst, const VectorType &src) const override;
 
     std::unique_ptr<Preconditioner>
-    factorization(const double, const bool) const override
+    factorization(const CholeskyParameters &parameters,
+                  const bool                by_components) const override
     {
+      if (parameters.drop_tolerance > 0.)
+        return MassLevel<dim>::factorization(parameters, by_components);
       return nullptr;
     }
 

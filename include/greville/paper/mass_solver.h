@@ -91,6 +91,8 @@ namespace greville
    *   PMultigrid,
    * - "cg-p-multigrid", "fgmres-p-multigrid": conjugate gradients and FGMRES,
    *   preconditioned by a cycle,
+   * - "cg-smoother": conjugate gradients, preconditioned by the smoother of the
+   *   finest level,
    * - "cg", "cg-jacobi", "cg-tensor-product": conjugate gradients,
    * - "tensor-product": TensorProductPreconditioner, once,
    * - "lumped": @f$ x = M_L^{-1} b @f$ with the row sums @f$ M_L @f$ of M,
