@@ -31,7 +31,7 @@ namespace greville
   ict_parameters(const unsigned int degree)
   {
     return degree <= 2   ? CholeskyParameters{0.01, 0.01}
-           : degree == 3 ? CholeskyParameters{0.003, 0.003}
+           : degree == 3 ? CholeskyParameters{0.001, 0.001}
            : degree == 4 ? CholeskyParameters{1e-4, 1e-4}
                          : CholeskyParameters{3e-5, 3e-5};
   }

@@ -43,9 +43,9 @@ namespace greville
    * of the factors; an unknown that is constrained in a component is divided by
    * its diagonal entry there.
    *
-   * A factorization needs two exchanges with neighbours: the matrix entries of
-   * shared rows, and the rows of the overlap. A solve needs two exchanges of
-   * vector entries.
+   * A factorization needs two exchanges with neighbours for each variant: the
+   * matrix entries of shared rows, and the rows of the overlap. A solve needs
+   * two exchanges of vector entries.
    */
   class OverlappingCholesky
   {
