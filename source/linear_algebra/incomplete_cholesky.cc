@@ -347,22 +347,44 @@ namespace greville
 
 
 
+  namespace
+  {
+    /// Interleaved columns by rows.
+    template <int width>
+    struct ColumnsOfRows
+    {
+      using Columns = FixedSimd<float, width>;
+
+      float *x;
+
+      Columns
+      operator[](const std::size_t row) const
+      {
+        return load<Columns>(x + row * width);
+      }
+
+      void
+      set(const std::size_t row, const Columns &values) const
+      {
+        store(values, x + row * width);
+      }
+    };
+  } // namespace
+
+
+
   void
   IncompleteCholesky::eliminate(float *x, const unsigned int width) const
   {
     with_width(width, [&](const auto w) {
-      constexpr unsigned int n_columns = decltype(w)::value;
-      using Columns                    = FixedSimd<float, n_columns>;
-      const unsigned int *r            = rows.data();
-      const float        *l            = entries.data();
-      const auto          at           = [&](const std::size_t i) {
-        return load<Columns>(x + i * n_columns);
-      };
+      const ColumnsOfRows<decltype(w)::value> at{x};
+      const unsigned int                     *r = rows.data();
+      const float                            *l = entries.data();
       for (std::size_t k = 0; k < size(); ++k)
         {
-          const Columns value = at(k);
+          const auto value = at[k];
           for (std::size_t e = column_begin[k]; e < column_begin[k + 1]; ++e)
-            store(at(r[e]) - l[e] * value, x + r[e] * n_columns);
+            at.set(r[e], at[r[e]] - l[e] * value);
         }
     });
   }
@@ -373,27 +395,22 @@ namespace greville
   IncompleteCholesky::substitute(float *x, const unsigned int width) const
   {
     with_width(width, [&](const auto w) {
-      constexpr unsigned int n_columns = decltype(w)::value;
-      using Columns                    = FixedSimd<float, n_columns>;
-      const unsigned int *r            = rows.data();
-      const float        *l            = entries.data();
-      const auto          at           = [&](const std::size_t i) {
-        return load<Columns>(x + i * n_columns);
-      };
+      using Columns = typename ColumnsOfRows<decltype(w)::value>::Columns;
+      const ColumnsOfRows<decltype(w)::value> at{x};
       for (std::size_t k = size(); k-- > 0;)
         {
           // Two sums, since the first entries wait for the rows just before.
-          Columns           sum = inverse_pivots[k] * at(k), other_sum = 0.f;
+          Columns           sum = inverse_pivots[k] * at[k], other_sum = 0.f;
           std::size_t       e   = column_begin[k];
           const std::size_t end = column_begin[k + 1];
           for (; e + 1 < end; e += 2)
             {
-              sum -= l[e] * at(r[e]);
-              other_sum -= l[e + 1] * at(r[e + 1]);
+              sum -= entries[e] * at[rows[e]];
+              other_sum -= entries[e + 1] * at[rows[e + 1]];
             }
           if (e < end)
-            sum -= l[e] * at(r[e]);
-          store(sum + other_sum, x + k * n_columns);
+            sum -= entries[e] * at[rows[e]];
+          at.set(k, sum + other_sum);
         }
     });
   }
