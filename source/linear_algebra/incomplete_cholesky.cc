@@ -256,11 +256,16 @@ namespace greville
                        if (entry + 1 < end)
                          columns.insert(j, rows[entry + 1], entry + 1);
                      });
+        // The shift and the smallest pivot of rows that are eliminated here.
+        const double diagonal = last_rows.diagonal(k);
+        row[k]                = is_fixed[k] ? largest_diagonal
+                                            : std::max(row[k] + used_shift * diagonal,
+                                        smallest_pivot * diagonal);
         std::sort(touched.begin(), touched.end());
         for (const unsigned int i : touched)
           {
             result.columns.push_back(i);
-            result.values.push_back(is_fixed[k] ? largest_diagonal : row[i]);
+            result.values.push_back(row[i]);
           }
         result.row_begin.push_back(result.columns.size());
       }

@@ -76,8 +76,9 @@ namespace greville
         LastRows  &variant  = last_rows[v];
         run_on_all(
           [&]() {
+            // The complement contains the shift.
             variant.factors.factorize(factors.complement(last, is_fixed),
-                                      parameters);
+                                      {0., parameters.drop_tolerance});
           },
           domain.communicator());
         for (unsigned int k = 0; k < is_fixed.size(); ++k)

@@ -322,7 +322,7 @@ namespace greville
             --n_trusted;
             break;
           }
-        // Whether the residual is checked must not change the result.
+        // The result must not depend on this check.
         const Columns<width> column_sums = sums[3];
         sums                             = residual<width>(r, x, b);
         if (knows_sums)

@@ -217,7 +217,7 @@ test_main()
   between("safety", automatic("1", "0.5"), 0.27, 0.3);
 
   // A body that leaves the lines of the grid: its critical step falls. It is
-  // estimated in the beginning only; accelerations show that the step has
+  // estimated at the start only; accelerations show that the step has
   // become too long. The same step, given, is not stable.
   const auto first_estimate_only = [](SimulationParameters &parameters) {
     parameters.time.estimate_every = 0;

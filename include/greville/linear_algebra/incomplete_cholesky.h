@@ -94,8 +94,9 @@ namespace greville
 
     /**
      * Return the Schur complement of the last rows of a matrix, numbered from
-     * 0 on, which has the eliminated columns. Fixed rows are left with a
-     * diagonal entry, that of the unit() of this factorization.
+     * 0 on, which has the eliminated columns. Other rows are
+     * shifted and raised like those of factorize(); fixed rows are left with a
+     * diagonal entry, the unit().
      */
     UpperTriangle
     complement(const UpperTriangle              &last_rows,

@@ -253,7 +253,7 @@ namespace greville
     std::vector<unsigned char>                          constrained_functions;
     std::vector<std::pair<unsigned int, unsigned char>> constrained_places;
     std::array<bool, dim> component_has_constrained{};
-    // Whether functions are constrained in this component, but not in all.
+    // Some functions are constrained in this component, but not in all.
     std::array<bool, dim> component_is_partly_constrained{};
 
     mutable ZeroedArray<double> place_x, place_y;
