@@ -94,9 +94,8 @@ namespace greville
 
     /**
      * Return the Schur complement of the last rows of a matrix, numbered from
-     * 0 on, which has the eliminated columns. Other rows are
-     * shifted and raised like those of factorize(); fixed rows are left with a
-     * diagonal entry, the unit().
+     * 0 on, which has the eliminated columns. Its diagonal contains the shift
+     * and is positive. Fixed rows have a diagonal entry only, the unit().
      */
     UpperTriangle
     complement(const UpperTriangle              &last_rows,

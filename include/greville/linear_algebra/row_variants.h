@@ -19,7 +19,8 @@ namespace greville
     /// The variant of each component; empty if all have variant 0.
     std::vector<unsigned int> of_component;
 
-    /// By local unknown, the same on all processes: whether its row differs.
+    /// By local unknown: 1 if its row differs between variants, on all
+    /// processes that store it, else 0.
     std::vector<unsigned char> differs;
 
     /// The entries of variants 1, 2, ... between unknowns whose rows differ, of

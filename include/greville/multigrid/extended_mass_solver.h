@@ -170,7 +170,8 @@ namespace greville
     bool is_old = true; // unit and the matrix in single precision
 
     // Of the last solve, to be used again.
-    mutable VectorType unknowns, rows, residual_rows;
+    VectorType         unknowns, rows;
+    mutable VectorType residual_rows;
 
     // Vectors of an iteration: correction, residual, direction and its product,
     // preconditioned residual and its product.
