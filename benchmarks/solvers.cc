@@ -169,7 +169,7 @@ namespace
     SolverParameters   solver_parameters = parameters.solver;
     solver_parameters.tolerance          = parameters.solver.tight_tolerance();
     ExtendedMassSolver<dim> solver(mass, solver_parameters);
-    solver.update(true, 0.);
+    solver.update(0.);
     methods.push_back(
       {"own",
        [&]() { cholesky.factorize(entries); },

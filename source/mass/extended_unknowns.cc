@@ -75,7 +75,9 @@ namespace greville
     single_y       = ZeroedArray<float>(places.size() * max_width);
     signed_numbers = ZeroedArray<int>(places.size());
     is_numbered    = false;
+    layout         = nullptr;
     unknowns.clear();
+    owned_unknown_functions.clear();
     extended.clear();
     constrained_functions.assign(n_owned_functions() +
                                    places.space().ghost_functions().size(),
@@ -142,7 +144,7 @@ namespace greville
       for (const unsigned int place : *old)
         if (place != numbers::invalid_unsigned_int)
           signed_numbers[place] = 0;
-    choose_unknowns();
+    const bool owned_changed = choose_unknowns();
 
     // Rows of E for the extended functions, with positions instead of numbers.
     const auto &rows   = extension->rows();
@@ -152,7 +154,7 @@ namespace greville
     for (const unsigned int f : extended_functions)
       extended.push_back(stencil->place(f));
 
-    const auto ghost_of = number_ghost_unknowns(rows.positions);
+    const auto ghost_of = number_ghost_unknowns(rows.positions, owned_changed);
     for (unsigned int u = 0; u < unknowns.size(); ++u)
       if (unknowns[u] != numbers::invalid_unsigned_int)
         signed_numbers[unknowns[u]] = 1 + int(u);
@@ -183,13 +185,14 @@ namespace greville
 
 
   template <int dim>
-  void
+  bool
   ExtendedUnknowns<dim>::choose_unknowns()
   {
     using Kind                          = Extension<dim>;
     const SplineSpace<dim> &space       = stencil->space();
     const unsigned int      n_functions = space.owned_functions().size();
     const unsigned int n_all = n_functions + space.ghost_functions().size();
+    const auto         old_functions = std::move(owned_unknown_functions);
     unknowns.clear();
     owned_unknown_functions.clear();
     lumped.clear();
@@ -207,6 +210,7 @@ namespace greville
       if ((*extension)[f] == Kind::lumped)
         lumped.push_back(place);
     });
+    return owned_unknown_functions != old_functions;
   }
 
 
@@ -214,7 +218,7 @@ namespace greville
   template <int dim>
   std::map<std::uint64_t, unsigned int>
   ExtendedUnknowns<dim>::number_ghost_unknowns(
-    const std::vector<std::uint64_t> &positions_in_E)
+    const std::vector<std::uint64_t> &positions_in_E, const bool owned_changed)
   {
     using Kind                          = Extension<dim>;
     const SplineSpace<dim> &space       = stencil->space();
@@ -222,12 +226,10 @@ namespace greville
     const unsigned int n_all = n_functions + space.ghost_functions().size();
     const MPI_Comm     comm  = communicator();
     std::map<std::uint64_t, unsigned int> ghost_of;
-    std::vector<types::global_dof_index>  ghost_unknowns;
-    types::global_dof_index               first_unknown = 0;
-    if (Utilities::MPI::n_mpi_processes(comm) > 1)
+    std::vector<std::uint64_t>            positions;
+    const bool is_parallel = Utilities::MPI::n_mpi_processes(comm) > 1;
+    if (is_parallel)
       {
-        first_unknown = sum_before(n_owned, comm);
-
         const auto &owned = space.owned_functions();
         for (unsigned int f = n_functions; f < n_all; ++f)
           if ((*extension)[f] == Kind::stable ||
@@ -237,26 +239,37 @@ namespace greville
           if (!std::binary_search(owned.begin(), owned.end(), position))
             ghost_of.emplace(position, numbers::invalid_unsigned_int);
 
-        std::vector<std::uint64_t> wanted;
         for (const auto &entry : ghost_of)
-          wanted.push_back(entry.first);
-        const auto order =
-          find_unknowns(space, owned_unknown_functions, first_unknown, wanted);
-        for (const auto &entry : order)
-          {
-            auto              &found = ghost_of.at(entry.second);
-            const unsigned int f     = found;
-            found                    = unknowns.size();
-            unknowns.push_back(f == numbers::invalid_unsigned_int
-                                 ? numbers::invalid_unsigned_int
-                                 : stencil->place(f));
-            ghost_unknowns.push_back(entry.first);
-          }
+          positions.push_back(entry.first);
       }
-    layout = std::make_shared<const InterleavedLayout>(first_unknown,
-                                                       n_owned,
-                                                       ghost_unknowns,
-                                                       comm);
+    const bool changes =
+      !layout || owned_changed || positions != ghost_positions;
+    if (Utilities::MPI::logical_or(changes, comm))
+      {
+        const types::global_dof_index first =
+          is_parallel ? sum_before(n_owned, comm) : 0;
+        ghosts =
+          is_parallel
+            ? find_unknowns(space, owned_unknown_functions, first, positions)
+            : NumberedPositions();
+        std::vector<types::global_dof_index> ghost_numbers;
+        for (const auto &ghost : ghosts)
+          ghost_numbers.push_back(ghost.first);
+        layout          = std::make_shared<const InterleavedLayout>(first,
+                                                           n_owned,
+                                                           ghost_numbers,
+                                                           comm);
+        ghost_positions = std::move(positions);
+      }
+    for (const auto &ghost : ghosts)
+      {
+        auto              &found = ghost_of.at(ghost.second);
+        const unsigned int f     = found;
+        found                    = unknowns.size();
+        unknowns.push_back(f == numbers::invalid_unsigned_int
+                             ? numbers::invalid_unsigned_int
+                             : stencil->place(f));
+      }
     return ghost_of;
   }
 

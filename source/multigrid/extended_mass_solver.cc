@@ -42,14 +42,15 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedMassSolver<dim>::update(const bool        unknowns_changed,
-                                  const double      new_total_mass,
+  ExtendedMassSolver<dim>::update(const double      new_total_mass,
                                   const VectorType *new_lumped_mass)
   {
     total_mass  = new_total_mass;
     lumped_mass = new_lumped_mass;
-    age         = unknowns_changed ? max_age : age + 1;
+    is_fresh    = false;
     is_old      = true;
+    if (factorized != mass.unknowns().unknown_layout())
+      factorized = nullptr;
   }
 
 
@@ -70,7 +71,10 @@ namespace greville
                       ict_parameters(degree),
                       mass.row_variants(reach));
     ++factorizations;
-    age = 0;
+    factorized        = mass.unknowns().unknown_layout();
+    is_fresh          = true;
+    fresh_iterations  = 0;
+    excess_iterations = 0;
   }
 
 
@@ -118,7 +122,7 @@ namespace greville
       }
     else
       {
-        if (age >= max_age)
+        if (!factorized)
           factorize();
         std::copy_n(r.begin(), n, z.begin());
         factors.solve(z.begin(), width, unit);
@@ -203,6 +207,9 @@ namespace greville
     for (VectorType *vector : {&unknowns, &rows, &residual_rows})
       if (vector->get_partitioner() != partitioner)
         vector->reinit(partitioner);
+    for (VectorOf<float> *vector : {&e, &r, &p, &s, &u, &w})
+      if (vector->get_partitioner() != partitioner)
+        vector->reinit(partitioner);
     unknowns = 0.; // also in columns that are not used
     prepare();
     const auto run = [&](const unsigned int max_iterations) {
@@ -219,22 +226,26 @@ namespace greville
                                                                       x.end()),
                                 width);
     // Old factors may be useless after a sudden change of the mass.
-    const bool has_old_factors =
-      !other_preconditioner && age > 0 && age < max_age;
-    const unsigned int n_before = factorizations;
-    SolveResult        result =
+    const bool  has_old_factors = factorized && !is_fresh;
+    SolveResult result =
       run(has_old_factors
             ? std::min(parameters.max_iterations, 2 * fresh_iterations + 5)
             : parameters.max_iterations);
+    const unsigned int n_iterations = *result.iterations;
     if (!result.converged && has_old_factors)
       {
-        const unsigned int n_wasted = *result.iterations;
         forget();
-        result = run(parameters.max_iterations);
-        *result.iterations += n_wasted;
+        result           = run(parameters.max_iterations);
+        fresh_iterations = *result.iterations;
+        *result.iterations += n_iterations;
       }
-    else if (factorizations > n_before)
-      fresh_iterations = *result.iterations;
+    else if (is_fresh)
+      fresh_iterations = std::max(fresh_iterations, n_iterations);
+    else if (has_old_factors)
+      excess_iterations +=
+        n_iterations - std::min(fresh_iterations, n_iterations);
+    if (excess_iterations >= iterations_of_factorization)
+      factorized = nullptr;
     mass.unknowns().write_fields(x, unknowns, width);
     return result;
   }
@@ -246,9 +257,18 @@ namespace greville
   typename ExtendedMassSolver<dim>::template ResidualSums<width>
   ExtendedMassSolver<dim>::residual(VectorType       &r,
                                     VectorType       &x,
-                                    const VectorType &b) const
+                                    const VectorType &b,
+                                    const bool        in_single) const
   {
-    mass.vmult(r, x, width);
+    if (in_single)
+      {
+        std::copy_n(x.begin(), x.locally_owned_size(), u.begin());
+        mass.vmult(w, u, width);
+        for (std::size_t i = 0; i < b.locally_owned_size(); ++i)
+          r.local_element(i) = unit * w.local_element(i);
+      }
+    else
+      mass.vmult(r, x, width);
     ResidualSums<width> sums{};
 
     double       *r_i = r.begin();
@@ -262,6 +282,17 @@ namespace greville
           sums[2][c] += x_i[i + c] * x_i[i + c];
           sums[3][c] += r_i[i + c];
         }
+    // A times a constant is the row sums.
+    if (in_single)
+      {
+        sums[3]               = {};
+        const auto &functions = mass.unknowns().unknown_functions();
+        for (std::size_t u = 0; u < functions.size(); ++u)
+          for (int c = 0; c < width; ++c)
+            sums[3][c] +=
+              b_i[u * width + c] -
+              row_sums.local_element(functions[u]) * x_i[u * width + c];
+      }
     add_up(sums, mass.unknowns().communicator());
     return sums;
   }
@@ -277,17 +308,18 @@ namespace greville
                                    const std::vector<double> &shares,
                                    const unsigned int max_iterations) const
   {
-    VectorType &r         = residual_rows;
-    auto        sums      = residual<width>(r, x, b);
-    FieldNorms  target    = norms_of<width>(sums[1], n_fields, dim);
-    FieldNorms  now       = norms_of<width>(sums[0], n_fields, dim);
-    const auto  guess     = norms_of<width>(sums[2], n_fields, dim);
-    double      tolerance = parameters.tolerance;
+    VectorType &r          = residual_rows;
+    bool        knows_sums = row_sums.size() > 0;
+    auto        sums =
+      residual<width>(r, x, b, knows_sums && parameters.tolerance >= reduction);
+    FieldNorms target    = norms_of<width>(sums[1], n_fields, dim);
+    FieldNorms now       = norms_of<width>(sums[0], n_fields, dim);
+    const auto guess     = norms_of<width>(sums[2], n_fields, dim);
+    double     tolerance = parameters.tolerance;
     for (unsigned int k = 0; k < n_fields; ++k)
       if (guess[k] == 0. && target[k] > 0.)
         tolerance = std::min(tolerance, first_tolerance);
     // A guess that is worse than zero is discarded.
-    bool knows_sums = row_sums.size() > 0;
     for (unsigned int k = 0; k < n_fields; ++k)
       if (!(now[k] <= target[k]))
         for (unsigned int c = k * dim; c < (k + 1) * dim; ++c)
@@ -304,10 +336,8 @@ namespace greville
     for (unsigned int k = 0; k < shares.size(); ++k)
       target[k] = std::max(target[k], shares[k] * shares[k] * target[0]);
 
-    // Single precision reduces a residual by this factor.
-    constexpr double reduction = 1e-5;
-    double           ratio     = largest_ratio(now, target, n_fields);
-    unsigned int     k = 0, n_vain = 0;
+    double       ratio = largest_ratio(now, target, n_fields);
+    unsigned int k = 0, n_vain = 0;
     while (ratio > tolerance && std::isfinite(ratio) && n_vain < 3 &&
            k < max_iterations)
       {
@@ -324,7 +354,7 @@ namespace greville
           }
         // The result must not depend on this check.
         const Columns<width> column_sums = sums[3];
-        sums                             = residual<width>(r, x, b);
+        sums                             = residual<width>(r, x, b, false);
         if (knows_sums)
           sums[3] = column_sums;
         ratio     = largest_ratio(norms_of<width>(sums[0], n_fields, dim),
@@ -369,10 +399,6 @@ namespace greville
     const Columns<width> &squares = sums[0];
     const std::size_t     n       = x.locally_owned_size();
     const MPI_Comm        comm    = mass.unknowns().communicator();
-    for (VectorOf<float> *vector : {&e, &r, &p, &s, &u, &w})
-      if (vector->get_partitioner() !=
-          mass.unknowns().unknown_layout()->partitioner(width))
-        mass.unknowns().initialize_vector(*vector, width);
     for (VectorOf<float> *vector : {&e, &p, &s})
       std::fill_n(vector->begin(), n, 0.f);
     // Entries of order 1.

@@ -123,7 +123,7 @@ namespace greville
                         [&](DensityWeights<dim> &weights) {
                           transfer->mass_weights(*bodies, weights);
                         });
-    mass_solver->update(has_new_unknowns, total_mass, &this->lumped_mass);
+    mass_solver->update(total_mass, &this->lumped_mass);
     has_new_unknowns = false;
     is_assembled     = true;
   }

@@ -322,7 +322,7 @@ test_solver(const MultiIndex<dim>       &cells,
   if (is_constrained)
     problem.constrain();
   ExtendedMassSolver<dim> solver(mass, parameters);
-  solver.update(true, problem.total_mass());
+  solver.update(problem.total_mass());
 
   std::array<VectorField<dim>, 2> b, x;
   VectorType                      lumped;
@@ -401,7 +401,7 @@ test_solver(const MultiIndex<dim>       &cells,
   const auto both           = x;
   parameters.max_iterations = 1;
   ExtendedMassSolver<dim> impatient(mass, parameters);
-  impatient.update(true, problem.total_mass());
+  impatient.update(problem.total_mass());
   clear();
   const auto given_up = impatient.solve({&x[0], &x[1]}, {&b[0], &b[1]});
   check("  one try",
@@ -447,7 +447,7 @@ test_solver(const MultiIndex<dim>       &cells,
   problem.begin(false);
   for (unsigned int step = 0; step < 3; ++step)
     {
-      solver.update(false, problem.total_mass());
+      solver.update(problem.total_mass());
       clear();
       const auto second = solver.solve({&x[0], &x[1]}, {&b[0], &b[1]});
       check("  other masses", second.converged ? residual(2).first : 1., 1e-9);
@@ -458,7 +458,7 @@ test_solver(const MultiIndex<dim>       &cells,
   // Other unknowns.
   problem.move_to(is_filled_later);
   problem.begin(true);
-  solver.update(true, problem.total_mass());
+  solver.update(problem.total_mass());
   clear();
   const auto third = solver.solve({&x[0], &x[1]}, {&b[0], &b[1]});
   check("  factorizations", solver.n_factorizations() == 3);

@@ -148,7 +148,7 @@ public:
     double                  total = 0.;
     for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
       total += lumped.local_element(i);
-    solver.update(true, Utilities::MPI::sum(total, MPI_COMM_WORLD));
+    solver.update(Utilities::MPI::sum(total, MPI_COMM_WORLD));
     VectorField<dim> u;
     for (unsigned int c = 0; c < dim; ++c)
       space.initialize_vector(u[c]);

@@ -82,6 +82,7 @@ namespace greville
     void
     initialize_vector(VectorOf<Number> &vector, const unsigned int width) const;
 
+    /// Return the layout, the same object as long as numbers do not change.
     const std::shared_ptr<const InterleavedLayout> &
     unknown_layout() const;
 
@@ -264,17 +265,19 @@ namespace greville
     void
     number_unknowns();
 
-    /// Set the owned unknowns and the lumped places.
-    void
+    /// Set the owned unknowns and the lumped places. Returns whether owned
+    /// unknowns differ from the last ones.
+    bool
     choose_unknowns();
 
     /**
      * Collective. Append the unknowns of other processes: functions of owned
-     * cells, and others, without places, that occur in E. Sets the layout, and
-     * returns their numbers by position.
+     * cells, and others, without places, that occur in E. Sets the layout if
+     * numbers of any process change, and returns those of ghosts by position.
      */
     std::map<std::uint64_t, unsigned int>
-    number_ghost_unknowns(const std::vector<std::uint64_t> &positions_in_E);
+    number_ghost_unknowns(const std::vector<std::uint64_t> &positions_in_E,
+                          const bool                        owned_changed);
 
     /// Give images the rows of E of their functions.
     void
@@ -289,6 +292,11 @@ namespace greville
     std::vector<unsigned int> extended_functions; // local numbers
 
     std::shared_ptr<const InterleavedLayout> layout;
+    // Numbers and positions of unknowns.
+    using NumberedPositions =
+      std::vector<std::pair<dealii::types::global_dof_index, std::uint64_t>>;
+    NumberedPositions          ghosts;
+    std::vector<std::uint64_t> ghost_positions; // ascending
   };
 } // namespace greville
 

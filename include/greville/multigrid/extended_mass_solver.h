@@ -32,8 +32,9 @@ namespace greville
    * which constrained entries are set to zero; or a given one, which may be
    * nonlinear and need not treat constraints.
    *
-   * A factorization serves max_age steps, unless unknowns change. It is made
-   * when a solve needs a preconditioner: bodies in free flight need none.
+   * A factorization serves until the unknowns change, or until the iterations
+   * that its age has cost exceed the price of a new one. It is made when a
+   * solve needs a preconditioner: bodies in free flight need none.
    *
    * Iterations are in single precision, with one sum over the processes each
    * (@ref Chronopoulos1989 "Chronopoulos and Gear, 1989"), for the correction
@@ -61,14 +62,12 @@ namespace greville
                        const double                first_tolerance = 1.);
 
     /**
-     * Collective. Update after a change of the mass, and of the set of unknowns
-     * if @p unknowns_changed. With the lumped mass, which is kept by reference,
-     * not every solve ends by a residual of double precision.
+     * Collective. Update after a change of the mass. With the lumped mass,
+     * which is kept by reference, not every solve ends by a residual of double
+     * precision.
      */
     void
-    update(const bool        unknowns_changed,
-           const double      total_mass,
-           const VectorType *lumped_mass = nullptr);
+    update(const double total_mass, const VectorType *lumped_mass = nullptr);
 
     /**
      * Collective. Solve A x = E^T b for pairs (x, b) of fields. On entry, x
@@ -86,8 +85,8 @@ namespace greville
     void
     forget()
     {
-      age       = max_age;
-      n_trusted = 0;
+      factorized = nullptr;
+      n_trusted  = 0;
     }
 
     /// Return the number of factorizations so far.
@@ -123,10 +122,14 @@ namespace greville
     template <int width>
     using ResidualSums = std::array<std::array<double, width>, 4>;
 
-    /// Set r = b - A x.
+    /// Set r = b - A x. With a product in single precision, the sums of r
+    /// follow from the row sums.
     template <int width>
     ResidualSums<width>
-    residual(VectorType &r, VectorType &x, const VectorType &b) const;
+    residual(VectorType       &r,
+             VectorType       &x,
+             const VectorType &b,
+             const bool        in_single) const;
 
     template <int width>
     SolveResult
@@ -167,6 +170,9 @@ namespace greville
     static constexpr unsigned int max_trusted = 7;
     mutable unsigned int          n_trusted   = 0; // solves to come
 
+    /// Single precision reduces a residual by this factor.
+    static constexpr double reduction = 1e-5;
+
     bool is_old = true; // unit and the matrix in single precision
 
     // Of the last solve, to be used again.
@@ -177,13 +183,16 @@ namespace greville
     // preconditioned residual and its product.
     mutable VectorOf<float> e, r, p, s, u, w;
 
-    /// The number of steps that a factorization serves.
-    static constexpr unsigned int max_age = 3;
+    /// A factorization costs as much as so many iterations.
+    static constexpr unsigned int iterations_of_factorization = 8;
 
     mutable OverlappingCholesky factors;
-    mutable unsigned int        age              = max_age; // in steps
-    mutable unsigned int        factorizations   = 0;
-    unsigned int                fresh_iterations = 0; // with new factors
+    // The unknowns of the factors; null if new factors are required.
+    mutable std::shared_ptr<const InterleavedLayout> factorized;
+    mutable bool                                     is_fresh       = false;
+    mutable unsigned int                             factorizations = 0;
+    mutable unsigned int fresh_iterations  = 0; // of a solve with new factors
+    mutable unsigned int excess_iterations = 0; // of all solves since
   };
 } // namespace greville
 

@@ -135,8 +135,10 @@ namespace greville
     void
     update_constrained() override
     {
-      if (has_matrix)
-        extended_mass.unknowns().constrain(this->constrained);
+      if (!has_matrix)
+        return;
+      extended_mass.unknowns().constrain(this->constrained);
+      mass_solver->forget();
     }
 
     void
