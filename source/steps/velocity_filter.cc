@@ -284,22 +284,25 @@ namespace greville
                 begin = next ? std::max(begin, next->begin) : begin;
                 end   = next ? std::min(end, next->end) : begin;
               }
-            line.first_run[d]   = std::numeric_limits<int>::max();
-            line.end_of_runs[d] = 0;
-            for (int x = begin; x < end; ++x)
+            end              = std::max(begin, end);
+            double *smallest = run_mass[d].data() + line.place;
+            std::copy(mass.data() + line.place + begin,
+                      mass.data() + line.place + end,
+                      smallest + begin);
+            for (int k = 1; k < length && begin < end; ++k)
               {
-                double smallest = mass[line.place + x];
-                for (int k = 1; k < length && smallest > 0.; ++k)
-                  smallest = std::min(smallest,
-                                      mass[lines[l + k * line_step(d)].place +
-                                           x + (d == 0 ? k : 0)]);
-                run_mass[d][line.place + x] = smallest;
-                if (smallest > 0.)
-                  {
-                    line.first_run[d]   = std::min(line.first_run[d], x);
-                    line.end_of_runs[d] = x + 1;
-                  }
+                const double *other = mass.data() +
+                                      lines[l + k * line_step(d)].place +
+                                      (d == 0 ? k : 0);
+                for (int x = begin; x < end; ++x)
+                  smallest[x] = std::min(smallest[x], other[x]);
               }
+            while (begin < end && !(smallest[begin] > 0.))
+              ++begin;
+            while (begin < end && !(smallest[end - 1] > 0.))
+              --end;
+            line.first_run[d]   = begin;
+            line.end_of_runs[d] = end;
           }
       }
   }
