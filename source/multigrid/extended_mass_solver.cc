@@ -310,15 +310,27 @@ namespace greville
   {
     VectorType &r          = residual_rows;
     bool        knows_sums = row_sums.size() > 0;
-    auto        sums =
-      residual<width>(r, x, b, knows_sums && parameters.tolerance >= reduction);
-    FieldNorms target    = norms_of<width>(sums[1], n_fields, dim);
-    FieldNorms now       = norms_of<width>(sums[0], n_fields, dim);
-    const auto guess     = norms_of<width>(sums[2], n_fields, dim);
-    double     tolerance = parameters.tolerance;
+    const bool  in_single  = knows_sums && parameters.tolerance >= reduction;
+    auto        sums       = residual<width>(r, x, b, in_single);
+    FieldNorms  target     = norms_of<width>(sums[1], n_fields, dim);
+    FieldNorms  now        = norms_of<width>(sums[0], n_fields, dim);
+    const auto  guess      = norms_of<width>(sums[2], n_fields, dim);
+    double      tolerance  = parameters.tolerance;
+    bool        is_precise = true;
+    // Single precision does not see the errors of a uniform motion.
+    constexpr double smallest_in_single = 1e-5;
     for (unsigned int k = 0; k < n_fields; ++k)
-      if (guess[k] == 0. && target[k] > 0.)
-        tolerance = std::min(tolerance, first_tolerance);
+      {
+        if (guess[k] == 0. && target[k] > 0.)
+          tolerance = std::min(tolerance, first_tolerance);
+        is_precise = is_precise && std::sqrt(now[k]) >
+                                     smallest_in_single * std::sqrt(target[k]);
+      }
+    if (in_single && (tolerance < reduction || !is_precise))
+      {
+        sums = residual<width>(r, x, b, false);
+        now  = norms_of<width>(sums[0], n_fields, dim);
+      }
     // A guess that is worse than zero is discarded.
     for (unsigned int k = 0; k < n_fields; ++k)
       if (!(now[k] <= target[k]))
