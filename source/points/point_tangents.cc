@@ -4,6 +4,7 @@
 
 #include "gradients.h"
 #include "group_gradients.h"
+#include "polar_factor.h"
 
 namespace greville
 {
@@ -239,9 +240,27 @@ namespace greville
 
   namespace
   {
+    /// Store the upper half of the polar factors of the matrices C of a group.
+    template <int n>
+    void
+    symmetrize(const double *C, double *upper_half)
+    {
+      Simd matrix[n][n];
+      for (int r = 0; r < n; ++r)
+        for (int s = 0; s < n; ++s)
+          matrix[r][s] = load(C + entry_of<n, false>(r, s) * int(simd_width));
+      replace_by_polar_factor(matrix);
+      for (int r = 0; r < n; ++r)
+        for (int s = r; s < n; ++s)
+          store(matrix[r][s],
+                upper_half + entry_of<n, true>(r, s) * int(simd_width));
+    }
+
+
+
     /**
-     * The symmetric part of the matrix of a cell, block by block of components
-     * i <= k, on vectors of functions.
+     * The matrix of a cell with symmetric C, block by block of components i <=
+     * k, on vectors of functions.
      */
     template <int dim, int n, typename Number, bool with_hoop>
     class CellStiffness
@@ -269,14 +288,16 @@ namespace greville
               load(geometry, group + q, q);
             const double *C     = group + dim * n_together;
             Number       *block = matrix;
+            if (!symmetric)
+              {
+                symmetrize<n_pairs>(C, polar_factors);
+                C = polar_factors;
+              }
             for (int i = 0; i < dim; ++i)
               for (int k = i; k < dim; ++k)
                 {
                   for (int q = 0; q < n_together; ++q)
-                    if (symmetric)
-                      contract<true>(C + q, i, k, q);
-                    else
-                      contract<false>(C + q, i, k, q);
+                    contract(C + q, i, k, q);
                   add(block);
                   block += n_functions * stride;
                 }
@@ -310,7 +331,6 @@ namespace greville
       }
 
       /// Compute C_iJkL d_J N_a.
-      template <bool symmetric>
       void
       contract(const double *C, const int i, const int k, const int q)
       {
@@ -323,12 +343,8 @@ namespace greville
         const auto entry = [&](const int r, const int s) {
           if (r < 0 || s < 0)
             return 0.;
-          if constexpr (symmetric)
-            return C[entry_of<n_pairs, true>(std::min(r, s), std::max(r, s)) *
-                     n_together];
-          else
-            return 0.5 * (C[entry_of<n_pairs, false>(r, s) * n_together] +
-                          C[entry_of<n_pairs, false>(s, r) * n_together]);
+          return C[entry_of<n_pairs, true>(std::min(r, s), std::max(r, s)) *
+                   n_together];
         };
         for (int L = 0; L < n_directions; ++L)
           {
@@ -367,6 +383,8 @@ namespace greville
               }
           }
       }
+
+      double polar_factors[n_pairs * (n_pairs + 1) / 2 * n_together];
 
       // [point][direction][function], with zeros behind the functions.
       Number gradients[n_together][n_directions][stride] = {};

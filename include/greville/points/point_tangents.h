@@ -23,6 +23,13 @@ namespace greville
    * matrices are stored as their upper half, 45 numbers in 3D. Axisymmetric
    * points have a fifth pair for f_zz = 1 + u_r / r, which multiplies N in
    * place of a derivative: C contains the factor 1 / r for it.
+   *
+   * Cell matrices serve preconditioners, which need to be symmetric positive
+   * semidefinite. If C is not symmetric, the symmetric part can be indefinite:
+   * without dilatancy, flow makes it so. Cell matrices therefore contain the
+   * factor H = (C^T C)^(1/2) of the polar decomposition C = Q H, which has the
+   * null space of C (the direction of plastic flow), and is C if C is symmetric
+   * positive semidefinite.
    */
   template <int dim>
   class PointTangents
@@ -65,8 +72,8 @@ namespace greville
                 const StencilMatrix<dim> &stencil) const;
 
     /**
-     * A function called by for_each_cell() with the symmetric part of a cell's
-     * matrix, in the layout of BlockStencil::add_cell().
+     * A function called by for_each_cell() with a cell's matrix, in the layout
+     * of BlockStencil::add_cell().
      */
     template <typename Number>
     using CellAction = std::function<void(const unsigned int cell,
