@@ -156,6 +156,7 @@ namespace
                    block_2d("box(0.25, 0.45, 0.75, 0.95)")
                      .with("Scheme",
                            {"Mass = consistent", "Stress update = " + first})
+                     .with("Newton", {"Tolerance = 1e-12"})
                      .with("Loads", {"Gravity = 0; -2"})
                      .with("Time", {"End = 0.4", "Step = 0.004"})),
                  "two",
