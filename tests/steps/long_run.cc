@@ -56,7 +56,7 @@ test_main()
   test("newmark",
        beam.with("Scheme", {"Mass = consistent", "Stress update = newmark"})
          .with("Time", {"Step = 0.005"}),
-       60);
+       160);
   test("pile",
        block_2d("intersection(box(0, 0, 1, 0.3), half_space(1, 1, 0.9))", 8)
          .with("Body body", {"Points per direction = 3"})
