@@ -264,6 +264,12 @@ namespace greville
             print_stage(out, simulations, parameters);
           }
         notes.write(simulations.take_newton());
+        for (const std::string &cut : simulations.take_cuts())
+          {
+            if (is_terminal)
+              out << "\r\033[K";
+            notes.note_cut(cut);
+          }
         if (!is_taken)
           continue;
         write_late();

@@ -211,6 +211,15 @@ namespace greville
 
 
   void
+  RunNotes::note_cut(const std::string &text)
+  {
+    out << "Cut: " << text << std::endl;
+    append("Cut", text);
+  }
+
+
+
+  void
   RunNotes::note(const std::string &text)
   {
     out << "Note: " << text << std::endl;

@@ -92,9 +92,12 @@ namespace greville
           out << "; they become shorter if cells are crushed";
         out << std::endl;
       }
-    // Refresh a terminal five times a second; write ten lines to a file.
-    if (!is_last && (is_terminal ? seconds_since(last_shown) < 0.2
-                                 : part < last_shown_time + 0.1))
+    // Refresh a terminal five times a second; write a line to a file for each
+    // tenth of the time, and after ten seconds.
+    const double waited = seconds_since(last_shown);
+    if (!is_last &&
+        (is_terminal ? waited < 0.2
+                     : part < last_shown_time + 0.1 && waited < 10.))
       return;
     last_shown      = std::chrono::steady_clock::now();
     last_shown_time = std::floor(10. * part) / 10.;

@@ -7,6 +7,7 @@
 #include <greville/steps/trial_contacts.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace greville
 {
@@ -118,6 +119,12 @@ namespace greville
                        rejection.what());
     ++state.n_rejections;
     propose();
+    std::ostringstream cut;
+    cut << "step " << state.n_steps + 1 << " from t = " << state.time
+        << " s is cut from " << dt << " to "
+        << *std::min_element(proposed.begin(), proposed.end())
+        << " s: " << rejection.what();
+    simulations[current_simulation]->log.cuts.push_back(cut.str());
   }
 
 

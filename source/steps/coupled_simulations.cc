@@ -354,6 +354,19 @@ namespace greville
 
 
   template <int dim>
+  std::vector<std::string>
+  CoupledSimulations<dim>::take_cuts()
+  {
+    std::vector<std::string> result;
+    for (const auto &part : parts)
+      for (const std::string &cut : part->step_log().take_cuts())
+        result.push_back(cut);
+    return result;
+  }
+
+
+
+  template <int dim>
   std::vector<NewtonRecord>
   CoupledSimulations<dim>::take_newton()
   {

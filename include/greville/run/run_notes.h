@@ -50,6 +50,10 @@ namespace greville
     void
     warn(const std::string &warning);
 
+    /// Print that a step is repeated with a shorter length.
+    void
+    note_cut(const std::string &text);
+
     /**
      * Print a note about input that may not be intended.
      */

@@ -207,6 +207,10 @@ namespace greville
     std::vector<std::string>
     take_warnings();
 
+    /// Return the cuts of the last step, with their reasons, once.
+    std::vector<std::string>
+    take_cuts();
+
     /// Return the records of Newton's method in the last step, once.
     std::vector<NewtonRecord>
     take_newton();

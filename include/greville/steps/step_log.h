@@ -29,18 +29,25 @@ namespace greville
 
   /**
    * Reports of the parts of a simulation besides their results: the seconds
-   * that they take on this process, warnings, and Newton's method; and a label
+   * that they take on this process, warnings, cuts of steps, and Newton's
+   * method; and a label
    * that distinguishes the simulation from others in common steps, such as " of
    * 'Body disk'".
    */
   struct StepLog
   {
-    /// Return the warnings, or the records of Newton's method in the last step,
-    /// once.
+    /// Return the warnings, or the cuts or the records of Newton's method in
+    /// the last step, once.
     std::vector<std::string>
     take_warnings()
     {
       return std::exchange(warnings, {});
+    }
+
+    std::vector<std::string>
+    take_cuts()
+    {
+      return std::exchange(cuts, {});
     }
 
     std::vector<NewtonRecord>
@@ -50,7 +57,7 @@ namespace greville
     }
 
     std::map<std::string, double> seconds; // of tasks, on this process
-    std::vector<std::string>      warnings;
+    std::vector<std::string>      warnings, cuts;
     std::string of; // label for messages and records: " of 'Body disk'"
     std::vector<NewtonRecord> newton;
   };
