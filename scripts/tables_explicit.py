@@ -123,7 +123,7 @@ def work_precision(given):
 @table("load_balance",
        argument("files", nargs="*", default=["prm/simulation/dam_break.prm", "prm/simulation/granular_collapse.prm"]),
        argument("--processes", default="2,4"), argument("--rounds", type=int, default=1),
-       argument("--steps", type=int, default=0, help="0: all"), argument("--cells", help="'Grid/Cells'"))
+       argument("--steps", type=int, default=0, help="number of steps (0: all)"), argument("--cells", help="'Grid/Cells'"))
 def load_balance(given):
     """runs with and without load balance while running
 
@@ -165,7 +165,7 @@ def load_balance(given):
 
 @table("cost_of_rows")
 def cost_of_rows(_):
-    """what a row of statistics in each step costs
+    """cost of a row of statistics in each step
 
     The ratio of CPU times of runs with and without rows, both less the time of a run of one step, which is the set-up
     time. Medians of five pairs, one process.
@@ -201,7 +201,7 @@ METHODS = [("ICT alone", {"Method": "cg-ic0"}, {}), ("cycle, ICT", {"Method": "c
            ("cycle, IC(0)", {"Method": "cg-p-multigrid"}, {"Smoother": "ic0"}), ("Jacobi", {"Method": "cg-jacobi"}, {})]
 
 
-@table("mass_smoothers", argument("--draw", action="store_true", help="print the tables of doc/data/mass_smoothers.csv alone"))
+@table("mass_smoothers", argument("--draw", action="store_true", help="only print the tables of doc/data/mass_smoothers.csv"))
 def mass_smoothers(given):
     """smoothers of p-multigrid for the mass, with and without coarse levels
 
@@ -261,7 +261,7 @@ def mass_smoothers(given):
 
 @table("cost_of_domains")
 def cost_of_domains(_):
-    """what B-splines averaged over domains cost
+    """cost of B-splines averaged over domains
 
     The ratio of CPU times of steps with 'Scheme/Functions' = domains and of as many equal steps with points, both
     less the time of a run of one step, which is the set-up time. Medians of five pairs, one process.
@@ -297,7 +297,7 @@ CONTACTS = {
 
 @table("cost_of_contact", argument("cases", nargs="*", metavar="CASE", default=list(CONTACTS)))
 def cost_of_contact(given):
-    """what contact costs in explicit steps
+    """cost of contact in explicit steps
 
     The ratio of CPU times of the same steps with and without contacts, both less the time of a run of one step, which is
     the set-up time; and the fraction of material points that are contactors or on surfaces. Medians of five pairs,
@@ -407,7 +407,7 @@ def measure(name):
             "memory_largest_kb": int(max(row["resident_kb"] for row in memory))}
 
 
-@table("long_runs", argument("runs", nargs="*", metavar="RUN", help="the first column of the table; all if there is none"))
+@table("long_runs", argument("runs", nargs="*", metavar="RUN", help="first column of the table (default: all runs)"))
 def long_runs(given):
     """100000 steps and more of a beam and of a pile: energy, mass, memory
 

@@ -19,7 +19,7 @@ def need_numpy():
         sys.exit("scripts/tables: " + how_to_install("numpy"))
 
 
-@table("stiffness_iterations", argument("--quick", action="store_true", help="small meshes, and orders 1 and 2 alone"),
+@table("stiffness_iterations", argument("--quick", action="store_true", help="only small meshes, and orders 1 and 2"),
        argument("bodies", nargs="*", metavar="BODY", default=["column_2d", "dome_2d", "beam_2d", "column_3d", "dome_3d"]))
 def stiffness_iterations(given):
     """linear systems of quasi-static steps, as CSV
@@ -48,7 +48,7 @@ SOLVERS = {"cg-p-multigrid": ("p-multigrid", "#0072B2", "o-"), "cg-gamg": ("GAMG
            "cg-boomeramg": ("BoomerAMG", "#009E73", "^:")}
 
 
-@table("stiffness_growth", argument("files", nargs="*", metavar="FILE", help="tables solves.csv of earlier runs, in place of new ones"))
+@table("stiffness_growth", argument("files", nargs="*", metavar="FILE", help="solves.csv of earlier runs, instead of new runs"))
 def stiffness_growth(given):
     """time, memory and iterations of linear systems over the number of unknowns
 
@@ -126,7 +126,7 @@ LIMIT_RUNS = [("footing", "30, 15", 7.5, 1, "order p-1", 2),
               ("notched_plate", "55, 28", 5.5, 1, "none", 2)]
 
 
-@table("limit_loads", argument("--draw", action="store_true", help="take the runs that are in output/limit_loads"))
+@table("limit_loads", argument("--draw", action="store_true", help="use the runs in output/limit_loads"))
 def limit_loads(given):
     """limit loads of a footing and of a notched plate on several meshes
 

@@ -10,8 +10,8 @@ pvpython, which also writes a picture of the last time:
 
     pvpython output/dam_break/files/view.py last.png
 
-Needs nothing but Python. The run needs the field size (it is a default of
-'Output/Fields').
+Needs only Python. The results need the field size, which 'Output/Fields' has by
+default.
 """
 from .command import parser_of, run_command
 from .display import array_of, check_field, main_field, up_axis
@@ -45,7 +45,7 @@ view.OrientationAxesVisibility = int(IS_3D)
 run = PVDReader(registrationName="fields", FileName=os.path.join(FOLDER, "fields.pvd"))
 
 def part(name):
-    """What has this name in fields.pvd: a block, or all of it."""
+    """Return the source of a name in fields.pvd: a block, or the whole."""
     if NAMES == [name]:
         return run
     return ExtractBlock(registrationName=name, Input=run, Selectors=["/Root/" + name])
@@ -171,8 +171,8 @@ def main(program=None):
     parser = parser_of(program, __doc__)
     parser.add_argument("--field", metavar="NAME",
                         help="colour of points: speed, a field of points, or a component such as velocity_x. "
-                             "Without it: that of scripts/picture")
-    parser.add_argument("--up", choices=["x", "y", "z"], help="the upright axis in 3D, as scripts/picture has it")
+                             "Default: the field of scripts/picture")
+    parser.add_argument("--up", choices=["x", "y", "z"], help="vertical axis in 3D, as for scripts/picture")
     run_command(parser, write)
 
 

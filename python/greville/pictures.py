@@ -1,13 +1,14 @@
 """Draw the results of a run.
 
-The contents of FOLDER decide on the pictures and their files:
+The pictures depend on the contents of FOLDER:
 
 fields.pvd        a simulation: files/frames/frame_NNNN.png, one for each time of output,
-                  animation.gif, also .mp4 where ffmpeg is installed, and
-                  picture.png, which has four times and below them the measured
-                  series of section Reference or else the energies. The last time
-                  shows a measured surface and failure line. Of what --check
-                  --draw has written: picture.png with the names of all parts.
+                  animation.gif, also .mp4 if ffmpeg is installed, and
+                  picture.png with four times, and below them the measured
+                  series of section Reference or, without it, the energies. The
+                  last time shows a measured surface and failure line.
+                  For results of --check --draw: picture.png with the names of
+                  all parts.
 failure/          of a ramp: failure.png, the increment of displacement at failure, and
                   the displacement of probes over the factor.
 convergence.csv   a sweep: convergence.png, errors over the number of cells.
@@ -17,7 +18,7 @@ element_test.csv  of greville --element-test: element_test.png with q over p, q 
                   strain, the change of volume, and the void ratio over p.
 */statistics.csv  a sweep without errors: energies.png, one line per folder.
 
-Several folders of simulations: energies.png in the folder that holds them all.
+Several folders of simulations: energies.png in the folder that contains them.
 
 Needs Debian's python3-matplotlib and, for simulations, python3-vtk9.
 """
@@ -129,7 +130,7 @@ def draw_failure_lines(axes, simulation, k):
         contour = axes.tricontour(triangles, moved, colors="white", linewidths=style["linewidth"], levels=[level])
         for lines in getattr(contour, "collections", [contour]):   # One collection since matplotlib 3.8.
             lines.set_path_effects(style["path_effects"])
-        axes.plot([], [], label="that of the run", **style)
+        axes.plot([], [], label="failure line of the run", **style)
 
 
 def draw_series(axes, simulation, series):
@@ -265,12 +266,12 @@ def main(program=None):
     parser = parser_of(program, __doc__)
     parser.add_argument("--field", metavar="NAME",
                         help="colour of points: speed, a field of points, such as pressure or body, or a component such as "
-                             "velocity_x. Without it: the field that says most about the run")
+                             "velocity_x. Default: a field that suits the run")
     parser.add_argument("--no-rigid-bodies", action="store_true",
                         help="leave rigid bodies out, which may hide the others (3D)")
     parser.add_argument("--magnify", type=float, default=1., metavar="FACTOR",
                         help="draw displacements this many times as large")
-    parser.add_argument("--up", choices=["x", "y", "z"], help="the upright axis in 3D, instead of that of gravity")
+    parser.add_argument("--up", choices=["x", "y", "z"], help="vertical axis in 3D (default: the direction of gravity)")
     parser.add_argument("--mesh", action="store_true", help="draw the mesh behind the points (2D)")
     run_command(parser, draw)
 

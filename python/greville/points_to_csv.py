@@ -1,6 +1,6 @@
 """Write the points of a file of VTK (.vtu, .vtp, .pvtu, .pvtp or .vtk) and their arrays
 as a table that 'Body NAME/Points file' takes. Columns are x, y, z and the arrays at
-points; those with several components are as many columns: NAME_x, NAME_y, NAME_z of
+points; an array with several components becomes as many columns: NAME_x, NAME_y, NAME_z of
 three, NAME_xx, NAME_yy, NAME_zz, NAME_xy, NAME_yz, NAME_xz of six, NAME_xx, NAME_xy,
 ... of nine. Points shared by cells are written once. Needs Debian's python3-vtk9.
 """

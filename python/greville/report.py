@@ -1,7 +1,7 @@
-"""One page about a run, or about several side by side: report.html.
+"""Write report.html, a page about a run, or about several runs side by side.
 
     scripts/report output/dam_break              writes output/dam_break/report.html
-    scripts/report output/first output/second    writes output/report.html, where both are
+    scripts/report output/first output/second    writes output/report.html, in the folder of both
     scripts/report output/vibrating_bar          a sweep: its runs, and their errors
 
 The page is self-contained, so that it can be moved and sent, and needs a
@@ -361,10 +361,10 @@ def guide():
 def main(program=None):
     parser = parser_of(program, __doc__, "results of a run, or of a sweep")
     parser.add_argument("--field", action="append", default=[], metavar="NAME",
-                        help="show this field of points, too, such as J or velocity_x; first of all. May be repeated")
-    parser.add_argument("--up", choices=["x", "y", "z"], help="the upright axis in 3D, as scripts/picture has it")
-    parser.add_argument("--no-points", action="store_true", help="no moving points: a smaller file")
-    parser.add_argument("--output", type=Path, metavar="FILE", help="instead of report.html where the results are")
+                        help="also show this field of points, such as J or velocity_x, before the others; may be repeated")
+    parser.add_argument("--up", choices=["x", "y", "z"], help="vertical axis in 3D, as for scripts/picture")
+    parser.add_argument("--no-points", action="store_true", help="leave out the moving points, for a smaller file")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="output file (default: report.html in the folder of the results)")
     run_command(parser, lambda arguments: print(write(**vars(arguments))))
 
 

@@ -202,7 +202,7 @@ class Runs:
                     for number, handler in zip(numbers, handlers):
                         signal.signal(number, handler)
         if self.stopped:
-            raise RunFailed(f"{self.stopped} scripts/sweep --resume {self.folder} goes on with all.")
+            raise RunFailed(f"{self.stopped} scripts/sweep --resume {self.folder} resumes all runs.")
         for last, row in zip(self.rows, self.rows[1:]):
             if last.error and row.error and row.kind == last.kind and row.cells != last.cells:
                 row.order = math.log(last.error["l2"] / row.error["l2"]) / math.log(row.cells / last.cells)
@@ -227,8 +227,8 @@ class Runs:
         self.each = min(processes, given) or processes
         is_shown = not progress and not given
         if not progress and given:
-            print(f"{len(waiting)} runs, {min(processes // self.each, len(waiting))} side by side on {self.each} process(es) each; what "
-                  "a run prints is in its folder, output.txt\n", flush=True)
+            print(f"{len(waiting)} runs, {min(processes // self.each, len(waiting))} side by side on {self.each} process(es) each; the "
+                  "output of each run is in its folder, output.txt\n", flush=True)
         while waiting and not self.stopped or self.running:
             while waiting and not self.stopped and len(self.running) < processes // self.each:
                 k = waiting.pop(0)
@@ -295,12 +295,12 @@ def main(program=None):
     parser = argparse.ArgumentParser(prog=program, description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file", nargs="?", metavar="FILE", help="a parameter file: .prm, .json or .yaml")
     parser.add_argument("-np", type=int, default=1, metavar="N", dest="processes", help="processes of all runs (1)")
-    parser.add_argument("--set", action="append", default=[], metavar="SECTION/PARAMETER=VALUE", help="takes the place of what the file says")
+    parser.add_argument("--set", action="append", default=[], metavar="SECTION/PARAMETER=VALUE", help="replace the value of a parameter; may be repeated")
     parser.add_argument("--from", dest="other", metavar="FOLDER", help="begin each run with the last checkpoint of another one")
-    parser.add_argument("--resume", type=Path, metavar="FOLDER", help="go on with the sweep whose results are there")
-    parser.add_argument("--check", action="store_true", help="run nothing, and show what each run would take")
+    parser.add_argument("--resume", type=Path, metavar="FOLDER", help="resume the sweep with results in this folder")
+    parser.add_argument("--check", action="store_true", help="run nothing, and show the estimated cost of each run")
     parser.add_argument("--draw", metavar="FOLDER", help="with --check: write the initial points of each run to a folder in this one")
-    parser.add_argument("--printed", action="store_true", help="standard input has what greville FILE --print-parameters prints")
+    parser.add_argument("--printed", action="store_true", help="read the output of greville FILE --print-parameters from standard input")
     given = parser.parse_args()
     if (given.file is None) == (given.resume is None):
         parser.error("takes a parameter file, or --resume and the folder of a sweep.")

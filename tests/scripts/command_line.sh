@@ -63,7 +63,7 @@ answers 2 20 "Usage: scripts/run" scripts/run -np 2
 answers 2 1 "there is no parameter file <a.prm>" scripts/run a.prm
 answers 2 1 "<prm> is a folder" scripts/run prm
 answers 2 1 "has no section of a program" scripts/run README.md
-answers 2 1 "what is <b.prm> beside <README.md>?" scripts/run README.md b.prm
+answers 2 1 "takes one parameter file, not both <README.md> and <b.prm>." scripts/run README.md b.prm
 answers 2 1 "takes the folder of a run" scripts/run --resume
 answers 2 1 "there is no folder <nowhere>" scripts/run --from nowhere README.md
 answers 2 1 "has its parameter file" scripts/run --resume prm README.md
@@ -71,8 +71,8 @@ answers 2 1 "--set takes" scripts/run --set
 answers 2 1 "--draw goes with --check" scripts/run --draw here prm/simulation/dam_break.prm
 answers 2 1 "--draw goes with --check" scripts/run prm/simulation/dam_break.prm --draw here
 answers 2 1 "there is no option <--no-such-option>" scripts/run README.md --no-such-option
-answers 2 1 "what is <b>?" scripts/test a b
-answers 2 1 "what is <b>?" scripts/sanitize a b
+answers 2 1 "takes one regular expression, but also has <b>." scripts/test a b
+answers 2 1 "takes one regular expression, but also has <b>." scripts/sanitize a b
 answers 2 1 "not <x>" scripts/fuzz x
 answers 2 1 "there is no parser <x>" scripts/fuzz 1 x
 answers 2 1 "there is no file <x.cc>" scripts/lint x.cc
