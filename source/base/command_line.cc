@@ -19,26 +19,27 @@ namespace greville
     const std::vector<ProgramOption> actions = {
       {"new",
        "TEMPLATE",
-       "write TEMPLATE.prm, a parameter file to begin with, or FILE.prm; alone "
-       "it lists the templates",
+       "write a commented parameter file, TEMPLATE.prm or FILE.prm; without "
+       "TEMPLATE, list the templates",
        false},
       {"list",
-       "WHAT",
-       "list the words for WHAT, for instance materials, the parameters of a "
-       "section, or what is known of SECTION/PARAMETER; alone it lists the "
-       "lists",
+       "NAME",
+       "print the list NAME, such as materials, the parameters of the section "
+       "NAME, or the description of a parameter, SECTION/PARAMETER; without "
+       "NAME, print the names of all lists",
        false},
       {"print-parameters",
        "FORMAT",
-       "print a parameter file with all parameters: those that FILE.prm leads "
-       "to, or the defaults; prm, json, or xml for deal.II's parameter GUI",
+       "print all parameters as a parameter file, with the values of FILE.prm "
+       "or the defaults; FORMAT is prm, json, or xml for deal.II's parameter "
+       "GUI",
        false,
        false,
        {"prm", "json", "xml"}},
-      {"parameters", "", "print the reference of all parameters as a page"},
+      {"parameters", "", "print the reference of all parameters in Markdown"},
       {"completion",
        "SHELL",
-       "print what lets the shell (bash) complete these options"},
+       "print a script with which the shell (bash) completes these options"},
       {"help", "", "print this (also -h)"},
       {"version", "", "print the version"}};
 
@@ -75,7 +76,7 @@ namespace greville
     const ProgramOption set_option = {
       "set",
       "\"SECTION/PARAMETER=VALUE\"",
-      "set a parameter, whatever the file says; as often as needed",
+      "replace the value of a parameter; may be repeated",
       true,
       true};
 
@@ -104,7 +105,7 @@ namespace greville
         wrapped(program.name + ": " + program.purpose + ".", 0) +
         "\nUsage: " + program.name +
         " FILE.prm [OPTION...]    run a parameter file\n       " +
-        program.name + " OPTION                   something else\n\n" +
+        program.name + " OPTION                   print information\n\n" +
         "Options of runs:\n";
       const auto add = [&](const ProgramOption &option) {
         std::string words = "  --" + option.name;
@@ -120,7 +121,7 @@ namespace greville
       add(set_option);
       for (const ProgramOption &option : program.options)
         add(option);
-      result += "Others:\n";
+      result += "Other options:\n";
       for (const ProgramOption &action : actions)
         if (has_action(program, action))
           add(action);

@@ -109,13 +109,8 @@ namespace greville
     for (const ParameterLine &line : lines)
       {
         const std::string text = attach(line.value);
-        if (text == line.value || line.path[0] == "Formulas")
-          continue;
-        for (const std::string &section : line.path)
-          prm.enter_subsection(section);
-        prm.set(line.name, text);
-        for (unsigned int k = 0; k < line.path.size(); ++k)
-          prm.leave_subsection();
+        if (text != line.value && line.path[0] != "Formulas")
+          set_parameter(prm, line.path, line.name, text);
       }
   }
 } // namespace greville

@@ -138,18 +138,6 @@ namespace greville
 
 
 
-    template <typename Value>
-    std::vector<std::string>
-    names_of(const std::map<std::string, Value> &entries)
-    {
-      std::vector<std::string> names;
-      for (const auto &entry : entries)
-        names.push_back(entry.first);
-      return names;
-    }
-
-
-
     /**
      * Return the advice for a line with this value, or for the section or the
      * parameter of the line if the value is empty; empty if there is none.
@@ -184,11 +172,10 @@ namespace greville
           AssertThrow(advice.empty(),
                       ExcMessage(line.place + ": the section '" + line.section +
                                  "' no longer exists. " + advice));
-          const std::vector<std::string> known = names_of(sections);
           AssertThrow(false,
-                      ExcMessage(line.place + ": there is no section '" +
-                                 line.section + "'." +
-                                 did_you_mean(line.section, known)));
+                      ExcMessage(
+                        line.place + ": there is no section '" + line.section +
+                        "'." + did_you_mean(line.section, keys_of(sections))));
         }
       if (line.name.empty())
         return;
@@ -200,7 +187,7 @@ namespace greville
                       ExcMessage(line.place + ": the parameter '" +
                                  line.section + "/" + line.name +
                                  "' no longer exists. " + advice));
-          std::string hint = did_you_mean(line.name, names_of(section->second));
+          std::string hint = did_you_mean(line.name, keys_of(section->second));
           // Sections of sections come last.
           for (const bool is_inner : {false, true})
             for (const auto &other : sections)
@@ -253,11 +240,39 @@ namespace greville
              const std::string &parameter,
              const std::string &allowed)
   {
-    const auto list = Utilities::split_string_list(allowed, '|');
-    AssertThrow(std::count(list.begin(), list.end(), value) > 0,
+    check_known(value,
+                parameter,
+                Utilities::split_string_list(allowed, '|'),
+                allowed);
+  }
+
+
+
+  void
+  check_known(const std::string              &value,
+              const std::string              &parameter,
+              const std::vector<std::string> &known,
+              const std::string              &allowed)
+  {
+    AssertThrow(contains(known, value),
                 ExcMessage("The parameter '" + parameter + "' is <" + value +
                            ">; it has to be one of " + allowed + "." +
-                           did_you_mean(value, list)));
+                           did_you_mean(value, known)));
+  }
+
+
+
+  void
+  set_parameter(ParameterHandler               &prm,
+                const std::vector<std::string> &path,
+                const std::string              &name,
+                const std::string              &value)
+  {
+    for (const std::string &section : path)
+      prm.enter_subsection(section);
+    prm.set(name, value);
+    for (unsigned int k = 0; k < path.size(); ++k)
+      prm.leave_subsection();
   }
 
 
@@ -272,13 +287,7 @@ namespace greville
       check_line(line, sections, former);
     for (const ParameterLine &line : lines)
       if (!line.name.empty())
-        {
-          for (const std::string &section : line.path)
-            prm.enter_subsection(section);
-          prm.set(line.name, line.value);
-          for (unsigned int k = 0; k < line.path.size(); ++k)
-            prm.leave_subsection();
-        }
+        set_parameter(prm, line.path, line.name, line.value);
   }
 
 
@@ -287,7 +296,7 @@ namespace greville
   names_in_section(const ParameterHandler &prm, const std::string &section)
   {
     auto sections = sections_of(prm);
-    return names_of(sections[section]);
+    return keys_of(sections[section]);
   }
 
 
@@ -352,13 +361,13 @@ namespace greville
                   "There is nothing to list under the name <" + what +
                   ">: it is neither a section nor a parameter of the form "
                   "SECTION/PARAMETER." +
-                  hint_for_section(what.substr(0, slash), names_of(sections))));
+                  hint_for_section(what.substr(0, slash), keys_of(sections))));
     const std::string name  = what.substr(slash + 1);
     const auto        entry = place->second.find(name);
     AssertThrow(entry != place->second.end(),
                 ExcMessage("In the section '" + place->first +
                            "' there is no parameter '" + name + "'." +
-                           did_you_mean(name, names_of(place->second))));
+                           did_you_mean(name, keys_of(place->second))));
     out << what << '\n'
         << "  default: " << entry->second.default_value << '\n'
         << "  allowed: " << in_words(entry->second.pattern) << '\n'

@@ -11,9 +11,7 @@
 #include <boost/property_tree/json_parser.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 #include <cctype>
-#include <cstdio>
 #include <filesystem>
-#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -208,24 +206,6 @@ namespace greville
 
 
 
-    std::string
-    mangle(const std::string &name)
-    {
-      std::string result;
-      for (const unsigned char c : name)
-        if (std::isalnum(c))
-          result += char(c);
-        else
-          {
-            char code[4];
-            std::snprintf(code, sizeof(code), "_%02x", unsigned(c));
-            result += code;
-          }
-      return result;
-    }
-
-
-
     /// Return the section of a path, which is made if it does not exist.
     Tree &
     section_of(Tree &tree, const std::vector<std::string> &path)
@@ -239,44 +219,6 @@ namespace greville
                                : &section->push_back({name, Tree()})->second;
         }
       return *section;
-    }
-
-
-
-    /**
-     * Return the entry of a reference, as a tree, for a parameter in a section
-     * that may be one of a body, a stage, ..., or a @p variant, such as " of
-     * model bingham"; null if there is none.
-     */
-    const Tree *
-    description_of(const Tree                     &reference,
-                   const std::vector<std::string> &path,
-                   const std::string              &name,
-                   const std::string              &variant)
-    {
-      std::vector<std::string> sections = path;
-      // Sections of stages that the whole run has, too, are described there.
-      if (sections.size() > 1 && sections[0].compare(0, 6, "Stage ") == 0)
-        sections.erase(sections.begin());
-      std::vector<std::string> names = {sections.empty() ? "" : sections[0]};
-      const std::string        first = names[0];
-      for (auto blank = first.find(' '); blank != std::string::npos;
-           blank      = first.find(' ', blank + 1))
-        for (const std::string &end : {variant, std::string()})
-          names.push_back(first.substr(0, blank) + " NAME" + end);
-      for (const std::string &candidate : names)
-        {
-          if (!sections.empty())
-            sections[0] = candidate;
-          std::string place;
-          for (const std::string &section : sections)
-            place += section + "/";
-          // Names are mangled in XML, but not in JSON.
-          const Tree::path_type key(place + name, '/');
-          if (const auto found = reference.get_child_optional(key))
-            return &*found;
-        }
-      return nullptr;
     }
 
 
@@ -418,45 +360,4 @@ namespace greville
     out << '\n';
   }
 
-
-
-  void
-  write_as_xml(std::ostream           &out,
-               const std::string      &text,
-               const ParameterHandler &reference)
-  {
-    const Tree                         known = tree_of(reference);
-    const auto                         lines = parameter_lines_of(text, "");
-    std::map<std::string, std::string> variants;
-    for (const ParameterLine &line : lines)
-      if (line.name == "Model")
-        variants[line.section] = " of model " + line.value;
-      else if (line.name == "Kind")
-        variants[line.section] = " of kind " + line.value;
-    Tree tree;
-    for (const ParameterLine &line : lines)
-      {
-        std::vector<std::string> path = {"ParameterHandler"};
-        for (const std::string &name : line.path)
-          path.push_back(mangle(name));
-        Tree &section = section_of(tree, path);
-        if (line.name.empty())
-          continue;
-        Tree        entry;
-        const Tree *description =
-          description_of(known, line.path, line.name, variants[line.section]);
-        entry.put("value", line.value);
-        for (const char *key : {"default_value",
-                                "documentation",
-                                "pattern",
-                                "pattern_description"})
-          entry.put(key,
-                    description ? description->get<std::string>(key, "") : "");
-        section.push_back({mangle(line.name), entry});
-      }
-    boost::property_tree::write_xml(
-      out,
-      tree,
-      boost::property_tree::xml_writer_make_settings<std::string>(' ', 2));
-  }
 } // namespace greville

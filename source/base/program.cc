@@ -205,16 +205,12 @@ namespace greville
                      const std::string              &file,
                      const std::vector<std::string> &settings)
     {
-      const std::string text = program.all_parameters(file, settings);
-      if (format == "xml")
-        {
-          // ParameterHandler fails on a stream without a buffer.
-          std::ostringstream xml;
-          program.reference(
-            [&](const ParameterHandler &prm) { write_as_xml(xml, text, prm); });
-          out << xml.str();
-        }
-      else if (format == "json")
+      const std::string text =
+        program.all_parameters(file,
+                               settings,
+                               format == "xml" ? ParameterHandler::XML
+                                               : ParameterHandler::PRM);
+      if (format == "json")
         write_as_json(out, text);
       else
         out << text;

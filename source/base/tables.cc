@@ -176,10 +176,6 @@ namespace greville
 
 
 
-    /**
-     * Return the size of a file with the content of all processes, with a
-     * margin.
-     */
     std::uint64_t
     size_of(const TablesFile &content, const MPI_Comm comm)
     {

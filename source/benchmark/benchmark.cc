@@ -64,20 +64,9 @@ namespace greville
 
 
   std::string
-  Benchmark::defaults()
-  {
-    ParameterHandler prm;
-    declare(prm);
-    std::ostringstream text;
-    prm.print_parameters(text, ParameterHandler::PRM);
-    return text.str();
-  }
-
-
-
-  std::string
-  Benchmark::read(const std::string              &file,
-                  const std::vector<std::string> &settings)
+  Benchmark::read(const std::string                  &file,
+                  const std::vector<std::string>     &settings,
+                  const ParameterHandler::OutputStyle style)
   {
     ParameterHandler prm;
     declare(prm);
@@ -104,12 +93,10 @@ namespace greville
                                     Utilities::trim(entry.substr(colon + 1)))
             .string();
       }
-    prm.enter_subsection("Benchmark");
-    prm.set("Published iterations", absolute);
-    prm.set("Output directory", output_directory);
-    prm.leave_subsection();
+    set_parameter(prm, {"Benchmark"}, "Published iterations", absolute);
+    set_parameter(prm, {"Benchmark"}, "Output directory", output_directory);
     std::ostringstream used;
-    prm.print_parameters(used, ParameterHandler::PRM);
+    prm.print_parameters(used, style);
     return used.str();
   }
 
@@ -119,7 +106,7 @@ namespace greville
   Benchmark::run(const std::string              &file,
                  const std::vector<std::string> &settings)
   {
-    const std::string used = read(file, settings);
+    const std::string used = read(file, settings, ParameterHandler::PRM);
     run_on_first(
       [&]() {
         create_folder(output_directory, "Benchmark/Output directory");
@@ -412,43 +399,43 @@ namespace greville
         },
         MPI_COMM_WORLD);
     };
-    PMultigridParameters            &m = multigrid_of(what.operator_name);
-    const std::array<std::string, 4> old{
-      {m.smoother, m.cycle, m.restriction, m.prolongation}};
-    SolveRecord record = what;
+    PMultigridParameters      &m      = multigrid_of(what.operator_name);
+    const PMultigridParameters old    = m;
+    SolveRecord                record = what;
     if (!takes_cycle(what.solver))
       {
         for (const std::string &smoother :
-             takes_smoother(what.solver) ? list_or(parameters.smoothers, old[0])
-                                         : std::vector<std::string>{""})
+             takes_smoother(what.solver)
+               ? list_or(parameters.smoothers, old.smoother)
+               : std::vector<std::string>{""})
           {
             record.smoother = smoother;
             if (!smoother.empty())
               m.smoother = smoother;
             run(record);
           }
-        m.smoother = old[0];
+        m = old;
         return;
       }
 
-    for (const std::string &smoother : list_or(parameters.smoothers, old[0]))
-      for (const std::string &cycle : list_or(parameters.cycles, old[1]))
+    record.coarsening         = m.coarsening;
+    record.names_prolongation = parameters.prolongations.size() > 1;
+    record.names_coarsening   = parameters.coarsenings.size() > 1;
+    for (const std::string &smoother :
+         list_or(parameters.smoothers, old.smoother))
+      for (const std::string &cycle : list_or(parameters.cycles, old.cycle))
         for (const std::string &restriction :
-             list_or(parameters.restrictions, old[2]))
+             list_or(parameters.restrictions, old.restriction))
           for (const std::string &prolongation :
-               list_or(parameters.prolongations, old[3]))
+               list_or(parameters.prolongations, old.prolongation))
             {
               record.smoother = m.smoother = smoother;
               record.cycle = m.cycle = cycle;
               record.restriction = m.restriction = restriction;
               record.prolongation = m.prolongation = prolongation;
-              record.coarsening                    = m.coarsening;
-              record.names_prolongation = parameters.prolongations.size() > 1;
-              record.names_coarsening   = parameters.coarsenings.size() > 1;
               run(record);
             }
-    std::tie(m.smoother, m.cycle, m.restriction, m.prolongation) =
-      std::tie(old[0], old[1], old[2], old[3]);
+    m = old;
   }
 
 

@@ -30,9 +30,9 @@ namespace greville
   BenchmarkParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Operators", operators, List(Anything(), 1))(
-      "What is solved with: the mass, the Laplacian (laplace, on the box), the "
-      "stiffness of a linear-elastic body (elasticity), and 4 / dt^2 times the "
-      "mass plus the stiffness (mass and elasticity): " +
+      "Operators to solve with: the mass, the Laplacian (laplace, on the box), "
+      "the stiffness of a linear-elastic body (elasticity), and 4 / dt^2 times "
+      "the mass plus the stiffness (mass and elasticity): " +
       operator_names() + ".");
     add_parameter(prm, "Poisson ratios", poissons_ratios, List(Double(), 1))(
       "Poisson's ratios of elasticity, greater than -1 and smaller than 0.5. "
@@ -66,10 +66,10 @@ namespace greville
       "Measure unknowns per second of the matrix-free and the assembled "
       "operator and of the tensor-product inverse, and the memory bandwidth.");
     add_parameter(prm, "Print times", print_times)(
-      "Print what differs from run to run and from machine to machine: the "
-      "machine, the progress line, the tables of times.");
+      "Print the machine, the progress line and the tables of times, which "
+      "differ from run to run and from machine to machine.");
     add_parameter(prm, "Output directory", output_directory)(
-      "Where results go. Empty: output/NAME for NAME.prm.");
+      "Folder of results. Empty: output/NAME for NAME.prm.");
   }
 
 

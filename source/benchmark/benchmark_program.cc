@@ -4,6 +4,8 @@
 #include <greville/benchmark/benchmark.h>
 #include <greville/benchmark/benchmark_program.h>
 
+#include <sstream>
+
 namespace greville
 {
   Program
@@ -12,8 +14,8 @@ namespace greville
     Program program;
     program.name = "greville_benchmark";
     program.purpose =
-      "solves with mass, Laplace and elasticity matrices on B-splines: runs "
-      "the sweeps of a parameter file and prints iterations and times";
+      "solves linear systems with mass, Laplace and elasticity matrices of "
+      "B-splines, and prints iterations and times";
     program.run = [](const std::string &file, const GivenOptions &given) {
       const auto settings = given.find("set");
       Benchmark("greville_benchmark")
@@ -21,11 +23,19 @@ namespace greville
              settings == given.end() ? std::vector<std::string>()
                                      : settings->second);
     };
-    program.all_parameters = [](const std::string              &file,
-                                const std::vector<std::string> &settings) {
-      return file.empty() ? Benchmark().defaults()
-                          : Benchmark().read(file, settings);
-    };
+    program.all_parameters =
+      [](const std::string                          &file,
+         const std::vector<std::string>             &settings,
+         const dealii::ParameterHandler::OutputStyle style) {
+        Benchmark benchmark;
+        if (!file.empty())
+          return benchmark.read(file, settings, style);
+        dealii::ParameterHandler prm;
+        benchmark.declare(prm);
+        std::ostringstream defaults;
+        prm.print_parameters(defaults, style);
+        return defaults.str();
+      };
     program.reference = [](const UseParameters &use) {
       Benchmark                benchmark;
       dealii::ParameterHandler prm;

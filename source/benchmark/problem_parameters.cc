@@ -36,9 +36,10 @@ namespace greville
                   "Clamped walls",
                   clamped,
                   List(Selection("Left|Right|Bottom|Top|Back|Front"), 0))(
-      "Where the solution is zero, for operators with derivatives: Left, Right "
-      "(x), Bottom, Top (y), Back, Front (z). Empty: all walls for laplace, "
-      "and the floor (the lower wall in the last direction) for elasticity.");
+      "Walls at which the solution is zero, for operators with derivatives: "
+      "Left, Right (x), Bottom, Top (y), Back, Front (z). Empty: all walls for "
+      "laplace, and the floor (the lower wall in the last direction) for "
+      "elasticity.");
     add_parameter(prm, "Points", bodies, List(Anything(), 0))(
       "Bodies of material points with this density, one after the other: box "
       "fills the grid, column stands on the floor (the lower wall in the last "
@@ -46,9 +47,9 @@ namespace greville
       "round, in the middle, and touch no wall; others have a name of "
       "'Shapes'. Empty: the box by Gauss quadrature, without points.");
     add_parameter(prm, "Shapes", shapes)(
-      "Bodies of 'Points' by formulas as those of 'Shape' of a simulation: "
-      "NAME: FORMULA, separated by ';'. What sticks out of the grid is cut "
-      "off. Unit: m.");
+      "Bodies of 'Points' by formulas, as for 'Shape' in a simulation: NAME: "
+      "FORMULA, separated by ';'. Parts outside of the grid are cut off. Unit: "
+      "m.");
     add_parameter(prm,
                   "Points per direction",
                   points_per_direction,
@@ -59,12 +60,12 @@ namespace greville
       "Each material point is moved at random by at most this part of half the "
       "distance between points; 0: a lattice. Unit: none.");
     add_parameter(prm, "Filling threshold", filling_threshold, Double(0.))(
-      "Cells of which material points fill this part are well-filled. "
-      "B-splines without a cell that is surrounded by such cells are extended "
-      "from those with one; 0: all cells with points count. Unit: none.");
+      "Fraction of a well-filled cell that material points fill. B-splines "
+      "without a cell surrounded by well-filled cells are extended from "
+      "B-splines with one; 0: all cells with points count. Unit: none.");
     add_parameter(prm, "Extension", extend)(
       "Extended B-splines for material points; without, the matrix of all "
-      "functions that see a point.");
+      "functions with a point in their support.");
   }
 
 
@@ -96,13 +97,13 @@ namespace greville
       }
     const auto known = Utilities::split_string_list(names, '|');
     for (const std::string &body : bodies)
-      AssertThrow(std::count(known.begin(), known.end(), body) > 0,
-                  ExcMessage(
-                    "The parameter 'Problem/Points' is <" + body +
-                    ">; it has to be one of " + names + " in " +
-                    std::to_string(dim) + "D (see 'Benchmark/Dimensions')" +
-                    (of_shapes.empty() ? ", or a name of 'Problem/Shapes'."
-                                       : ".")));
+      check_known(body,
+                  "Problem/Points",
+                  known,
+                  names + " in " + std::to_string(dim) +
+                    "D (see 'Benchmark/Dimensions')" +
+                    (of_shapes.empty() ? ", or a name of 'Problem/Shapes'"
+                                       : ""));
     const std::string walls =
       dim == 2 ? "Left|Right|Bottom|Top" : "Left|Right|Bottom|Top|Back|Front";
     for (const std::string &wall : clamped)

@@ -60,7 +60,6 @@ namespace greville
 
 
 
-    /// Throw if two points coincide.
     template <int dim>
     void
     check_places(std::vector<const PlacedPoint<dim> *> points,

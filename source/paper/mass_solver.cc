@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
+#include <greville/base/parameters.h>
 #include <greville/mass/fmpm.h>
 #include <greville/paper/level_solver.h>
 #include <greville/paper/mass_solver.h>
@@ -80,14 +80,10 @@ namespace greville
   MassSolver<dim>::check_name(const std::string &name,
                               const std::string &parameter)
   {
-    auto       known    = solver_names;
-    const bool is_known = n_fmpm_terms(name) > 0 ||
-                          std::count(known.begin(), known.end(), name) == 1;
+    auto known = solver_names;
     known.push_back("fmpm-2");
-    AssertThrow(is_known,
-                ExcMessage("The parameter '" + parameter + "' is <" + name +
-                           ">; it has to be one of " + names() + "." +
-                           did_you_mean(name, known)));
+    if (n_fmpm_terms(name) == 0)
+      check_known(name, parameter, known, names());
   }
 
 

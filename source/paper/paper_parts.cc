@@ -2,10 +2,13 @@
 
 #include <greville/base/parameters.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
+#include <greville/paper/ilut.h>
 #include <greville/paper/paper_parts.h>
 #include <greville/paper/petsc_ilut.h>
 #include <greville/paper/schwarz.h>
 #include <greville/paper/tensor_product_solver.h>
+
+#include <petscpc.h>
 
 namespace greville
 {
@@ -42,9 +45,97 @@ namespace greville
 
 
 
-    /**
-     * Return additive Schwarz with the local solver make(matrix, parameters).
-     */
+    LocalSolver
+    make_ilut(const Mat    matrix,
+              const double drop_tolerance,
+              const double fill_factor)
+    {
+      const auto ilut =
+        std::make_shared<const ILUT>(matrix, drop_tolerance, fill_factor);
+      return [ilut](double *x, const bool transpose) {
+        transpose ? ilut->solve_transpose(x) : ilut->solve(x);
+      };
+    }
+
+
+
+    LocalSolver
+    make_ic0(const Mat matrix, const double shift)
+    {
+      const auto factors = std::make_shared<IncompleteCholesky>();
+      factors->factorize(upper_triangle(matrix), {shift, 0.});
+      return [factors](double *x, const bool) { factors->solve(x, 1); };
+    }
+
+
+
+    /// Return PETSc's ILU(0) of the matrix scaled to a unit diagonal, plus @p
+    /// shift on the diagonal.
+    LocalSolver
+    make_ilu0(const Mat matrix, const double shift)
+    {
+      Mat scaled;
+      check_petsc(MatDuplicate(matrix, MAT_COPY_VALUES, &scaled));
+      PetscMatrix owner(scaled);
+      Vec         diagonal;
+      check_petsc(MatCreateVecs(scaled, &diagonal, nullptr));
+      PetscVector vector_owner(diagonal);
+      check_petsc(MatGetDiagonal(scaled, diagonal));
+      check_petsc(VecSqrtAbs(diagonal));
+      check_petsc(VecReciprocal(diagonal));
+      check_petsc(MatDiagonalScale(scaled, diagonal, diagonal));
+      if (shift != 0.)
+        check_petsc(MatShift(scaled, shift));
+
+      PetscInt           n;
+      const PetscScalar *values;
+      check_petsc(VecGetLocalSize(diagonal, &n));
+      check_petsc(VecGetArrayRead(diagonal, &values));
+      const std::vector<double> scaling(values, values + n);
+      check_petsc(VecRestoreArrayRead(diagonal, &values));
+
+      PC handle;
+      check_petsc(PCCreate(PETSC_COMM_SELF, &handle));
+      const std::shared_ptr<std::remove_pointer_t<PC>> pc(handle, [](PC owned) {
+        PCDestroy(&owned);
+      });
+      check_petsc(PCSetOperators(handle, scaled, scaled));
+      check_petsc(PCSetType(handle, PCILU));
+      check_petsc(PCFactorSetMatOrderingType(handle, MATORDERINGNATURAL));
+      check_petsc(PCFactorSetLevels(handle, 0));
+      check_petsc(PCFactorSetShiftType(handle, MAT_SHIFT_NONE));
+      check_petsc(PCFactorSetZeroPivot(handle, 1e-14));
+      check_petsc(PCSetErrorIfFailure(handle, PETSC_FALSE));
+      check_petsc(PCSetUp(handle));
+      PCFailedReason reason;
+      check_petsc(PCGetFailedReason(handle, &reason));
+      AssertThrow(reason == PC_NOERROR,
+                  ExcMessage("ILU(0) found a pivot that is zero: the matrix "
+                             "needs a shift (parameter 'Shift', try "
+                             "1e-3)."));
+
+      const auto in =
+        std::make_shared<const PetscVectorView>(PETSC_COMM_SELF, n);
+      const auto out =
+        std::make_shared<const PetscVectorView>(PETSC_COMM_SELF, n);
+      return [scaling, pc, in, out](double *x, const bool transpose) {
+        std::vector<double> y(scaling.size());
+        for (std::size_t i = 0; i < y.size(); ++i)
+          x[i] *= scaling[i];
+        in->with(x, [&](Vec from) {
+          out->with(y.data(), [&](Vec to) {
+            check_petsc(transpose ? PCApplyTranspose(pc.get(), from, to)
+                                  : PCApply(pc.get(), from, to));
+          });
+        });
+        for (std::size_t i = 0; i < y.size(); ++i)
+          x[i] = scaling[i] * y[i];
+      };
+    }
+
+
+
+    /// @p make returns the local solver of a matrix.
     template <int dim>
     MakeSmoother<dim>
     schwarz_with(
@@ -188,7 +279,7 @@ namespace greville
                   "Coarse tolerance",
                   parameters.coarse_tolerance,
                   Patterns::Double(0., 1.))(
-      "Relative residual of the conjugate gradients at p = 1. Where p = 1 is "
+      "Relative residual of the conjugate gradients at p = 1. If p = 1 is "
       "the only level, the solver's tolerance applies. 1: the coarse "
       "preconditioner is applied once. Unit: none.");
     add_parameter(prm,
@@ -216,7 +307,7 @@ namespace greville
     prm.add_parameter("Fill factor",
                       fill_factor,
                       "ilut: entries kept in a row of L and of U, as a "
-                      "multiple of those of the matrix. Unit: none.",
+                      "multiple of the entries of the matrix. Unit: none.",
                       Patterns::Double(0.));
     prm.add_parameter(
       "Overlap",

@@ -2,10 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/largest_eigenvalue.h>
-#include <greville/paper/ilut.h>
 #include <greville/paper/schwarz.h>
-
-#include <petscpc.h>
 
 #include <algorithm>
 #include <cmath>
@@ -287,93 +284,6 @@ namespace greville
         is_symmetric ? weights[i] * local[i] : local[i];
     values.compress(VectorOperation::add);
     std::copy_n(values.begin(), n_owned, dst.begin());
-  }
-
-
-
-  LocalSolver
-  make_ilut(const Mat    matrix,
-            const double drop_tolerance,
-            const double fill_factor)
-  {
-    const auto ilut =
-      std::make_shared<const ILUT>(matrix, drop_tolerance, fill_factor);
-    return [ilut](double *x, const bool transpose) {
-      transpose ? ilut->solve_transpose(x) : ilut->solve(x);
-    };
-  }
-
-
-
-  LocalSolver
-  make_ic0(const Mat matrix, const double shift)
-  {
-    const auto factors = std::make_shared<IncompleteCholesky>();
-    factors->factorize(upper_triangle(matrix), {shift, 0.});
-    return [factors](double *x, const bool) { factors->solve(x, 1); };
-  }
-
-
-
-  LocalSolver
-  make_ilu0(const Mat matrix, const double shift)
-  {
-    Mat scaled;
-    check_petsc(MatDuplicate(matrix, MAT_COPY_VALUES, &scaled));
-    PetscMatrix owner(scaled);
-    Vec         diagonal;
-    check_petsc(MatCreateVecs(scaled, &diagonal, nullptr));
-    PetscVector vector_owner(diagonal);
-    check_petsc(MatGetDiagonal(scaled, diagonal));
-    check_petsc(VecSqrtAbs(diagonal));
-    check_petsc(VecReciprocal(diagonal));
-    check_petsc(MatDiagonalScale(scaled, diagonal, diagonal));
-    if (shift != 0.)
-      check_petsc(MatShift(scaled, shift));
-
-    PetscInt           n;
-    const PetscScalar *values;
-    check_petsc(VecGetLocalSize(diagonal, &n));
-    check_petsc(VecGetArrayRead(diagonal, &values));
-    const std::vector<double> scaling(values, values + n);
-    check_petsc(VecRestoreArrayRead(diagonal, &values));
-
-    PC handle;
-    check_petsc(PCCreate(PETSC_COMM_SELF, &handle));
-    const std::shared_ptr<std::remove_pointer_t<PC>> pc(handle, [](PC owned) {
-      PCDestroy(&owned);
-    });
-    check_petsc(PCSetOperators(handle, scaled, scaled));
-    check_petsc(PCSetType(handle, PCILU));
-    check_petsc(PCFactorSetMatOrderingType(handle, MATORDERINGNATURAL));
-    check_petsc(PCFactorSetLevels(handle, 0));
-    check_petsc(PCFactorSetShiftType(handle, MAT_SHIFT_NONE));
-    check_petsc(PCFactorSetZeroPivot(handle, 1e-14));
-    check_petsc(PCSetErrorIfFailure(handle, PETSC_FALSE));
-    check_petsc(PCSetUp(handle));
-    PCFailedReason reason;
-    check_petsc(PCGetFailedReason(handle, &reason));
-    AssertThrow(reason == PC_NOERROR,
-                ExcMessage("ILU(0) found a pivot that is zero: the matrix "
-                           "needs a shift (parameter 'Shift', try "
-                           "1e-3)."));
-
-    const auto in = std::make_shared<const PetscVectorView>(PETSC_COMM_SELF, n);
-    const auto out =
-      std::make_shared<const PetscVectorView>(PETSC_COMM_SELF, n);
-    return [scaling, pc, in, out](double *x, const bool transpose) {
-      std::vector<double> y(scaling.size());
-      for (std::size_t i = 0; i < y.size(); ++i)
-        x[i] *= scaling[i];
-      in->with(x, [&](Vec from) {
-        out->with(y.data(), [&](Vec to) {
-          check_petsc(transpose ? PCApplyTranspose(pc.get(), from, to)
-                                : PCApply(pc.get(), from, to));
-        });
-      });
-      for (std::size_t i = 0; i < y.size(); ++i)
-        x[i] = scaling[i] * y[i];
-    };
   }
 
 

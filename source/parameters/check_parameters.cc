@@ -121,14 +121,12 @@ namespace greville
                                "' needs both of 'K0' and 'Surface', or none."));
       const auto check_material = [&](const std::string &body,
                                       const std::string &material) {
-        AssertThrow(
-          parameters.materials.count(material) == 1,
-          ExcMessage(
-            "The parameter 'Body " + body + "/Material' is <" + material +
-            ">; it has to be one of the materials of "
-            "'Simulation/Materials': " +
-            boost::algorithm::join(parameters.general.materials, ", ") + "." +
-            did_you_mean(material, parameters.general.materials)));
+        const auto &known = parameters.general.materials;
+        check_known(material,
+                    "Body " + body + "/Material",
+                    known,
+                    "the materials of 'Simulation/Materials': " +
+                      boost::algorithm::join(known, ", "));
       };
       for (const auto &body : parameters.bodies)
         check_material(body.first, body.second.material);
@@ -187,14 +185,7 @@ namespace greville
     void
     check_total_lagrangian(const SimulationParameters &parameters)
     {
-      const auto refuse = [&](const bool         wrong,
-                              const std::string &parameter,
-                              const std::string &why) {
-        AssertThrow(!wrong,
-                    ExcMessage("'Scheme/Formulation' = total Lagrangian does "
-                               "not support " +
-                               parameter + ": " + why));
-      };
+      const Refusal refuse{"'Scheme/Formulation' = total Lagrangian"};
       refuse(parameters.scheme.transfer == "APIC",
              "'Scheme/Transfer' = APIC",
              "take FLIP or PIC.");
@@ -228,14 +219,7 @@ namespace greville
     void
     check_domains(const SimulationParameters &parameters)
     {
-      const auto refuse = [](const bool         wrong,
-                             const std::string &parameter,
-                             const std::string &why) {
-        AssertThrow(!wrong,
-                    ExcMessage(
-                      "'Scheme/Functions' = domains does not support " +
-                      parameter + ": " + why));
-      };
+      const Refusal refuse{"'Scheme/Functions' = domains"};
       refuse(parameters.scheme.is_total_lagrangian(),
              "'Scheme/Formulation' = total Lagrangian",
              "points do not move through cells; take points.");

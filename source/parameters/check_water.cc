@@ -15,16 +15,7 @@ namespace greville
 
   namespace
   {
-    void
-    refuse_with_water(const bool         wrong,
-                      const std::string &parameter,
-                      const std::string &why)
-    {
-      AssertThrow(!wrong,
-                  ExcMessage(
-                    "'Simulation/Pore water' = true does not support " +
-                    parameter + ": " + why));
-    }
+    const Refusal refuse_with_water{"'Simulation/Pore water' = true"};
 
 
 

@@ -178,11 +178,9 @@ namespace greville
     const std::map<std::string, BodyParameters>      &all_bodies,
     const std::map<std::string, RigidBodyParameters> &rigid) const
   {
-    std::vector<std::string> names;
-    for (const auto &entry : all_bodies)
-      names.push_back(entry.first);
-    for (const auto &entry : rigid)
-      names.push_back(entry.first);
+    std::vector<std::string> names = keys_of(all_bodies);
+    for (const std::string &name : keys_of(rigid))
+      names.push_back(name);
     const auto n_sides = Utilities::split_string_list(bodies, ',').size();
     AssertThrow(n_sides == 2,
                 ExcMessage("The parameter '" + section + "/Bodies' is <" +

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/mass/fmpm.h>
 #include <greville/parameters/names.h>
@@ -41,11 +40,20 @@ namespace greville
     for (const auto &mass : known_masses)
       known.push_back(mass.first);
     known.pop_back(); // fmpm-K
-    AssertThrow(n_fmpm_terms(name) > 0 ||
-                  std::count(known.begin(), known.end(), name) == 1,
-                ExcMessage("The parameter '" + parameter + "' is <" + name +
-                           ">; it has to be one of " + mass_names() + "." +
-                           did_you_mean(name, known)));
+    if (n_fmpm_terms(name) == 0)
+      check_known(name, parameter, known, mass_names());
+  }
+
+
+
+  void
+  Refusal::operator()(const bool         wrong,
+                      const std::string &parameter,
+                      const std::string &why) const
+  {
+    AssertThrow(!wrong,
+                ExcMessage(feature + " does not support " + parameter + ": " +
+                           why));
   }
 
 

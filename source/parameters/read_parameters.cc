@@ -22,7 +22,6 @@ namespace greville
 
   namespace
   {
-    /// Return the value of the last line with this parameter.
     std::string
     value_of(const std::vector<ParameterLine> &lines,
              const std::string                &section,
@@ -340,8 +339,9 @@ namespace greville
 
 
   void
-  SimulationParameters::read(const std::string                &file,
-                             const std::vector<ParameterLine> &given_lines)
+  SimulationParameters::read(const std::string                  &file,
+                             const std::vector<ParameterLine>   &given_lines,
+                             const ParameterHandler::OutputStyle style)
   {
     const std::filesystem::path folder =
       std::filesystem::path(file).parent_path();
@@ -364,7 +364,7 @@ namespace greville
       general.name = std::filesystem::path(file).stem().string();
     locate_files(folder, prm);
     std::ostringstream text;
-    prm.print_parameters(text, ParameterHandler::PRM);
+    prm.print_parameters(text, style);
     used_text = without_common_times(text.str());
     NamedFormulas(formulas, Utilities::split_string_list(shape_names(), '|'))
       .attach_to(prm);
@@ -429,23 +429,19 @@ namespace greville
   SimulationParameters::locate_files(const std::filesystem::path &folder,
                                      ParameterHandler            &prm)
   {
-    const auto set = [&](const std::string &section,
-                         const std::string &entry,
-                         const std::string &value) {
-      prm.enter_subsection(section);
-      prm.set(entry, value);
-      prm.leave_subsection();
-    };
     const auto locate = [&](const std::string &section,
                             const std::string &entry,
                             std::string       &name) {
       if (name.empty())
         return;
       const auto path = folder / name;
-      set(section, entry, std::filesystem::absolute(path).string());
+      set_parameter(prm,
+                    {section},
+                    entry,
+                    std::filesystem::absolute(path).string());
       name = path.string();
     };
-    set("Simulation", "Name", general.name);
+    set_parameter(prm, {"Simulation"}, "Name", general.name);
     locate("Reference", "Surface file", reference.surface_file);
     locate("Reference", "Failure line file", reference.failure_line_file);
     locate("Reference", "Series file", reference.series_file);

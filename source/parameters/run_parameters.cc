@@ -57,23 +57,22 @@ namespace greville
   SweepParameters::declare(ParameterHandler &prm)
   {
     add_parameter(prm, "Cells", cells, List(Integer(1)))(
-      "Run with these numbers of cells in the direction that has most; others "
-      "keep their ratio, one cell stays one cell. Empty: those of the grid. A "
-      "run for each combination of this section's entries; no sweep if all are "
-      "empty. Unit: none.");
+      "Numbers of cells in the direction with most cells; other directions "
+      "keep their ratio, and one cell stays one cell. Empty: 'Grid/Cells'. "
+      "There is a run for each combination of this section's entries, and no "
+      "sweep if all are empty. Unit: none.");
     add_parameter(prm,
                   "Orders",
                   degrees,
                   List(Integer(1, SplineSpace<2>::max_degree)))(
-      "Orders p to run; empty: that of the grid. Unit: none.");
+      "Orders p to run. Empty: 'Grid/Order'. Unit: none.");
     add_parameter(prm,
                   "Formulations",
                   formulations,
                   List(Selection("updated Lagrangian|total Lagrangian")))(
-      "Formulations to run; empty: that of the scheme.");
-    add_parameter(prm, "Masses", masses)("Masses to run, each one of " +
-                                         mass_names() +
-                                         "; empty: that of the scheme.");
+      "Formulations to run. Empty: 'Scheme/Formulation'.");
+    add_parameter(prm, "Masses", masses)(
+      "Masses to run, each one of " + mass_names() + ". Empty: 'Scheme/Mass'.");
     add_parameter(prm, "Parameter", parameter)(
       "A parameter to vary, as SECTION/PARAMETER: Material clay/Cohesion, for "
       "instance. Empty: none.");
@@ -81,9 +80,9 @@ namespace greville
       "The values of that parameter to run, separated by '|', each as it would "
       "stand in its section.");
     add_parameter(prm, "Processes per run", processes, Patterns::Integer(0))(
-      "Each run takes so many processes, and as many runs go side by side as "
-      "there are groups of processes; what a run prints is in its folder, "
-      "output.txt. 0: all processes take one run after the other. Unit: none.");
+      "Number of processes of each run. Runs go side by side, one for each "
+      "group of processes; output.txt in the folder of a run has its messages. "
+      "0: all processes take one run after the other. Unit: none.");
   }
 
 
@@ -123,12 +122,12 @@ namespace greville
       "Write fields of the grid, too.");
     add_parameter(prm, "Fields", fields, List(Selection(output_field_names())))(
       "Fields of points in .vtu files: strain is Green's, size the edge of a "
-      "cube of the volume of a point, for glyphs, history what materials keep "
-      "(plastic_strain, for instance: greville --list history). "
-      "Of the grid, which has velocity and mass anyway: acceleration, force "
-      "(by "
-      "stresses, gravity and loads, per function) and cell_class (as extended "
-      "B-splines see cells: 0 empty, 1 cut, 2 well-filled, 3 inside).");
+      "cube of the volume of a point, for glyphs, history the variables of "
+      "materials (plastic_strain, for instance: greville --list history). "
+      "Fields of the grid besides velocity and mass: acceleration, force (by "
+      "stresses, gravity and loads, per function) and cell_class (the class of "
+      "cells for extended B-splines: 0 empty, 1 cut, 2 well-filled, 3 "
+      "inside).");
     add_parameter(prm, "Probes", probes)(
       "Probes of probes.csv: initial positions 'x, y; x, y; ...' (m), whose "
       "nearest points are followed with position, velocity, stress and the "

@@ -33,7 +33,7 @@ namespace greville
       "Names of contacts; each has a section 'Contact NAME'. Bodies without a "
       "contact share a velocity field, and stick when they meet.");
     add_parameter(prm, "Stages", stages)(
-      "Names of consecutive stages; each has a section 'Stage NAME' with those "
+      "Names of consecutive stages; each has a section 'Stage NAME' with the "
       "parameters of the sections Time, Scheme, Walls, Loads, Implicit and "
       "Newton that differ from the outer sections. Empty: one stage.");
     add_parameter(prm, "Additional shared libraries", shared_libraries)(
@@ -168,7 +168,7 @@ namespace greville
       "loads are total stresses, of soil and water. Empty: impervious. Unit: "
       "Pa.");
     add_parameter(prm, "Seepage face", seepage_face)(
-      "Seepage face: where the given 'Pore pressure' is 0 or less, as in air, "
+      "Seepage face: if the given 'Pore pressure' is 0 or less, as in air, "
       "water can only leave, and the pore pressure is at most the given one. "
       "If it is above 0, as below a water level, water can enter, too.");
     add_formula(prm, "Flux", flux)(
@@ -186,15 +186,12 @@ namespace greville
     const std::string                           &section,
     const std::map<std::string, BodyParameters> &bodies) const
   {
-    std::vector<std::string> names;
-    for (const auto &entry : bodies)
-      names.push_back(entry.first);
-    AssertThrow(bodies.count(body) == 1,
-                ExcMessage("The parameter '" + section + "/Body' is <" + body +
-                           ">; it has to be one of the bodies of "
-                           "'Simulation/Bodies': " +
-                           boost::algorithm::join(names, ", ") + "." +
-                           did_you_mean(body, names)));
+    const auto names = keys_of(bodies);
+    check_known(body,
+                section + "/Body",
+                names,
+                "the bodies of 'Simulation/Bodies': " +
+                  boost::algorithm::join(names, ", "));
     const BodyParameters &bearer = bodies.at(body);
     AssertThrow(bearer.points_file.empty() &&
                   (bearer.placement == Placement::fitted ||

@@ -12,6 +12,21 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    std::vector<ParameterLine>
+    lines_of(const std::string &file, const std::vector<std::string> &settings)
+    {
+      return read_parameter_lines(file,
+                                  "Simulation",
+                                  {"Benchmark", "Problem"},
+                                  "greville_benchmark",
+                                  settings);
+    }
+  } // namespace
+
+
+
   SimulationParameters::SimulationParameters()
   {
     // Conjugate gradients need a symmetric cycle.
@@ -24,12 +39,7 @@ namespace greville
     const std::string &file, const std::vector<std::string> &settings)
     : SimulationParameters()
   {
-    read(file,
-         read_parameter_lines(file,
-                              "Simulation",
-                              {"Benchmark", "Problem"},
-                              "greville_benchmark",
-                              settings));
+    read(file, lines_of(file, settings));
   }
 
 
@@ -83,23 +93,29 @@ namespace greville
 
 
   std::string
-  SimulationParameters::defaults()
+  SimulationParameters::all(const std::string                  &file,
+                            const std::vector<std::string>     &settings,
+                            const ParameterHandler::OutputStyle style)
   {
     SimulationParameters parameters;
-    parameters.read("defaults.prm",
-                    parameter_lines_of("subsection Simulation\n"
-                                       "  set Bodies    = block\n"
-                                       "  set Materials = solid\n"
-                                       "end\n"
-                                       "subsection Body block\n"
-                                       "  set Material = solid\n"
-                                       "  set Shape = box(0.25, 0.25, 0.75, "
-                                       "0.75)\n"
-                                       "end\n"
-                                       "subsection Material solid\n"
-                                       "  set Model = linear-elastic\n"
-                                       "end\n",
-                                       "defaults.prm"));
+    if (file.empty())
+      parameters.read("defaults.prm",
+                      parameter_lines_of("subsection Simulation\n"
+                                         "  set Bodies    = block\n"
+                                         "  set Materials = solid\n"
+                                         "end\n"
+                                         "subsection Body block\n"
+                                         "  set Material = solid\n"
+                                         "  set Shape = box(0.25, 0.25, 0.75, "
+                                         "0.75)\n"
+                                         "end\n"
+                                         "subsection Material solid\n"
+                                         "  set Model = linear-elastic\n"
+                                         "end\n",
+                                         "defaults.prm"),
+                      style);
+    else
+      parameters.read(file, lines_of(file, settings), style);
     return parameters.used();
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
+#include <greville/base/parameters.h>
 #include <greville/run/comparison.h>
 
 #include <algorithm>
@@ -122,14 +123,12 @@ namespace greville
     AssertThrow(dim == 2 || parameters.failure_line_file.empty(),
                 ExcMessage("The parameter 'Reference/Failure line file' is for "
                            "simulations in 2D."));
-    const std::string &quantity = parameters.series_quantity;
-    const auto         names    = Statistics<dim>::names();
-    AssertThrow(parameters.series_file.empty() ||
-                  std::count(names.begin(), names.end(), quantity) > 0,
-                ExcMessage("The parameter 'Reference/Series quantity' is <" +
-                           quantity + ">, none of " +
-                           boost::algorithm::join(names, ", ") + "." +
-                           did_you_mean(quantity, names)));
+    const auto names = Statistics<dim>::names();
+    if (!parameters.series_file.empty())
+      check_known(parameters.series_quantity,
+                  "Reference/Series quantity",
+                  names,
+                  boost::algorithm::join(names, ", "));
   }
 
 

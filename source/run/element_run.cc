@@ -56,9 +56,7 @@ namespace greville
   {
     check_word(test, "--element-test", element_test_names());
     const SimulationParameters parameters(file, options.settings);
-    std::vector<std::string>   names;
-    for (const auto &material : parameters.materials)
-      names.push_back(material.first);
+    const auto                 names = keys_of(parameters.materials);
     AssertThrow(!name.empty() || names.size() == 1,
                 ExcMessage("--element-test needs --material NAME, because the "
                            "file has several: " +

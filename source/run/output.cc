@@ -222,9 +222,6 @@ namespace greville
 
 
 
-    /**
-     * The surface of a rigid body: a patch for each of its facets.
-     */
     template <int dim>
     class RigidBodyOut : public PatchesOut<dim - 1, dim>
     {

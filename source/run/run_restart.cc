@@ -283,7 +283,7 @@ namespace greville
                                              parameters.time.start),
                 t);
     next_fields = next_time_of_fields(t);
-    out << "Going on from <" << checkpoint.file << ">, step "
+    out << "Resuming from <" << checkpoint.file << ">, step "
         << common().n_steps << ", t = " << common().time << " s.\n\n";
   }
 

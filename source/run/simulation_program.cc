@@ -119,13 +119,13 @@ namespace greville
     Program program;
     program.name = "greville";
     program.purpose =
-      "the material point method on B-splines: runs the simulation of a "
-      "parameter file";
+      "runs simulations of parameter files by the material point method with "
+      "B-splines";
     program.options = {
       {"check",
        "",
-       "run nothing and write no results: show sizes, step, time and memory; "
-       "takes several files",
+       "print sizes, step, time and memory without a run or results; takes "
+       "several files",
        true,
        false,
        {},
@@ -135,45 +135,45 @@ namespace greville
        "with --check: write the initial points to a new folder"},
       {"resume",
        "",
-       "go on from the last checkpoint of its folder; FILE.prm may be this "
-       "folder"},
-      {"from", "FOLDER", "begin with the last checkpoint of another run"},
+       "resume the run from its last checkpoint; FILE.prm may be the folder of "
+       "the run"},
+      {"from",
+       "FOLDER",
+       "begin with the bodies at the last checkpoint of another run"},
       {"runs",
        "FOLDER",
-       "for scripts/sweep: accept the files of its runs in this folder, and "
-       "make room for results"},
+       "for scripts/sweep: check the files of its runs in this folder, and "
+       "move or remove earlier results"},
       {"element-test",
        "TEST",
-       "run no simulation, but a laboratory test of a material"},
-      {"material", "NAME", "with --element-test: which of several"}};
+       "run a laboratory test of a material instead of a simulation"},
+      {"material",
+       "NAME",
+       "with --element-test: the material, if the file has several"}};
     program.run            = run_or_check;
-    program.all_parameters = [](const std::string              &file,
-                                const std::vector<std::string> &settings) {
-      return file.empty() ? SimulationParameters::defaults()
-                          : SimulationParameters(file, settings).used();
-    };
-    program.reference = SimulationParameters::use_reference;
-    program.examples  = simulation_examples();
-    program.lists     = {{"materials", "Material NAME/Model", {}},
-                         {"shapes", "", shape_names},
-                         {"placements", "Body NAME/Placement", {}},
-                         {"integrators", "Scheme/Stress update", {}},
-                         {"formulations", "Scheme/Formulation", {}},
-                         {"masses", "", mass_names},
-                         {"solvers", "Solver/Method", {}},
-                         {"implicit-solvers", "Implicit solver/Method", {}},
-                         {"smoothers", "", smoother_names},
-                         {"transfers", "Scheme/Transfer", {}},
-                         {"walls", "Walls/Left", {}},
-                         {"surface-loads", "Surface load NAME/Kind", {}},
-                         {"fields", "Output/Fields", {}},
-                         {"element-tests", "", element_test_names},
-                         {"history", "", history_names},
-                         {"columns", "", []() {
+    program.all_parameters = SimulationParameters::all;
+    program.reference      = SimulationParameters::use_reference;
+    program.examples       = simulation_examples();
+    program.lists          = {{"materials", "Material NAME/Model", {}},
+                              {"shapes", "", shape_names},
+                              {"placements", "Body NAME/Placement", {}},
+                              {"integrators", "Scheme/Stress update", {}},
+                              {"formulations", "Scheme/Formulation", {}},
+                              {"masses", "", mass_names},
+                              {"solvers", "Solver/Method", {}},
+                              {"implicit-solvers", "Implicit solver/Method", {}},
+                              {"smoothers", "", smoother_names},
+                              {"transfers", "Scheme/Transfer", {}},
+                              {"walls", "Walls/Left", {}},
+                              {"surface-loads", "Surface load NAME/Kind", {}},
+                              {"fields", "Output/Fields", {}},
+                              {"element-tests", "", element_test_names},
+                              {"history", "", history_names},
+                              {"columns", "", []() {
                         return boost::algorithm::join(Statistics<2>::names(),
                                                       "|");
                       }}};
-    program.templates = simulation_templates();
+    program.templates      = simulation_templates();
     return program;
   }
 } // namespace greville

@@ -236,9 +236,6 @@ namespace greville
       ghost_set.add_range(components * number, components * (number + 1));
     ghost_set.compress();
 
-    relevant = owned_set;
-    relevant.add_indices(ghost_set);
-    relevant.compress();
     partition = std::make_shared<const Utilities::MPI::Partitioner>(owned_set,
                                                                     ghost_set,
                                                                     comm);

@@ -66,7 +66,7 @@ answers 2 1 "has no section of a program" scripts/run README.md
 answers 2 1 "takes one parameter file, not both <README.md> and <b.prm>." scripts/run README.md b.prm
 answers 2 1 "takes the folder of a run" scripts/run --resume
 answers 2 1 "there is no folder <nowhere>" scripts/run --from nowhere README.md
-answers 2 1 "has its parameter file" scripts/run --resume prm README.md
+answers 2 1 "uses the parameter file" scripts/run --resume prm README.md
 answers 2 1 "--set takes" scripts/run --set
 answers 2 1 "--draw goes with --check" scripts/run --draw here prm/simulation/dam_break.prm
 answers 2 1 "--draw goes with --check" scripts/run prm/simulation/dam_break.prm --draw here

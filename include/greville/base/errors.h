@@ -49,6 +49,17 @@ namespace greville
     return std::find(std::begin(list), std::end(list), entry) != std::end(list);
   }
 
+  /// Return the keys of a map in their order.
+  template <typename Map>
+  std::vector<std::string>
+  keys_of(const Map &map)
+  {
+    std::vector<std::string> keys;
+    for (const auto &entry : map)
+      keys.push_back(entry.first);
+    return keys;
+  }
+
   /**
    * Return " Did you mean <lumped>?" if @p known contains a word close to @p
    * word, otherwise an empty text.

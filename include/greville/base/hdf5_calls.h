@@ -69,7 +69,6 @@ namespace greville
   void
   check_hdf5(const herr_t result);
 
-  /// Write and read a text attribute.
   void
   write_hdf5_text(const hid_t        object,
                   const std::string &name,

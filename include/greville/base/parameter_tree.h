@@ -50,17 +50,6 @@ namespace greville
    */
   void
   write_as_json(std::ostream &out, const std::string &text);
-
-  /**
-   * Write the text of a .prm file as XML in the format of
-   * dealii::ParameterHandler, with the descriptions of its parameters from @p
-   * reference. This contains sections for all names and models, as in
-   * print_parameter_reference().
-   */
-  void
-  write_as_xml(std::ostream                   &out,
-               const std::string              &text,
-               const dealii::ParameterHandler &reference);
 } // namespace greville
 
 #endif

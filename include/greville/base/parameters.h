@@ -63,9 +63,6 @@ namespace greville
     std::string advice;
   };
 
-  /**
-   * The names of the parameters in an outer section.
-   */
   std::vector<std::string>
   names_in_section(const dealii::ParameterHandler &prm,
                    const std::string              &section);
@@ -78,6 +75,16 @@ namespace greville
   check_word(const std::string &value,
              const std::string &parameter,
              const std::string &allowed);
+
+  /**
+   * Throw dealii::ExcMessage, with the nearest known name, if @p value is none
+   * of @p known. The message describes these names as @p allowed.
+   */
+  void
+  check_known(const std::string              &value,
+              const std::string              &parameter,
+              const std::vector<std::string> &known,
+              const std::string              &allowed);
 
   /**
    * Declare a parameter whose default is @p value, and which is read into @p
@@ -166,6 +173,13 @@ namespace greville
   parse_parameter_lines(dealii::ParameterHandler           &prm,
                         const std::vector<ParameterLine>   &lines,
                         const std::vector<FormerParameter> &former = {});
+
+  /// Set a parameter in the section with this path.
+  void
+  set_parameter(dealii::ParameterHandler       &prm,
+                const std::vector<std::string> &path,
+                const std::string              &name,
+                const std::string              &value);
 
   /**
    * A function that uses a reference: a ParameterHandler in which all

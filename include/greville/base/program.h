@@ -80,12 +80,14 @@ namespace greville
     /// Collective. Run a parameter file.
     std::function<void(const std::string &file, const GivenOptions &given)> run;
     /**
-     * Return the text of a parameter file with all parameters, their values and
-     * meanings: the values that result from a file, or the defaults for an
-     * empty name.
+     * Return the text of a parameter file in a style of ParameterHandler, with
+     * all parameters, their values and meanings: the values that result from a
+     * file, or the defaults for an empty name.
      */
-    std::function<std::string(const std::string              &file,
-                              const std::vector<std::string> &settings)>
+    std::function<
+      std::string(const std::string                          &file,
+                  const std::vector<std::string>             &settings,
+                  const dealii::ParameterHandler::OutputStyle style)>
       all_parameters;
     /// Call a function with the reference of all parameters.
     std::function<void(const UseParameters &use)> reference;

@@ -14,9 +14,6 @@
 
 namespace greville
 {
-  /**
-   * The parameters of the sweeps and of their output.
-   */
   struct BenchmarkParameters
   {
     void
@@ -84,19 +81,14 @@ namespace greville
     run(const std::string &file, const std::vector<std::string> &settings = {});
 
     /**
-     * Return the text of a file with all parameters, their defaults and
-     * meanings.
-     */
-    std::string
-    defaults();
-
-    /**
      * Read and check a file as run() does, and return the text of a file with
-     * all parameters, their values and meanings.
+     * all parameters, their values and meanings. An empty name stands for the
+     * defaults.
      */
     std::string
-    read(const std::string              &file,
-         const std::vector<std::string> &settings = {});
+    read(const std::string                          &file,
+         const std::vector<std::string>             &settings,
+         const dealii::ParameterHandler::OutputStyle style);
 
   private:
     template <int dim>

@@ -26,9 +26,6 @@ namespace greville
     void
     check(const unsigned int dim) const;
 
-    /**
-     * Return the formulas of the bodies in 'Shapes', by name.
-     */
     std::map<std::string, std::string>
     formulas() const;
 

@@ -63,7 +63,6 @@ namespace greville
 
 
 
-  /// Return the number of points per cell in each direction.
   template <int dim>
   MultiIndex<dim>
   points_of_cell(const PointPlacement &placement, const std::string &section);

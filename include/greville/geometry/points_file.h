@@ -34,9 +34,8 @@ namespace greville
 
   /**
    * Read the points of a CSV file (.csv, .txt, .dat) in the owned cells,
-   * numbered in the order of the file. If @p body is not negative, only points
-   * of the body with this number (column body) are read. A volume is taken from
-   * the column volume, or from mass over density (columns, or @p density).
+   * numbered in the order of the file. A volume is taken from the column
+   * volume, or from mass over density (columns, or @p density).
    * Further numbers are read in complete groups, whose names are in @p wanted.
    * Points are assigned to cells by their positions or, if @p at_reference, by
    * the initial positions in the file.

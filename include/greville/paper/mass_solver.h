@@ -67,9 +67,6 @@ namespace greville
       return levels;
     }
 
-    /**
-     * Return the levels for PMultigrid.
-     */
     typename PMultigrid<dim>::Levels
     operators() const
     {

@@ -19,27 +19,6 @@ namespace greville
   using LocalSolver = std::function<void(double *x, const bool transpose)>;
 
   /**
-   * Return an ILUT of the matrix.
-   */
-  LocalSolver
-  make_ilut(const Mat    matrix,
-            const double drop_tolerance,
-            const double fill_factor);
-
-  /**
-   * Return PETSc's ILU(0) of the matrix scaled to a unit diagonal, with @p
-   * shift added to the diagonal.
-   */
-  LocalSolver
-  make_ilu0(const Mat matrix, const double shift);
-
-  /**
-   * Return an IncompleteCholesky with at least this @p shift.
-   */
-  LocalSolver
-  make_ic0(const Mat matrix, const double shift);
-
-  /**
    * Return the upper triangle of a sequential matrix (SeqAIJ).
    */
   UpperTriangle

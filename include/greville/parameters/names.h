@@ -23,6 +23,20 @@ namespace greville
   void
   check_mass_name(const std::string &name, const std::string &parameter);
 
+  /**
+   * A function that throws dealii::ExcMessage with the reason if a @p feature,
+   * such as "'Scheme/Functions' = domains", does not support a parameter.
+   */
+  struct Refusal
+  {
+    void
+    operator()(const bool         wrong,
+               const std::string &parameter,
+               const std::string &why) const;
+
+    std::string feature;
+  };
+
   /// The steps and walls that support a mass.
   struct MassSupport
   {
@@ -37,11 +51,9 @@ namespace greville
   std::string
   masses_with(const bool MassSupport::*support);
 
-  /// Return the solvers of the consistent mass.
   std::string
   mass_solver_methods();
 
-  /// Return the parameters that older files have.
   std::vector<FormerParameter>
   former_parameters();
 

@@ -48,11 +48,14 @@ namespace greville
     use_reference(const UseParameters &use);
 
     /**
-     * Return the text of a file with the defaults of all parameters, and a body
-     * so that it can run.
+     * Return the text of a file with all parameters that follow from a @p file
+     * with @p settings; if its name is empty, the defaults, and a body so that
+     * the file can run.
      */
     static std::string
-    defaults();
+    all(const std::string                          &file,
+        const std::vector<std::string>             &settings,
+        const dealii::ParameterHandler::OutputStyle style);
 
     GeneralParameters   general;
     GridParameters      grid;
@@ -128,7 +131,6 @@ namespace greville
     void
     enter_stage(const unsigned int stage);
 
-    /// Return whether a body is present in a stage.
     bool
     is_in_stage(const std::string &body, const unsigned int stage) const;
 
@@ -173,9 +175,13 @@ namespace greville
     mass_tolerance(const unsigned int degree) const;
 
   private:
-    /// Read the values of @p lines, which come from @p file.
+    /// Read the values of @p lines, which come from @p file; used() then has
+    /// this @p style.
     void
-    read(const std::string &file, const std::vector<ParameterLine> &lines);
+    read(const std::string                          &file,
+         const std::vector<ParameterLine>           &lines,
+         const dealii::ParameterHandler::OutputStyle style =
+           dealii::ParameterHandler::PRM);
 
     /// Make the members of the sections that @p lines name.
     void

@@ -118,7 +118,6 @@ namespace greville
       std::optional<Shape<dim>> shape;
     };
 
-    /// Add the point that is nearest to a position.
     void
     add_point(const std::string &position, const BodyList<dim> &bodies);
 

@@ -90,7 +90,6 @@ namespace greville
     void
     begin_run(const RunOptions &options);
 
-    /// Resume from a checkpoint in the folder of this run.
     void
     resume(const Checkpoint &checkpoint);
 
@@ -223,7 +222,6 @@ namespace greville
     void
     write_summary(const RunSummary &summary);
 
-    /// Collective. Return the bytes of memory per point.
     double
     bytes_per_point() const;
 

@@ -40,7 +40,6 @@ namespace greville
     static unsigned int
     width();
 
-    /// Return the batches of a space.
     static std::vector<Batch>
     make(const SplineSpace<dim> &space);
   };

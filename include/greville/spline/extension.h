@@ -140,7 +140,6 @@ namespace greville
     void
     make_rows(const ExtendedFunctions &old);
 
-    /// Append the row of the extended function number @p k.
     void
     append_row(const unsigned int k);
 

@@ -111,13 +111,6 @@ namespace greville
     const dealii::IndexSet &
     locally_owned_dofs() const;
 
-    /// Return the dofs that do not vanish on the cells of this process.
-    const dealii::IndexSet &
-    locally_relevant_dofs() const
-    {
-      return relevant;
-    }
-
     /// Return the layout of vectors whose ghost entries are the relevant dofs.
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
     partitioner() const
@@ -211,9 +204,6 @@ namespace greville
     std::uint64_t
     function_position(const unsigned int function) const;
 
-    /**
-     * Return the Greville point of a function by its local number.
-     */
     dealii::Point<dim>
     greville_point(const unsigned int function) const;
 
@@ -271,7 +261,6 @@ namespace greville
     std::vector<unsigned int>                    cell_function_numbers;
     dealii::types::global_dof_index              first_owned = 0;
 
-    dealii::IndexSet                                           relevant;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
   };
 } // namespace greville
