@@ -4,7 +4,6 @@
 #include <greville/linear_algebra/petsc_preconditioner.h>
 #include <greville/paper/ilut.h>
 #include <greville/paper/paper_parts.h>
-#include <greville/paper/petsc_ilut.h>
 #include <greville/paper/schwarz.h>
 #include <greville/paper/tensor_product_solver.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/paper/ilut.h>
-#include <greville/paper/petsc_ilut.h>
 
 #include <petscpc.h>
 

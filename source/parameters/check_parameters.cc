@@ -161,7 +161,7 @@ namespace greville
                              "'Scheme/Formulation' = total Lagrangian, in "
                              "which basis functions belong to the initial "
                              "positions."));
-      // Times of steps are rounded.
+      // Times of steps have round-off errors.
       AssertThrow(start + 1e-12 * std::max(std::abs(start), std::abs(end)) <
                     end,
                   ExcMessage(all.stage_text(k) + "'Time/End' is " +
@@ -402,16 +402,22 @@ namespace greville
                                WallParameters::names[w + 1] + "' is " +
                                walls.type[w + 1] +
                                ": both or none have to be periodic."));
-        const unsigned int n = grid.cells.size() == dim ? grid.cells[w / 2] : 0;
-        AssertThrow(!is_periodic || n == 0 || n > grid.degree,
+        // Cells of the pore pressure are twice as large.
+        const unsigned int n = grid.cells.size() == dim ? grid.cells[w / 2] : 0,
+                           needed =
+                             (general.pore_water ? 2 : 1) * (grid.degree + 1);
+        AssertThrow(!is_periodic || n == 0 || n >= needed,
                     ExcMessage(
                       "The parameter 'Grid/Cells' has " + std::to_string(n) +
                       " cells from '" + WallParameters::names[w] + "' to '" +
-                      WallParameters::names[w + 1] +
-                      "', which are periodic: B-splines of 'Grid/Order' " +
+                      WallParameters::names[w + 1] + "', which are periodic: " +
+                      (general.pore_water
+                         ? "the pressure of pore water has half as many, and "
+                         : "") +
+                      "B-splines of 'Grid/Order' " +
                       std::to_string(grid.degree) + " need " +
-                      std::to_string(grid.degree + 1) +
-                      " or more, so that none overlaps itself."));
+                      std::to_string(needed) +
+                      " cells or more, so that none overlaps itself."));
       }
     check_mass_name(scheme.mass, "Scheme/Mass");
     if (grid.is_axisymmetric())

@@ -452,21 +452,6 @@ namespace greville
       check_water_at_wall(*this, w);
     if (!general.pore_water)
       return;
-    for (unsigned int d = 0; d < general.dimension; ++d)
-      {
-        const unsigned int n =
-          grid.cells.size() == general.dimension ? grid.cells[d] : 0;
-        AssertThrow(!walls.is_periodic(2 * d) || n == 0 || n / 2 > grid.degree,
-                    ExcMessage(
-                      "The parameter 'Grid/Cells' has " + std::to_string(n) +
-                      " cells from '" + WallParameters::names[2 * d] +
-                      "' to '" + WallParameters::names[2 * d + 1] +
-                      "', which are periodic: the pressure of pore water has "
-                      "half as many, and B-splines of 'Grid/Order' " +
-                      std::to_string(grid.degree) + " need " +
-                      std::to_string(2 * (grid.degree + 1)) +
-                      " cells or more, so that none overlaps itself."));
-      }
     if (!water.free_surface_pressure.empty())
       check_free_surface(*this);
     check_scheme_of_water(*this);

@@ -199,10 +199,15 @@ namespace greville
         return simulations.first().state();
       }
 
-      bool
-      is_axisymmetric() const
+      /// Return the text for 3D, axisymmetry or plane strain.
+      const char *
+      in_geometry(const char *in_3d,
+                  const char *in_axisymmetry,
+                  const char *in_plane_strain) const
       {
-        return parameters.grid.is_axisymmetric();
+        return dim == 3                            ? in_3d
+               : parameters.grid.is_axisymmetric() ? in_axisymmetry
+                                                   : in_plane_strain;
       }
 
       /**
@@ -212,14 +217,9 @@ namespace greville
       print_bodies(const BodyList<dim> &bodies)
       {
         out << "  body             " << std::right << std::setw(12)
-            << (dim == 3            ? "mass, kg"
-                : is_axisymmetric() ? "mass, kg/rad"
-                                    : "mass, kg/m")
+            << in_geometry("mass, kg", "mass, kg/rad", "mass, kg/m")
             << std::setw(14)
-            << (dim == 3            ? "volume, m^3"
-                : is_axisymmetric() ? "vol., m^3/rad"
-                                    : "area, m^2")
-            << '\n';
+            << in_geometry("volume, m^3", "vol., m^3/rad", "area, m^2") << '\n';
         for (const Body<dim> &body : bodies)
           {
             // A body without a name is another material of a stage.
@@ -247,12 +247,8 @@ namespace greville
         if (parameters.general.surface_loads.empty())
           return;
         out << "  surface load     " << std::right << std::setw(12)
-            << (dim == 3            ? "area, m^2"
-                : is_axisymmetric() ? "area, m^2/rad"
-                                    : "length, m")
-            << (dim == 3            ? "   force, N"
-                : is_axisymmetric() ? "   force, N/rad"
-                                    : "   force, N/m")
+            << in_geometry("area, m^2", "area, m^2/rad", "length, m")
+            << in_geometry("   force, N", "   force, N/rad", "   force, N/m")
             << '\n';
         for (unsigned int k = 0; k < simulations.n_parts(); ++k)
           {

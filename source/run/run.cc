@@ -8,6 +8,7 @@
 #include <greville/run/state_output.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/case_conv.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -30,6 +31,15 @@ namespace greville
       const char *const name = std::getenv("TERM");
       return isatty(STDOUT_FILENO) == 1 &&
              !(name && std::string(name) == "dumb");
+    }
+
+
+
+    /// Return the name of a wall in columns: "left" for "Left".
+    std::string
+    name_of_wall(const unsigned int wall)
+    {
+      return boost::algorithm::to_lower_copy(WallParameters::names[wall]);
     }
 
 
@@ -79,10 +89,8 @@ namespace greville
               stage.enter_stage(k);
               is_open = is_open || stage.walls.passes_water(w);
             }
-          std::string name = WallParameters::names[w];
-          name[0] += 'a' - 'A';
           if (is_open)
-            result.emplace_back(2 + w, "water_outflow_wall_" + name);
+            result.emplace_back(2 + w, "water_outflow_wall_" + name_of_wall(w));
         }
       const auto &names = parameters.general.surface_loads;
       for (unsigned int k = 0; k < names.size(); ++k)
@@ -94,16 +102,6 @@ namespace greville
       if (result.size() == 1)
         result.clear();
       return result;
-    }
-
-
-
-    std::string
-    reaction_name(const unsigned int wall, const unsigned int component)
-    {
-      std::string name = WallParameters::names[wall];
-      name[0] += 'a' - 'A';
-      return "reaction_" + name + "_" + "xyz"[component];
     }
   } // namespace
 
@@ -151,7 +149,8 @@ namespace greville
                                           parameters.general.contacts,
                                           parameters.general.rigid_bodies);
     for (const auto &[wall, component] : reactions_of<dim>(parameters))
-      columns.push_back(reaction_name(wall, component));
+      columns.push_back("reaction_" + name_of_wall(wall) + "_" +
+                        "xyz"[component]);
     if (!parameters.stages.empty())
       columns.push_back("stage");
     if (parameters.has_ramp())

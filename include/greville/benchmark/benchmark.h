@@ -82,8 +82,7 @@ namespace greville
 
     /**
      * Read and check a file as run() does, and return the text of a file with
-     * all parameters, their values and meanings. An empty name stands for the
-     * defaults.
+     * all parameters, their values and meanings.
      */
     std::string
     read(const std::string                          &file,

@@ -56,6 +56,15 @@ namespace greville
     Triangle            upper; // diagonal not stored
     std::vector<double> inverse_diagonal;
   };
+
+  /**
+   * Register ILUT with drop tolerance 1e-12, fill factor 1 and PETSc's AMD
+   * ordering as the PETSc preconditioner "ilut". It supports sequential
+   * matrices, and the blocks of others, as in "-pc_type asm -pc_asm_overlap 1
+   * -sub_pc_type ilut". May be called several times.
+   */
+  void
+  register_petsc_ilut();
 } // namespace greville
 
 #endif
