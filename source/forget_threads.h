@@ -4,9 +4,9 @@
 #define greville_forget_threads_h
 
 // For executables. deal.II ends a program before main() if DEAL_II_NUM_THREADS
-// is no positive number; a process of Greville has one thread whatever it is.
-// So it is taken away before shared libraries begin, where nothing of the
-// library of C++ can be called.
+// is not a positive number. Greville has one thread per process in any case, so
+// the variable is removed before shared libraries are initialized, when the C++
+// library cannot be used yet.
 
 namespace
 {

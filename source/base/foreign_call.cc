@@ -201,7 +201,8 @@ extern "C"
                 : fault_signals[k].text);
           if (k < n_crashes && last_library[0] != '\0')
             report_crash(fault_signals[k].text);
-          // The failed instruction is repeated, and fails again.
+          // On return, the failed instruction runs again, with the earlier
+          // action.
           sigaction(signal, &earlier_actions[k], nullptr);
           if (info->si_code <= 0 || k >= n_crashes)
             raise(signal);

@@ -267,7 +267,7 @@ namespace greville
     const std::string content = content_of(file);
     check_is_whole(content, begin);
     check_dealii(content, begin);
-    // A name without a slash would be searched elsewhere.
+    // dlopen() would search a name without a slash in other folders.
     const std::string path   = std::filesystem::absolute(file).string();
     void             *result = nullptr;
     ForeignCall::catch_faults(longest_load);

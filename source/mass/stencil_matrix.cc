@@ -13,7 +13,7 @@ namespace greville
 
   namespace
   {
-    /// Numbers behind the entries of a cell that kernels read and write.
+    /// Kernels access up to this many numbers behind the entries of a cell.
     constexpr unsigned int max_padding = 64;
   } // namespace
 

@@ -36,8 +36,8 @@ namespace greville
 
 
     /**
-     * The coarse functions of an unknown, one or two in each direction, with
-     * equal weights. Keys are positions in the lattice with components.
+     * The keys of the coarse functions of an unknown, one or two in each
+     * direction, with equal weights. A key is a lattice position and component.
      */
     template <int dim>
     struct CoarseKeys

@@ -18,8 +18,8 @@ namespace greville
     /**
      * The functions of the windows of a body's points, cell by cell: means over
      * domains if the cell reaches its neighbours, and values at the points
-     * otherwise. If values are not averaged, sums without slopes do not depend
-     * on which cells reach their neighbours.
+     * otherwise. If values are not averaged, both kinds of cells have the same
+     * sums of values.
      */
     template <int dim, int n>
     class WindowFunctions

@@ -12,8 +12,8 @@ namespace greville
 
   namespace
   {
-    // The smallest change of velocities in a step, as a fraction of their norm,
-    // to which the tolerance for accelerations is relative.
+    // The tolerance for accelerations is relative to the change of velocities
+    // in a step, or to this fraction of their norm if the change is smaller.
     constexpr double negligible_kick = 1e-6;
 
     // The time increment in the difference quotient of a displacement, as a

@@ -124,7 +124,7 @@ namespace greville
   {
     AssertThrow(states.size() == parts.size(),
                 ExcDimensionMismatch(states.size(), parts.size()));
-    // Only entering a stage can fail. All parts then return to their old state.
+    // If the entry into a stage fails, all parts return to their old state.
     std::vector<State<dim>> before;
     for (unsigned int k = 0; k < parts.size() && before.empty(); ++k)
       if (states[k].stage != part(k).state().stage)

@@ -162,7 +162,8 @@ namespace greville
       for (const auto &[f, place] : extended.matrix().images())
         constrained_at[place] = constrained[f];
 
-      // Call visit(u, v, place_u, place_v, weight, entry_of), entry_of(c, d).
+      // Call visit(u, v, place_u, place_v, weight, entry_of) for pairs of
+      // unknowns, with the entries entry_of(c, d) of their components.
       const auto for_each_entry = [&](const auto &visit) {
         const auto add = [&](const unsigned int i,
                              const unsigned int j,

@@ -130,7 +130,7 @@ namespace greville
     std::vector<unsigned int> variant_of_component;
 
     mutable std::vector<float> rows; // of factors
-    // Of the last rows.
+    // Work arrays for the last rows.
     mutable std::vector<float> given, eliminated, solution;
     mutable Vectors<double>    doubles; // of the domain, by width
     mutable Vectors<float>     floats;

@@ -147,7 +147,7 @@ namespace greville
     std::unique_ptr<ExtendedMass<dim>> entries;
 
   private:
-    /// Collective. Assemble M on the places of unknowns.
+    /// Collective. Assemble the entries of M for all unknowns.
     void
     fill_entries();
 

@@ -23,8 +23,8 @@ namespace greville
 
 
 
-  /// The parts of an update of points. PointTransfer::grid_to_points() has the
-  /// combinations.
+  /// The parts of an update of points. PointTransfer::grid_to_points() lists
+  /// the supported combinations.
   template <int dim>
   struct PointUpdate
   {

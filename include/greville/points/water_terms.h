@@ -84,7 +84,7 @@ namespace greville
     double mobility = 0.;
     double solid    = 0.;
     double old_J    = 1.;
-    /// The penalty of Nitsche's method over the cell size at the start, 1 / m.
+    /// The penalty of Nitsche's method, divided by the cell size, 1 / m.
     double penalty = 0.;
     /// The distance from the axis at the start, m; 0 without axisymmetry.
     double radius = 0.;

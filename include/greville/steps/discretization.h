@@ -190,9 +190,9 @@ namespace greville
           const std::vector<double>                   &shares = {});
 
     /**
-     * Collective. Move points that have left the cells @p left_cells[body], or
-     * cells of surfaces, to their new cells and processes, and count the points
-     * of bodies. Returns a message about invalid points on this process.
+     * Collective. Move points of bodies from the cells @p left_cells[body], and
+     * points of surfaces, to their new cells and processes, and count the
+     * points of bodies. Returns a message about invalid points on this process.
      */
     std::string
     transport_points(

@@ -123,8 +123,8 @@ namespace greville
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partitioner;
     std::vector<unsigned int> function_places; // of owned functions
 
-    // Other places and the local numbers in the partitioner of their values:
-    // functions of other processes, and images if a direction is periodic.
+    // Places of functions of other processes and of periodic images, with the
+    // local numbers of their values in the partitioner.
     std::vector<std::pair<unsigned int, unsigned int>> copies;
 
     std::vector<Line> lines; // of a box, y first

@@ -154,9 +154,9 @@ namespace greville
 
     /**
      * Collective. Build the operators of all levels, from the coarsest to the
-     * finest, with a mass factor (1/s^2) from the stiffness of the last
-     * evaluate(), for a custom preconditioner in place of set_operator() and
-     * solve().
+     * finest, from the stiffness of the last evaluate() and a mass factor
+     * (1/s^2). They serve a custom preconditioner, in place of set_operator()
+     * and solve().
      */
     typename PMultigrid<dim>::Levels
     make_levels(const double mass_factor);

@@ -207,8 +207,8 @@ namespace greville
     }
 
     /**
-     * Return WaterPoints::work(), and the work of outer_force() in the last
-     * evaluate().
+     * Return the sum of WaterPoints::work() and the work of outer_force() in
+     * the last evaluate().
      */
     double
     work() const
