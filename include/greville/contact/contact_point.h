@@ -73,10 +73,7 @@ namespace greville
     bool is_facing = false;
     /// The distance from the other side less the radius, negative inside, m.
     double gap = 0.;
-    /**
-     * The distance from a rigid body, m, even if it is not in front of the
-     * point.
-     */
+    /// The distance from a rigid body, m, wherever it is.
     double distance = std::numeric_limits<double>::infinity();
     /// The outward normal of the other side at the closest point.
     dealii::Tensor<1, dim> target_normal;

@@ -113,10 +113,7 @@ namespace greville
     virtual void
     update(const dealii::ArrayView<MaterialPoint> &points) const = 0;
 
-    /**
-     * Return whether update_lanes() is implemented, which updates several
-     * points at once. See LanesMaterial.
-     */
+    /// Return whether update_lanes() is implemented, see LanesMaterial.
     virtual bool
     has_lanes() const
     {
@@ -162,17 +159,11 @@ namespace greville
       return false;
     }
 
-    /**
-     * Return the stored elastic energy per volume of the stress-free state, J /
-     * m^3.
-     */
+    /// Return the elastic energy per stress-free volume, J / m^3.
     virtual double
     strain_energy(const MaterialPoint &point) const = 0;
 
-    /**
-     * Return the energy per volume of the stress-free state that plastic and
-     * viscous flow have turned into heat, J / m^3.
-     */
+    /// Return the heat of inelastic flow per stress-free volume, J / m^3.
     virtual double
     dissipation(const MaterialPoint &) const
     {

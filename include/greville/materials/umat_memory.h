@@ -96,10 +96,7 @@ namespace greville
       return reinterpret_cast<const int *>(data + begin[integers]) + k;
     }
 
-    /**
-     * Return whether a call has left all memory outside its arguments
-     * unchanged.
-     */
+    /// Return whether a call has changed nothing but its arguments.
     bool
     is_intact() const;
 
@@ -110,10 +107,7 @@ namespace greville
     std::string
     damage();
 
-    /**
-     * Return whether all results are finite. If not, not_finite() finds an
-     * entry that must be.
-     */
+    /// Return whether all results are finite, see not_finite().
     bool
     is_finite() const;
 

@@ -97,7 +97,6 @@ namespace greville
       std::size_t  first; // number
     };
 
-    /// Return the number of numbers of a point.
     unsigned int
     n_numbers() const
     {

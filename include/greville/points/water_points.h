@@ -108,27 +108,18 @@ namespace greville
              VectorField<dim>       &force,
              VectorType             &rows);
 
-    /**
-     * Collective. Compute the derivatives of the last evaluate() in a
-     * direction.
-     */
+    /// Collective. Compute derivatives of the last evaluate().
     void
     multiply(const VectorField<dim> &du,
              const VectorType       &dp,
              VectorField<dim>       &force,
              VectorType             &rows) const;
 
-    /**
-     * Collective. Compute the derivative of the force in the direction of a
-     * pressure alone.
-     */
+    /// Collective. Compute the derivative of the force by the pressure.
     void
     spread(const VectorType &dp, VectorField<dim> &force) const;
 
-    /**
-     * Collective. Compute f at the start of the step from the pressures stored
-     * in the points.
-     */
+    /// Collective. Compute f at the start from the pressures of the points.
     void
     begin_force(VectorField<dim> &force) const;
 

@@ -95,8 +95,7 @@ namespace greville
     void
     check_gains();
 
-    /// Return notes on probable mistakes: rigid bodies that are away from the
-    /// grid.
+    /// Return notes on rigid bodies that are away from the grid.
     const std::vector<std::string> &
     notes() const
     {

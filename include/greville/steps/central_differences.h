@@ -53,10 +53,6 @@ namespace greville
     double
     propose_step(State<dim> &state) override;
 
-    /**
-     * Compute the acceleration. Automatic steps with consistent mass are
-     * rejected if it shows that they are too long.
-     */
     void
     try_step(State<dim> &state, const double dt) override;
 
@@ -95,8 +91,7 @@ namespace greville
           const std::vector<const VectorField<dim> *> &sums,
           const std::vector<double>                   &shares = {});
 
-    /// Remove the components that contacts block from a velocity that was
-    /// computed from the points.
+    /// Call Contact::stop() of all contacts.
     void
     stop(VectorField<dim> &velocity) const;
 
@@ -140,10 +135,7 @@ namespace greville
     Trial trial;
 
   private:
-    /**
-     * Return whether steps check accelerations before they are taken, which is
-     * not the case for given steps.
-     */
+    /// Return whether steps may be rejected: automatic steps with exact mass.
     bool
     may_reject() const;
 
@@ -154,9 +146,10 @@ namespace greville
     ContactStep<dim>
     contact_step(State<dim> &state);
 
-    /// Set guesses of velocity and acceleration with the values at walls, and
-    /// add the momentum of the points to the balance. The acceleration is
-    /// swapped with the one of the state.
+    /**
+     * Set guesses with values at walls, and begin the balance of momentum. The
+     * acceleration is swapped with the one of the state.
+     */
     void
     set_guesses(State<dim> &state);
 
@@ -183,8 +176,7 @@ namespace greville
     void
     find_acceleration(State<dim> &state);
 
-    /// Return the fraction of the velocity that points keep in this step; zero
-    /// with APIC.
+    /// Return the share of FLIP in this step; zero with APIC.
     double
     kept_share(const State<dim> &state) const;
 
@@ -192,14 +184,10 @@ namespace greville
     void
     add_pressure(const State<dim> &state);
 
-    /**
-     * Compute the velocity that follows from the acceleration, with contact,
-     * and the work in the step.
-     */
+    /// Compute the new velocity, with contact, and the work in the step.
     void
     find_new_velocity(State<dim> &state);
 
-    /// Pass the results of the points to the guard.
     void
     inform_guard();
 
@@ -231,17 +219,11 @@ namespace greville
     void
     take_constrained_residual(const State<dim> &state);
 
-    /**
-     * Add the work of loads and walls in this step. For loads on points, add
-     * only the half with the velocities before the kick.
-     */
+    /// Add the work of loads and walls; of point loads only the first half.
     void
     add_work(State<dim> &state);
 
-    /**
-     * Add half of the work of loads on points, with their velocities before or
-     * after the kick.
-     */
+    /// Add half of the work of point loads, before or after the kick.
     void
     add_work_of_point_loads(State<dim> &state, const bool is_kicked);
 
@@ -263,10 +245,7 @@ namespace greville
     double
     energy_swing(const State<dim> &state) const;
 
-    /**
-     * Begin the late row, if requested, with the state before the step; end it
-     * after all sums.
-     */
+    /// Begin the late row, if requested, before the step, or end it.
     void
     begin_row(const State<dim> &state);
 

@@ -48,19 +48,13 @@ namespace greville
     void
     try_implicit();
 
-    /**
-     * Find the step length that the current simulation proposes, again after a
-     * rejected step.
-     */
+    /// Find the proposed step, again after a rejected one.
     void
     propose();
     void
     propose_again(const StepRejected &rejection);
 
-    /**
-     * Restore all simulations except the one that has @p failed, which may be
-     * null.
-     */
+    /// Restore all simulations except @p failed, which may be null.
     void
     restore_others(const Simulation<dim> *failed);
 

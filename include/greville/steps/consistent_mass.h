@@ -149,10 +149,7 @@ namespace greville
       extended_mass.multiply_constrained_rows(rows, x);
     }
 
-    /**
-     * Collective. Assemble the matrix of the points of the last update(), and
-     * update its solver.
-     */
+    /// Collective. Assemble the matrix, and update its solver.
     void
     assemble();
 

@@ -40,10 +40,7 @@ namespace greville
     bool
     is_finished() const;
 
-    /**
-     * Return whether Simulation::exceeds_displacement() is true for any part,
-     * which ends the run.
-     */
+    /// Return whether a part exceeds its displacement, which ends the run.
     bool
     exceeds_displacement() const;
 

@@ -111,10 +111,7 @@ namespace greville
       return wall_constrained[function];
     }
 
-    /**
-     * Return whether there are points of bodies or surfaces in the support of
-     * an owned function.
-     */
+    /// Return whether an owned function has points of bodies or surfaces.
     virtual bool
     has_points(const unsigned int function) const
     {
@@ -144,10 +141,7 @@ namespace greville
                      const VectorField<dim> &b,
                      const unsigned int      k) const = 0;
 
-    /**
-     * Collective. Set the coefficients of functions that are not unknowns,
-     * which depend on unknowns, see ExtendedMass::extend().
-     */
+    /// Collective. Set coefficients that depend on unknowns, see ExtendedMass.
     virtual void
     extend(VectorField<dim> &) const
     {}
@@ -162,10 +156,7 @@ namespace greville
       return true;
     }
 
-    /**
-     * Collective. Return the numbers of functions by their class, see
-     * Extension.
-     */
+    /// Collective. Return the numbers of functions by class, see Extension.
     virtual typename Extension<dim>::Counts
     counts() const
     {
@@ -189,10 +180,7 @@ namespace greville
       return false;
     }
 
-    /**
-     * Return the largest number of iterations of a component in the last
-     * solve().
-     */
+    /// Return the largest number of iterations in the last solve().
     unsigned int
     n_iterations() const
     {
@@ -235,20 +223,14 @@ namespace greville
       return 0;
     }
 
-    /**
-     * Collective. Return the number of cells of fragments, which have lumped
-     * mass.
-     */
+    /// Collective. Return the number of cells of fragments (lumped mass).
     virtual std::uint64_t
     n_fragments() const
     {
       return 0;
     }
 
-    /**
-     * Collective. Return the cells of fragments as a fraction of the cells with
-     * points.
-     */
+    /// Collective. Return n_fragments() over the number of cells with points.
     virtual double
     fragment_fraction() const
     {
@@ -301,10 +283,7 @@ namespace greville
     set_constrained(std::vector<unsigned char>              &components,
                     std::vector<ConstrainedDirections<dim>> &directions);
 
-    /**
-     * Collective. Return the components in which functions with mass are
-     * constrained.
-     */
+    /// Collective. Return the components of constrained functions with mass.
     std::array<bool, dim>
     constrained_components_with_mass() const;
   };

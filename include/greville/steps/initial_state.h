@@ -19,8 +19,7 @@ namespace greville
                     const Loads<dim>              &loads);
 
   /**
-   * Collective. Return the largest speeds, with the wave speeds of bodies
-   * without stress.
+   * Collective. Return the largest speeds, with waves in bodies without stress.
    */
   template <int dim>
   Signals

@@ -27,19 +27,13 @@ namespace greville
 
 
 
-  /**
-   * Collective. Return the partition for owned cells of @p space with the given
-   * numbers of points.
-   */
+  /// Collective. Return the partition for numbers of points in owned cells.
   template <int dim>
   Partition
   partition_by_points(const std::vector<std::uint64_t> &counts,
                       const SplineSpace<dim>           &space);
 
-  /**
-   * Collective. Return the partition that gives each process the same share of
-   * the work.
-   */
+  /// Collective. Return the partition with equal work on all processes.
   template <int dim>
   Partition
   balanced_partition(const State<dim> &state, const SplineSpace<dim> &space);

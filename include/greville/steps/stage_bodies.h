@@ -78,10 +78,7 @@ namespace greville
                 const Loads<dim>                    &loads,
                 Discretization<dim>                 &discretization);
 
-  /**
-   * Collective. Throw if two bodies fill the same cells, by half a cell or
-   * more.
-   */
+  /// Collective. Throw if two bodies fill the same cells by half or more.
   template <int dim>
   void
   check_overlap(const BodyList<dim> &bodies, const SplineSpace<dim> &space);

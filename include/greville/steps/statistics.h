@@ -160,20 +160,14 @@ namespace greville
     const MPI_Comm       comm,
     const double         runout_above = std::numeric_limits<double>::lowest());
 
-  /**
-   * Collective. Return kinetic and strain energy plus dissipation of the
-   * bodies, which EnergyBalance checks.
-   */
+  /// Collective. Return kinetic and strain energy plus dissipation.
   template <int dim>
   double
   energy_of_bodies(const std::vector<Body<dim>> &bodies,
                    const PointTransfer<dim>     &transfer,
                    const MPI_Comm                comm);
 
-  /**
-   * Collective. Return the largest distance of a point of these bodies from its
-   * initial position, m.
-   */
+  /// Collective. Return the largest displacement of a point, m.
   template <int dim>
   double
   largest_displacement(const std::vector<Body<dim>> &bodies,

@@ -98,10 +98,7 @@ namespace greville
       return forces[part];
     }
 
-    /**
-     * Return whether the tangent is symmetric, that is, if nothing slides with
-     * friction.
-     */
+    /// Return whether the tangent is symmetric: nothing slides with friction.
     bool
     is_symmetric() const;
 
@@ -173,10 +170,7 @@ namespace greville
     bool
     friction_depends_on_pores() const;
 
-    /**
-     * Collective. Compute the pore pressures, or changes of them, at all
-     * points.
-     */
+    /// Collective. Compute pore pressures, or their changes, at all points.
     void
     find_pore_pressures(const std::vector<VectorType> &blocks);
 
@@ -200,10 +194,7 @@ namespace greville
     dealii::Tensor<1, dim>
     distance(const FreeBody &body, const dealii::Point<dim> &x) const;
 
-    /**
-     * Collective. Return the load on a body by changes of forces on the points
-     * of its contacts.
-     */
+    /// Collective. Return the load on a body by the changes of forces.
     typename RigidTrial<dim>::Vector
     load_by_changes(const FreeBody &body) const;
 
