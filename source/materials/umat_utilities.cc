@@ -4,6 +4,7 @@
 
 #include <greville/base/eigenvectors.h>
 #include <greville/base/errors.h>
+#include <greville/materials/lanes.h>
 #include <greville/materials/umat_call.h>
 #include <greville/materials/umat_utilities.h>
 
@@ -18,11 +19,6 @@ namespace greville
 
   namespace
   {
-    constexpr unsigned int first_index[]  = {0, 1, 2, 0, 0, 1};
-    constexpr unsigned int second_index[] = {0, 1, 2, 1, 2, 2};
-
-
-
     /**
      * Return the position among all six components of component k of those
      * present.
@@ -42,7 +38,7 @@ namespace greville
       for (int k = 0; k < ndi + nshr; ++k)
         {
           const int c = component(k, ndi);
-          result[first_index[c]][second_index[c]] =
+          result[entry_rows[c]][entry_columns[c]] =
             c > 2 && lstr == 2 ? 0.5 * s[k] : s[k];
         }
       return result;
@@ -152,7 +148,7 @@ namespace greville
       {
         const int c = component(k, *ndi);
         sprime[k]   = (c > 2 && *lstr == 2 ? 2. : 1.) *
-                    result[first_index[c]][second_index[c]];
+                    result[entry_rows[c]][entry_columns[c]];
       }
   }
 

@@ -108,6 +108,20 @@ namespace greville
       return static_cast<const Law &>(*this);
     }
 
+    PrincipalTangent
+    elastic_tangent(const std::array<Lanes, 3> &eps) const
+    {
+      PrincipalTangent tangent;
+      tangent.stress = elastic.stress(eps);
+      for (unsigned int a = 0; a < 3; ++a)
+        {
+          tangent.moduli[a].fill(elastic.lambda);
+          tangent.moduli[a][a] += 2. * elastic.shear;
+        }
+      tangent.secants.fill(2. * elastic.shear);
+      return tangent;
+    }
+
   private:
     /**
      * Return 1 / J, or NaN if J is not positive: b = F F^T does not depend on

@@ -154,14 +154,7 @@ namespace greville
             }
 
       const double     lambda = elastic.lambda, G = elastic.shear;
-      PrincipalTangent tangent;
-      tangent.stress = elastic.stress(eps);
-      for (unsigned int a = 0; a < 3; ++a)
-        {
-          tangent.moduli[a].fill(lambda);
-          tangent.moduli[a][a] += 2. * G;
-        }
-      tangent.secants.fill(2. * G);
+      PrincipalTangent tangent = this->elastic_tangent(eps);
       for (unsigned int lane = 0; lane < count; ++lane)
         {
           Principal tau{{tangent.stress[0][lane],

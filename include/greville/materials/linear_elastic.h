@@ -71,15 +71,7 @@ namespace greville
               const unsigned int,
               const std::array<Lanes, 3> &eps) const
     {
-      PrincipalTangent tangent;
-      tangent.stress = elastic.stress(eps);
-      for (unsigned int a = 0; a < 3; ++a)
-        {
-          tangent.moduli[a].fill(elastic.lambda);
-          tangent.moduli[a][a] += 2. * elastic.shear;
-        }
-      tangent.secants.fill(2. * elastic.shear);
-      return tangent;
+      return elastic_tangent(eps);
     }
   };
 } // namespace greville
