@@ -73,8 +73,7 @@ namespace greville
       double
       coefficient(const double pressure, const double speed) const
       {
-        const std::array<double, 2> values{{pressure, speed}};
-        return mu(ArrayView<const double>(values.data(), 2));
+        return mu(std::array<double, 2>{{pressure, speed}});
       }
 
       Expression mu;

@@ -11,20 +11,6 @@ namespace greville
   using namespace dealii;
   using namespace internal;
 
-  namespace
-  {
-    template <int dim>
-    std::vector<std::string>
-    variables_of_free_surface()
-    {
-      std::vector<std::string> variables = coordinate_names<dim>();
-      variables.push_back("t");
-      return variables;
-    }
-  } // namespace
-
-
-
   template <int dim>
   FreeSurface<dim>::FreeSurface(const SplineSpace<dim>          &displacements,
                                 const SplineSpace<dim>          &pressures,
@@ -34,7 +20,7 @@ namespace greville
                                 const std::string               &parameter)
     : parents(given_parents)
     , is_axisymmetric(axisymmetric)
-    , formula(pressure, parameter, variables_of_free_surface<dim>())
+    , formula(pressure, parameter, variables_of<dim>("xt"))
   {
     displacement_tables.reinit(displacements);
     pressure_tables.reinit(pressures);
@@ -104,7 +90,7 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       arguments[d] = x[d];
     arguments[dim] = time;
-    return formula(ArrayView<const double>(arguments.data(), dim + 1));
+    return formula(arguments);
   }
 
 

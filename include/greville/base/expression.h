@@ -59,6 +59,20 @@ namespace greville
     return result;
   }
 
+  /// Return the values of variables_of("xXt").
+  template <int dim>
+  std::array<double, 2 * dim + 1>
+  arguments_of(const dealii::Point<dim> &x,
+               const dealii::Point<dim> &X,
+               const double              t)
+  {
+    std::array<double, 2 * dim + 1> result;
+    std::copy_n(x.begin_raw(), dim, result.begin());
+    std::copy_n(X.begin_raw(), dim, result.begin() + dim);
+    result.back() = t;
+    return result;
+  }
+
   /// Return x, y (and z): the variables of formulas of the position.
   template <int dim>
   std::vector<std::string>

@@ -132,7 +132,8 @@ namespace greville
       const unsigned int  first = points.layout().first(field());
       std::vector<double> precomputed(formulas.n_precomputed());
       points.for_each([&](const unsigned int, PointRef<dim> p) {
-        formulas.precompute(arguments(p, p.position(), 0.), precomputed);
+        formulas.precompute(arguments_of(p.position(), p.reference(), 0.),
+                            precomputed);
         for (unsigned int k = 0; k < precomputed.size(); ++k)
           p[first + k] = precomputed[k];
       });
@@ -145,7 +146,7 @@ namespace greville
                const double              t) const
     {
       dealii::Tensor<1, dim> result;
-      formulas.evaluate(arguments(p, x, t),
+      formulas.evaluate(arguments_of(x, p.reference(), t),
                         dealii::ArrayView<double>(result.begin_raw(), dim));
       return result;
     }
@@ -166,7 +167,9 @@ namespace greville
         for (unsigned int k = 0; k < precomputed.size(); ++k)
           precomputed[k] = p[first_value + k];
         std::array<double, dim> result;
-        formulas.evaluate(arguments(p, p.position(), t), precomputed, result);
+        formulas.evaluate(arguments_of(p.position(), p.reference(), t),
+                          precomputed,
+                          result);
         for (unsigned int d = 0; d < dim; ++d)
           p[first + d] += result[d];
       });
@@ -188,21 +191,6 @@ namespace greville
     field() const
     {
       return "load_terms_" + std::to_string(formulas.n_precomputed());
-    }
-
-    static std::array<double, 2 * dim + 1>
-    arguments(const ConstPointRef<dim>  p,
-              const dealii::Point<dim> &x,
-              const double              t)
-    {
-      std::array<double, 2 * dim + 1> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          result[d]       = x[d];
-          result[dim + d] = p.reference(d);
-        }
-      result[2 * dim] = t;
-      return result;
     }
 
     Formulas formulas;

@@ -25,12 +25,6 @@ namespace greville
     /// Throws dealii::ExcMessage for invalid formulas.
     SurfaceLoads(const SimulationParameters &parameters);
 
-    bool
-    empty() const
-    {
-      return loads.empty();
-    }
-
     unsigned int
     n_loads() const
     {

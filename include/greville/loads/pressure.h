@@ -42,17 +42,20 @@ namespace greville
     {
     public:
       Load(const Pressure &kind, const LoadedBody &body)
-        : formula(kind.pressure, body.section + "/Pressure")
+        : formula(kind.pressure,
+                  body.section + "/Pressure",
+                  variables_of<dim>("xXt"))
       {}
 
       dealii::Tensor<1, dim>
       load(const SurfaceState<dim> &state, const double t) const override
       {
-        return -formula(state, t)[0] * state.area_vector();
+        return -formula(arguments_of(state.x, state.X, t))[0] *
+               state.area_vector();
       }
 
     private:
-      const SurfaceFormula<dim, 1> formula;
+      const VectorExpression<1> formula;
     };
 
   private:

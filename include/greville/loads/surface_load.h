@@ -195,34 +195,6 @@ namespace greville
                  const std::string &section,
                  const std::string &kind,
                  const std::string &parameter);
-
-  /**
-   * A formula of x, X and t with n components.
-   */
-  template <int dim, int n>
-  class SurfaceFormula
-  {
-  public:
-    SurfaceFormula(const std::string &text, const std::string &parameter)
-      : formulas(text, parameter, variables_of<dim>("xXt"))
-    {}
-
-    dealii::Tensor<1, n>
-    operator()(const SurfaceState<dim> &state, const double t) const
-    {
-      double arguments[2 * dim + 1];
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          arguments[d]       = state.x[d];
-          arguments[dim + d] = state.X[d];
-        }
-      arguments[2 * dim] = t;
-      return formulas(dealii::ArrayView<const double>(arguments, 2 * dim + 1));
-    }
-
-  private:
-    VectorExpression<n> formulas;
-  };
 } // namespace greville
 
 #endif

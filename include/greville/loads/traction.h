@@ -49,7 +49,9 @@ namespace greville
     {
     public:
       Load(const Traction &kind, const LoadedBody &body)
-        : formula(kind.traction, body.section + "/Traction")
+        : formula(kind.traction,
+                  body.section + "/Traction",
+                  variables_of<dim>("xXt"))
         , per_current_area(kind.per_current_area)
       {}
 
@@ -57,12 +59,12 @@ namespace greville
       load(const SurfaceState<dim> &state, const double t) const override
       {
         const double area = per_current_area ? state.area_vector().norm() : 1.;
-        return area * formula(state, t);
+        return area * formula(arguments_of(state.x, state.X, t));
       }
 
     private:
-      const SurfaceFormula<dim, dim> formula;
-      const bool                     per_current_area;
+      const VectorExpression<dim> formula;
+      const bool                  per_current_area;
     };
 
   private:
