@@ -8,7 +8,6 @@
 #include <greville/geometry/shape.h>
 #include <greville/points/body.h>
 #include <greville/points/point_material.h>
-#include <greville/points/soil_layers.h>
 
 #include "formula_gradient.h"
 #include <algorithm>
@@ -538,18 +537,6 @@ namespace greville
 
   template <int dim>
   std::vector<unsigned int>
-  make_points(Body<dim>              &body,
-              const SplineSpace<dim> &space,
-              const Tensor<1, dim>   &gravity,
-              const PointLayout<dim> &layout)
-  {
-    return make_points(body, space, gravity, layout, {});
-  }
-
-
-
-  template <int dim>
-  std::vector<unsigned int>
   make_points(Body<dim>                    &body,
               const SplineSpace<dim>       &space,
               const Tensor<1, dim>         &gravity,
@@ -603,20 +590,6 @@ namespace greville
 
 
 
-#define INSTANTIATE(dim)                               \
-  template std::vector<unsigned int> make_points<dim>( \
-    Body<dim> &,                                       \
-    const SplineSpace<dim> &,                          \
-    const Tensor<1, dim> &,                            \
-    const PointLayout<dim> &);                         \
-  template std::vector<unsigned int> make_points<dim>( \
-    Body<dim> &,                                       \
-    const SplineSpace<dim> &,                          \
-    const Tensor<1, dim> &,                            \
-    const PointLayout<dim> &,                          \
-    const std::vector<SoilLayer> &,                    \
-    const WaterTable<dim> &);
-  INSTANTIATE(2)
-  INSTANTIATE(3)
-#undef INSTANTIATE
+  template decltype(make_points<2>) make_points<2>;
+  template decltype(make_points<3>) make_points<3>;
 } // namespace greville

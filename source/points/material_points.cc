@@ -29,6 +29,14 @@ namespace greville
         return;
       }
     all_fields.push_back({name, size, n_components});
+    const std::pair<const char *, unsigned int *> known[] = {
+      {"initial_F", &initial_F},
+      {"projected_J", &projected_J},
+      {"radius0", &radius0},
+      {"domain", &domain}};
+    for (const auto &[known_name, number] : known)
+      if (name == known_name)
+        *number = size;
     size += n_components;
   }
 

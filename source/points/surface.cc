@@ -85,7 +85,7 @@ namespace greville
       layout.add("load", dim);
       layout.add("normal", dim);
       if (body.points.layout().is_axisymmetric())
-        layout.add_radius0();
+        layout.add("radius0", 1);
       if (is_of_points)
         for (const std::string field : {"radius", "last_radius"})
           layout.add(field, 1);

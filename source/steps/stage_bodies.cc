@@ -4,7 +4,6 @@
 #include <greville/base/named_formulas.h>
 #include <greville/parameters/in_stage.h>
 #include <greville/points/point_material.h>
-#include <greville/points/soil_layers.h>
 #include <greville/steps/implicit_scheme.h>
 #include <greville/steps/stage_bodies.h>
 #include <greville/water/pore_water.h>
@@ -51,11 +50,11 @@ namespace greville
             Loads<dim>(parameters).add_fields(layout);
           });
           if (parameters.scheme.has_projection())
-            layout.add_projected_J();
+            layout.add("projected_J", 1);
           if (parameters.scheme.averages_over_domains())
-            layout.add_domain();
+            layout.add("domain", dim);
           if (parameters.grid.is_axisymmetric())
-            layout.add_radius0();
+            layout.add("radius0", 1);
           if (parameters.general.pore_water)
             layout.add(PoreWater<dim>::field, 1);
           if (parameters.water.is_second_order)
@@ -339,7 +338,7 @@ namespace greville
         layout.basis_position = PointLayout<dim>::reference;
         if (!body.stress.empty() || body.K0 >= 0. ||
             changes_material(name, parameters))
-          layout.add_initial_F();
+          layout.add("initial_F", dim * dim);
       }
     return layout;
   }

@@ -108,7 +108,7 @@ test(const unsigned int p, const bool averages_values)
   transfer.reinit(space, &windows);
 
   PointLayout<dim> layout = make_layout<dim>(0, false, true);
-  layout.add_domain();
+  layout.add("domain", dim);
   MaterialPoints<dim> points;
   random_points<dim>(points, space, layout, cube<dim>(2), 0.9, 5, 0.3);
   points.for_each([&](const unsigned int, const auto q) {

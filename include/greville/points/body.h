@@ -8,8 +8,10 @@
 #include <greville/geometry/placement.h>
 #include <greville/materials/material.h>
 #include <greville/points/material_points.h>
+#include <greville/points/water_table.h>
 
 #include <string>
+#include <vector>
 
 namespace greville
 {
@@ -52,23 +54,45 @@ namespace greville
 
 
 
+  /// A body with a K0 stress, whose weight acts on the bodies below.
+  struct SoilLayer
+  {
+    std::string name; // of the body
+    std::string surface, shape;
+    double      density = 0.; // kg / m^3
+  };
+
+
+
   /**
    * Collective. Make the points of @p body on the cells of @p space. Its name,
    * parameters and material must be set; @p layout contains the history
-   * variables of the material. @p gravity (m / s^2) is used in the K0
-   * procedure. Throws dealii::ExcMessage for a body that is empty or extends
-   * beyond the grid, and for invalid formulas, files and stresses.
+   * variables of the material. Throws dealii::ExcMessage for a body that is
+   * empty or extends beyond the grid, and for invalid formulas, files and
+   * stresses.
    *
    * Points and ids do not depend on the number of processes. Points with an
    * initial displacement are still stored in the cells of their original
    * positions; the cells that points must leave are returned.
+   *
+   * The vertical stress of the K0 procedure, Pa, is with @p gravity g (m / s^2)
+   *   rho g (s - y) + sum_i rho_i g (s_i - s_(i-1)),
+   * with the body's 'Surface' s at the place and the surfaces s_i of the @p
+   * layers above it, from below. A layer is present at a place if its 'Shape'
+   * contains the middle between s_(i-1) and s_i. The body may be among the
+   * layers. Below a water @p table, the pressure p of water at rest is
+   * subtracted, and the pressure of water above the highest surface is added:
+   * the result is the effective stress. Points with a field "pore_pressure"
+   * store p.
    */
   template <int dim>
   std::vector<unsigned int>
   make_points(Body<dim>                    &body,
               const SplineSpace<dim>       &space,
               const dealii::Tensor<1, dim> &gravity,
-              const PointLayout<dim>       &layout);
+              const PointLayout<dim>       &layout,
+              const std::vector<SoilLayer> &layers = {},
+              const WaterTable<dim>        &table  = {});
 } // namespace greville
 
 #endif

@@ -92,7 +92,8 @@ namespace greville
      */
     PointLayout(const std::vector<std::string> &state_names = {});
 
-    /// Add a field, unless there is one with this name.
+    /// Add a field, unless there is one with this name, and set its number
+    /// among the members below.
     void
     add(const std::string &name, const unsigned int n_components);
 
@@ -134,22 +135,8 @@ namespace greville
      */
     unsigned int projected_J = 0;
 
-    void
-    add_projected_J()
-    {
-      add("projected_J", 1);
-      projected_J = first("projected_J");
-    }
-
     /// The number of "radius0", 0 in plane strain.
     unsigned int radius0 = 0;
-
-    void
-    add_radius0()
-    {
-      add("radius0", 1);
-      radius0 = first("radius0");
-    }
 
     bool
     is_axisymmetric() const
@@ -171,20 +158,6 @@ namespace greville
 
     /// The first number of "domain", 0 if there is none.
     unsigned int domain = 0;
-
-    void
-    add_domain()
-    {
-      add("domain", dim);
-      domain = first("domain");
-    }
-
-    void
-    add_initial_F()
-    {
-      add("initial_F", dim * dim);
-      initial_F = first("initial_F");
-    }
 
     bool
     is_total_lagrangian() const
