@@ -95,24 +95,12 @@ namespace greville
 
   template <int dim>
   void
-  WaterPoints<dim>::add(const DrainedPoint<dim> &point)
+  WaterPoints<dim>::add(const DrainedTerm &term)
   {
-    DrainedTerm term;
-    term.cell     = point.cell;
-    term.kind     = point.kind;
-    term.x        = point.x;
-    term.to_basis = point.to_basis;
-    term.area     = point.area;
-    term.radius = term.radius_of_F = point.radius;
-    term.value                     = point.value;
-    term.mobility                  = point.mobility;
-    term.solid                     = point.solid;
-    term.old_J                     = point.old_J;
-    term.penalty                   = point.penalty;
-    term.boundary                  = point.boundary;
     drained.push_back(term);
+    drained.back().radius_of_F = term.radius;
     water_volumes.resize(std::max<std::size_t>(water_volumes.size(),
-                                               3 + point.boundary),
+                                               3 + term.boundary),
                          0.);
   }
 
@@ -257,7 +245,7 @@ namespace greville
   void
   WaterPoints<dim>::spread(const VectorType &dp, VectorField<dim> &force) const
   {
-    tangents.add_spread(begin_pass(nullptr, &dp, true, false));
+    tangents.add_product(begin_pass(nullptr, &dp, true, false));
     end_pass(force, nullptr);
   }
 
@@ -362,7 +350,7 @@ namespace greville
         drained,
         [&](const DrainedTerm &term, const double *q, const auto &slopes) {
           // The symmetric form, also for seepage faces.
-          using Kind = typename DrainedPoint<dim>::Kind;
+          using Kind = typename DrainedTerm::Kind;
           if (term.kind == Kind::flux ||
               (term.kind == Kind::seepage && terms.outflow(term) <= 0.))
             return;

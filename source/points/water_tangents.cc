@@ -162,11 +162,11 @@ namespace greville
   template <int dim>
   template <int n, bool with_hoop>
   void
-  WaterTangents<dim>::multiply(const Fields &fields,
-                               const bool    of_pressure) const
+  WaterTangents<dim>::multiply(const Fields &fields) const
   {
-    using ShapeU = GroupGradients<dim, n, dim, with_hoop>;
-    using ShapeP = GroupGradients<dim, n, 1, true>;
+    using ShapeU           = GroupGradients<dim, n, dim, with_hoop>;
+    using ShapeP           = GroupGradients<dim, n, 1, true>;
+    const bool of_pressure = !fields.u;
     for (const CellPoints &points : cells)
       {
         const CellGeometry<dim, n> of_u(fields.displacements, points.cell);
@@ -252,36 +252,18 @@ namespace greville
 
   template <int dim>
   void
-  WaterTangents<dim>::add(const Fields &fields, const bool of_pressure) const
+  WaterTangents<dim>::add_product(const Fields &fields) const
   {
     with_order(fields.displacements.space->degree(), [&](const auto size) {
       constexpr int n = decltype(size)::value;
       if constexpr (dim == 2)
         if (is_axisymmetric)
           {
-            multiply<n, true>(fields, of_pressure);
+            multiply<n, true>(fields);
             return;
           }
-      multiply<n, false>(fields, of_pressure);
+      multiply<n, false>(fields);
     });
-  }
-
-
-
-  template <int dim>
-  void
-  WaterTangents<dim>::add_product(const Fields &fields) const
-  {
-    add(fields, false);
-  }
-
-
-
-  template <int dim>
-  void
-  WaterTangents<dim>::add_spread(const Fields &fields) const
-  {
-    add(fields, true);
   }
 
 

@@ -100,7 +100,7 @@ namespace greville
   typename WaterTerms<dim>::Sources
   WaterTerms<dim>::sources(const Drained &term) const
   {
-    using Kind              = typename DrainedPoint<dim>::Kind;
+    using Kind              = typename Drained::Kind;
     const Tensor<1, dim> &a = term.end_area;
     Sources               result;
     if (term.kind == Kind::flux)
@@ -127,7 +127,7 @@ namespace greville
   typename WaterTerms<dim>::Sources
   WaterTerms<dim>::derivative(const Drained &term, const Change &change) const
   {
-    using Kind                   = typename DrainedPoint<dim>::Kind;
+    using Kind                   = typename Drained::Kind;
     const Tensor<1, dim> &a      = term.end_area;
     const Tensor<1, dim>  w      = term.gradient - weight;
     const double          excess = term.p - term.value;

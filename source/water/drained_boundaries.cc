@@ -12,22 +12,6 @@ namespace greville
 {
   using namespace dealii;
 
-  namespace
-  {
-    template <int dim>
-    std::vector<std::string>
-    variables_of_surfaces()
-    {
-      std::vector<std::string> variables = coordinate_names<dim>();
-      for (unsigned int d = 0; d < dim; ++d)
-        variables.push_back(std::string(1, "XYZ"[d]));
-      variables.push_back("t");
-      return variables;
-    }
-  } // namespace
-
-
-
   template <int dim>
   WaterConstants
   water_constants(const Body<dim> &body, const WaterParameters &water)
@@ -51,8 +35,6 @@ namespace greville
     , parameters(parameters)
     , penalty(penalty)
   {
-    std::vector<std::string> variables = coordinate_names<dim>();
-    variables.push_back("t");
     const WallParameters &walls = parameters.walls;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       if (walls.passes_water(w))
@@ -64,7 +46,7 @@ namespace greville
                                       walls.seepage_face[w],
                                       name + " pore pressure",
                                       name + " flux",
-                                      variables));
+                                      variables_of<dim>("xt")));
         }
     const auto &names = parameters.general.surface_loads;
     for (unsigned int k = 0; k < names.size(); ++k)
@@ -79,7 +61,7 @@ namespace greville
                                          load.seepage_face,
                                          name + "/Pore pressure",
                                          name + "/Flux",
-                                         variables_of_surfaces<dim>()));
+                                         variables_of<dim>("xXt")));
       }
   }
 
@@ -132,7 +114,7 @@ namespace greville
 
   template <int dim>
   void
-  DrainedBoundaries<dim>::set(DrainedPoint<dim>             &point,
+  DrainedBoundaries<dim>::set(DrainedPoint                  &point,
                               const Given                   &given,
                               const ArrayView<const double> &arguments) const
   {
@@ -151,7 +133,7 @@ namespace greville
 
   template <int dim>
   bool
-  DrainedBoundaries<dim>::set_soil(DrainedPoint<dim>            &point,
+  DrainedBoundaries<dim>::set_soil(DrainedPoint                 &point,
                                    const std::vector<Body<dim>> &bodies,
                                    const unsigned int            cell) const
   {
@@ -197,15 +179,15 @@ namespace greville
             const CellBox<dim> box = displacements.box(c);
             if (box.index[d] != end)
               continue;
-            DrainedPoint<dim> of_cell;
+            DrainedPoint of_cell;
             if (!set_soil(of_cell, bodies, c))
               continue;
             const double area = box.volume() / box.size[d];
             for (unsigned int q = 0; q < gauss.size(); ++q)
               {
-                DrainedPoint<dim> point = of_cell;
-                point.cell              = c;
-                point.boundary          = w;
+                DrainedPoint point = of_cell;
+                point.cell         = c;
+                point.boundary     = w;
                 for (unsigned int e = 0, k = 0; e < dim; ++e)
                   point.x[e] =
                     e == d ? (side == 0 ? displacements.lower_corner()[d]
@@ -222,9 +204,7 @@ namespace greville
                 point.penalty = penalty / (2. * box.size[d]);
                 for (unsigned int e = 0; e < dim; ++e)
                   arguments[e] = point.x[e];
-                set(point,
-                    given,
-                    ArrayView<const double>(arguments.data(), dim + 1));
+                set(point, given, arguments);
                 points.add(point);
               }
           }
@@ -241,8 +221,6 @@ namespace greville
     const double                     time,
     WaterPoints<dim>                &points) const
   {
-    std::array<double, 2 * dim + 1> arguments;
-    arguments[2 * dim] = time;
     for (const auto &of_surface : of_surfaces)
       {
         const Given            &given   = of_surface.second;
@@ -256,7 +234,7 @@ namespace greville
             surface.points.for_each_in_cell(
               cell, [&](const ConstPointRef<dim> p) {
                 const SurfaceState<dim> state = surface_state<dim>(p, layout);
-                DrainedPoint<dim>       point;
+                DrainedPoint            point;
                 point.cell     = cell;
                 point.boundary = 2 * dim + of_surface.first;
                 point.x        = p.basis_position(layout);
@@ -282,14 +260,7 @@ namespace greville
                   size += std::abs(normal[d]) / (2. * h[d]);
                 point.penalty =
                   penalty * size * point.area.norm() / normal.norm_square();
-                for (unsigned int d = 0; d < dim; ++d)
-                  {
-                    arguments[d]       = state.x[d];
-                    arguments[dim + d] = state.X[d];
-                  }
-                set(point,
-                    given,
-                    ArrayView<const double>(arguments.data(), 2 * dim + 1));
+                set(point, given, arguments_of(state.x, state.X, time));
                 points.add(point);
               });
           }

@@ -96,7 +96,7 @@ namespace greville
         const WaterConstants      &constants);
 
     void
-    add(const DrainedPoint<dim> &point);
+    add(const typename WaterTerms<dim>::Drained &term);
 
     /**
      * Collective. Compute f and r for a displacement in the step, m, and a

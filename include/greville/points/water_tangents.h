@@ -54,15 +54,9 @@ namespace greville
       double                          *forces, *rows;
     };
 
-    /**
-     * Add both derivatives.
-     */
+    /// Add both derivatives; only df for u = 0 if the displacement is null.
     void
     add_product(const Fields &fields) const;
-
-    /// Add df for u = 0, without rows.
-    void
-    add_spread(const Fields &fields) const;
 
   private:
     struct CellPoints
@@ -88,16 +82,9 @@ namespace greville
       n_numbers
     };
 
-    /**
-     * Add the derivatives, or only the derivative by the pressure if @p
-     * of_pressure.
-     */
-    void
-    add(const Fields &fields, const bool of_pressure) const;
-
     template <int n, bool with_hoop>
     void
-    multiply(const Fields &fields, const bool of_pressure) const;
+    multiply(const Fields &fields) const;
 
     bool                    is_axisymmetric = false;
     dealii::Tensor<1, dim>  weight_of_water;

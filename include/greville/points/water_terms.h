@@ -52,46 +52,6 @@ namespace greville
 
 
 
-  /// A boundary point with a given pressure or flow.
-  template <int dim>
-  struct DrainedPoint
-  {
-    enum class Kind
-    {
-      pressure,
-      seepage, // p is at most the pressure, and water only leaves
-      flux
-    };
-
-    Kind         kind = Kind::pressure;
-    unsigned int cell;     // owned
-    unsigned int boundary; // the number of the wall or the surface
-    /// The position at which basis functions are evaluated, m.
-    dealii::Point<dim> x;
-    /// The outward normal times the area at the start of the step.
-    dealii::Tensor<1, dim> area;
-    /**
-     * The map from gradients with respect to x to gradients at the start of the
-     * step: 1, or the inverse of F in total Lagrangian steps.
-     */
-    dealii::Tensor<2, dim> to_basis;
-    /// The pressure, Pa; for the kind flux, the outflow, m / s.
-    double value;
-    /**
-     * See WaterConstants; and the volume at the start of the step over the
-     * stress-free volume.
-     */
-    double mobility = 0.;
-    double solid    = 0.;
-    double old_J    = 1.;
-    /// The penalty of Nitsche's method, divided by the cell size, 1 / m.
-    double penalty = 0.;
-    /// The distance from the axis at the start, m; 0 without axisymmetry.
-    double radius = 0.;
-  };
-
-
-
   /**
    * The contributions of points of bodies and of drained boundaries to the sums
    * of WaterPoints, which states the equations, and their derivatives.
@@ -102,14 +62,17 @@ namespace greville
     /// A term of the sums. Terms of a cell are consecutive.
     struct Term
     {
-      unsigned int           cell;
+      unsigned int cell; // owned
+      // The position at which basis functions are evaluated, m, and the map
+      // from gradients with respect to x to gradients at the start of the step:
+      // 1, or the inverse of F in total Lagrangian steps.
       dealii::Point<dim>     x;
       dealii::Tensor<2, dim> to_basis;
       // See WaterConstants; for points, times the volume at the start.
       double mobility = 0., solid = 0., suction = 0.;
       // The volume at the start over the stress-free volume.
       double old_J = 1.;
-      // For axisymmetric terms: the distance from the axis at the start, the
+      // For axisymmetric terms: the distance from the axis at the start, m, the
       // distance to which the change of volume is relative, and the distance at
       // the end.
       double radius = 0., radius_of_F = 0., end_radius = 0.;
@@ -138,12 +101,24 @@ namespace greville
       double earlier = 0.;
     };
 
+    /// A boundary point with a given pressure or flow.
     struct Drained : Term
     {
-      typename DrainedPoint<dim>::Kind kind;
-      dealii::Tensor<1, dim>           area, end_area;
-      double                           value, penalty;
-      unsigned int                     boundary;
+      enum class Kind
+      {
+        pressure,
+        seepage, // p is at most the pressure, and water only leaves
+        flux
+      };
+
+      Kind kind = Kind::pressure;
+      /// The outward normal times the area at the start and end of the step.
+      dealii::Tensor<1, dim> area, end_area;
+      /// The pressure, Pa; for the kind flux, the outflow, m / s.
+      double value;
+      /// Nitsche's penalty over the cell size at the start, 1 / m.
+      double       penalty = 0.;
+      unsigned int boundary; // the number of the wall or the surface
     };
 
     /**

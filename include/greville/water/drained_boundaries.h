@@ -63,7 +63,8 @@ namespace greville
                WaterPoints<dim>                &points) const;
 
   private:
-    using Kind = typename DrainedPoint<dim>::Kind;
+    using DrainedPoint = typename WaterTerms<dim>::Drained;
+    using Kind         = typename DrainedPoint::Kind;
 
     /// The condition at a wall or a surface: a pressure, or a flow.
     struct Given
@@ -94,7 +95,7 @@ namespace greville
 
     /// Set the condition at a point whose mobility at saturation is known.
     void
-    set(DrainedPoint<dim>                     &point,
+    set(DrainedPoint                          &point,
         const Given                           &given,
         const dealii::ArrayView<const double> &arguments) const;
 
@@ -103,7 +104,7 @@ namespace greville
      * bodies, weighted by volume. Returns whether there is any soil.
      */
     bool
-    set_soil(DrainedPoint<dim>            &point,
+    set_soil(DrainedPoint                 &point,
              const std::vector<Body<dim>> &bodies,
              const unsigned int            cell) const;
 
