@@ -228,12 +228,8 @@ namespace greville
   Walls<dim>::impose(VectorField<dim> &field, const Value &value_at) const
   {
     if (have_moving())
-      fail_with(
-        [&]() {
-          run_on_all([&]() { set_constrained(field, value_at); },
-                     field[0].get_mpi_communicator());
-        },
-        false);
+      run_or_fail([&]() { set_constrained(field, value_at); },
+                  field[0].get_mpi_communicator());
     else
       set_constrained(field, value_at);
   }

@@ -387,12 +387,8 @@ namespace greville
           step.force -= now.contacts[c].force;
           step.moment -= now.contacts[c].moment;
         }
-    fail_with(
-      [&]() {
-        run_on_all([&]() { step.gravity = parts.front()->loads.gravity(t); },
-                   comm);
-      },
-      false);
+    run_or_fail([&]() { step.gravity = parts.front()->loads.gravity(t); },
+                comm);
     return step;
   }
 
@@ -410,17 +406,11 @@ namespace greville
         step.t              = state.time;
         step.dt             = dt;
         step.velocity_dt    = 0.5 * (state.step + dt);
-        fail_with(
+        run_or_fail(
           [&]() {
-            run_on_all(
-              [&]() {
-                rigid_bodies[k].move(positions[k].now,
-                                     positions[k].before,
-                                     step);
-              },
-              comm);
+            rigid_bodies[k].move(positions[k].now, positions[k].before, step);
           },
-          false);
+          comm);
       }
     return positions;
   }

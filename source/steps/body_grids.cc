@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/memory.h>
-#include <greville/boundary/loads.h>
-#include <greville/boundary/walls.h>
 #include <greville/parameters/pores.h>
-#include <greville/points/body.h>
 #include <greville/steps/body_grids.h>
+#include <greville/steps/stage_bodies.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,34 +46,13 @@ namespace greville
                const GridParameters       &grid,
                const MPI_Comm              comm)
     {
-      double          n_all_cells = 1.;
-      Point<dim>      lower, upper;
-      MultiIndex<dim> n_cells;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          lower[d]   = grid.lower[d];
-          upper[d]   = grid.upper[d];
-          n_cells[d] = grid.cells[d];
-          n_all_cells *= n_cells[d];
-        }
-      check_memory_of_cells(n_all_cells,
-                            dim,
-                            "The parameter 'Cells' of the grid of 'Body " +
-                              name + "'",
-                            comm);
       DistributedTriangulation<dim> mesh(comm,
                                          Triangulation<dim>::none,
                                          mesh_settings<dim>);
-      create_box_mesh<dim>(mesh,
-                           lower,
-                           upper,
-                           n_cells,
-                           Walls<dim>::periodic_directions(parameters.walls));
+      const MultiIndex<dim>         n_cells = create_grid_mesh(
+        mesh, grid, parameters.walls, "Body " + name + "/Grid/Cells");
       const SplineSpace<dim> space(mesh, 1);
-      Body<dim>              body;
-      body.name       = name;
-      body.parameters = &parameters.bodies.at(name);
-      body.material = parameters.materials.at(body.parameters->material).get();
+      Body<dim>              body = make_body<dim>(name, parameters);
       make_points(body,
                   space,
                   Loads<dim>(parameters).gravity(parameters.time.start),

@@ -57,22 +57,9 @@ namespace greville
 
   template <int dim>
   double
-  CentralDifferences<dim>::flip_share(const State<dim> &state,
-                                      const double      velocity_step) const
-  {
-    return greville::flip_share(parameters.scheme,
-                                discretization.cell_size(),
-                                state.first_signal,
-                                velocity_step);
-  }
-
-
-
-  template <int dim>
-  double
   CentralDifferences<dim>::kept_share(const State<dim> &state) const
   {
-    return apic ? 0. : flip_share(state, trial.velocity_step);
+    return apic ? 0. : discretization.flip_share(state, trial.velocity_step);
   }
 
 
@@ -86,7 +73,8 @@ namespace greville
     scheme.apic                       = apic;
     // A smaller FLIP share has a shorter step; dt is not known yet.
     scheme.flip =
-      std::min(parameters.scheme.flip, flip_share(state, state.velocity_step));
+      std::min(parameters.scheme.flip,
+               discretization.flip_share(state, state.velocity_step));
     scheme.damping = damping.factor();
     return step_size.propose(state, scheme);
   }
@@ -177,13 +165,13 @@ namespace greville
       },
       false);
     const PartTimer timer(log, "loads");
-    const auto      set = [&]() {
-      loads.set(state.bodies, state.time);
-      loads.surfaces().set(state.surfaces, state.time);
-    };
     if (loads.act_on_points() || !state.surfaces.empty())
-      fail_with([&]() { run_on_all(set, discretization.communicator()); },
-                false);
+      run_or_fail(
+        [&]() {
+          loads.set(state.bodies, state.time);
+          loads.surfaces().set(state.surfaces, state.time);
+        },
+        discretization.communicator());
   }
 
 
@@ -509,7 +497,7 @@ namespace greville
     take_points(state);
     add_work_of_point_loads(state, true);
     end_row(state);
-    transport(state);
+    discretization.transport_points(state, trial.motion);
     inform_guard();
     count_step(state, dt);
   }
@@ -527,20 +515,6 @@ namespace greville
       }
     std::swap(state.field.acceleration, field.acceleration);
     step_size.remember(state.field.history, field.acceleration, dt);
-  }
-
-
-
-  template <int dim>
-  void
-  CentralDifferences<dim>::transport(State<dim> &state)
-  {
-    const std::string problem =
-      discretization.transport_points(state,
-                                      trial.motion.left_cells,
-                                      trial.motion.left_surface_cells);
-    fail_on_all(trial.motion.problem.empty() ? problem : trial.motion.problem,
-                discretization.communicator());
   }
 
 

@@ -17,9 +17,7 @@ namespace greville
 
   template <int dim>
   Tensor<1, dim>
-  Damping<dim>::taken(const GridField<dim> &field,
-                      const double          alpha,
-                      const unsigned int    i) const
+  Damping<dim>::taken(const GridField<dim> &field, const unsigned int i) const
   {
     Tensor<1, dim> result;
     const double   m = field.lumped_mass.local_element(i);
@@ -30,7 +28,7 @@ namespace greville
         const double P = field.momentum[d].local_element(i);
         if (P != 0.)
           result[d] =
-            alpha *
+            factor() *
             std::copysign(std::abs(field.force[d].local_element(i)) / m, P);
       }
     return field.mass->free_part(i, result);
@@ -42,12 +40,11 @@ namespace greville
   void
   Damping<dim>::damp(GridField<dim> &field) const
   {
-    const double alpha = factor();
-    if (alpha == 0.)
+    if (factor() == 0.)
       return;
     for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size(); ++i)
       {
-        const Tensor<1, dim> change = taken(field, alpha, i);
+        const Tensor<1, dim> change = taken(field, i);
         for (unsigned int d = 0; d < dim; ++d)
           field.acceleration[d].local_element(i) -= change[d];
       }
@@ -60,10 +57,9 @@ namespace greville
   Damping<dim>::power(const GridField<dim>   &field,
                       const VectorField<dim> &momenta) const
   {
-    const double alpha = factor();
-    double       power = 0.;
+    double power = 0.;
     for (unsigned int i = 0; i < field.lumped_mass.locally_owned_size(); ++i)
-      power -= 0.5 * (taken(field, alpha, i) * values_at<dim>(momenta, i));
+      power -= 0.5 * (taken(field, i) * values_at<dim>(momenta, i));
     return power;
   }
 

@@ -25,30 +25,6 @@ namespace greville
 
 
 
-    template <int dim>
-    MultiIndex<dim>
-    to_multi_index(const std::vector<unsigned int> &numbers)
-    {
-      MultiIndex<dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = numbers[d];
-      return result;
-    }
-
-
-
-    template <int dim>
-    Point<dim>
-    to_point(const std::vector<double> &numbers)
-    {
-      Point<dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = numbers[d];
-      return result;
-    }
-
-
-
     void
     check_parameters(const SimulationParameters &parameters)
     {
@@ -109,6 +85,34 @@ namespace greville
 
 
   template <int dim>
+  MultiIndex<dim>
+  create_grid_mesh(DistributedTriangulation<dim> &mesh,
+                   const GridParameters          &grid,
+                   const WallParameters          &walls,
+                   const std::string             &parameter)
+  {
+    double          n_all_cells = 1.;
+    Point<dim>      lower, upper;
+    MultiIndex<dim> n_cells;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        lower[d]   = grid.lower[d];
+        upper[d]   = grid.upper[d];
+        n_cells[d] = grid.cells[d];
+        n_all_cells *= n_cells[d];
+      }
+    check_memory_of_cells(n_all_cells,
+                          dim,
+                          "The parameter '" + parameter + "'",
+                          get_communicator(mesh));
+    create_box_mesh<dim>(
+      mesh, lower, upper, n_cells, Walls<dim>::periodic_directions(walls));
+    return n_cells;
+  }
+
+
+
+  template <int dim>
   Discretization<dim>::Discretization(const SimulationParameters &parameters,
                                       const Loads<dim>           &loads,
                                       StepLog                    &log,
@@ -124,22 +128,14 @@ namespace greville
                 ExcMessage("The parameters are those of a simulation in " +
                            std::to_string(parameters.general.dimension) +
                            "D, not " + std::to_string(dim) + "D."));
-    double n_cells = 1.;
-    for (const unsigned int n : parameters.grid.cells)
-      n_cells *= n;
-    check_memory_of_cells(n_cells, dim, "The parameter 'Grid/Cells'", comm);
-    create_box_mesh<dim>(mesh,
-                         to_point<dim>(parameters.grid.lower),
-                         to_point<dim>(parameters.grid.upper),
-                         to_multi_index<dim>(parameters.grid.cells),
-                         Walls<dim>::periodic_directions(parameters.walls));
+    const MultiIndex<dim> n_cells =
+      create_grid_mesh(mesh, parameters.grid, parameters.walls, "Grid/Cells");
     cell_partition =
       std::make_shared<const Partition>(std::vector<double>(), comm);
     repartition(std::make_shared<const Partition>(
       initial_partition(mesh, parameters, loads)));
     const std::string warning =
-      describe_many_coarse_cells<dim>(to_multi_index<dim>(
-                                        parameters.grid.cells),
+      describe_many_coarse_cells<dim>(n_cells,
                                       Utilities::MPI::n_mpi_processes(comm));
     if (!warning.empty())
       log.warnings.push_back(warning);
@@ -397,15 +393,28 @@ namespace greville
 
 
   template <int dim>
-  std::string
-  Discretization<dim>::transport_points(
-    State<dim>                                   &state,
-    const std::vector<std::vector<unsigned int>> &left_cells,
-    const std::vector<std::vector<unsigned int>> &left_surface_cells)
+  double
+  Discretization<dim>::flip_share(const State<dim> &state,
+                                  const double      dt) const
+  {
+    const SchemeParameters &scheme = parameters.scheme;
+    if (scheme.is_pic() || scheme.flip == 0.)
+      return 0.;
+    if (scheme.flip == 1.)
+      return 1.;
+    return std::pow(scheme.flip, dt * state.first_signal / cell_size());
+  }
+
+
+
+  template <int dim>
+  void
+  Discretization<dim>::transport_points(State<dim>        &state,
+                                        const PointMotion &motion)
   {
     const PartTimer timer(log, "transport");
-    std::string     problem;
-    const auto      move = [&](MaterialPoints<dim>             &points,
+    std::string     problem = motion.problem;
+    const auto      move    = [&](MaterialPoints<dim>             &points,
                           const std::vector<unsigned int> &left,
                           const std::string               &owner) {
       const auto result = point_transport.move(points, left);
@@ -416,7 +425,7 @@ namespace greville
                   owner + "' has left the grid: it is at (" +
                   text_of(result.outside_position) +
                   ") m, and the grid lies between 'Lower corner' and 'Upper "
-                       "corner'";
+                          "corner'";
       if (state.n_steps % defragment_every == defragment_every - 1)
         points.defragment();
       return result;
@@ -428,15 +437,15 @@ namespace greville
       {
         Body<dim> &body = state.bodies[b];
         const auto result =
-          move(body.points, left_cells[b], "body '" + body.name);
+          move(body.points, motion.left_cells[b], "body '" + body.name);
         counts[0] += body.points.n_points();
         counts[1] += result.n_removed;
         counts[2] += result.removed_mass;
         state.n_sent += result.n_sent;
       }
-    for (unsigned int s = 0; s < left_surface_cells.size(); ++s)
+    for (unsigned int s = 0; s < motion.left_surface_cells.size(); ++s)
       move(state.surfaces[s].points,
-           left_surface_cells[s],
+           motion.left_surface_cells[s],
            "surface of the load '" + state.surfaces[s].name);
     state.points_have_changed();
     Utilities::MPI::sum(counts, comm, counts);
@@ -444,11 +453,13 @@ namespace greville
     state.n_removed += std::uint64_t(counts[1]);
     state.removed_mass += state.mass_removed_last;
     state.mass_removed_last = counts[2];
-    return problem;
+    fail_on_all(problem, comm);
   }
 
 
 
+  template decltype(create_grid_mesh<2>) create_grid_mesh<2>;
+  template decltype(create_grid_mesh<3>) create_grid_mesh<3>;
   template class Discretization<2>;
   template class Discretization<3>;
 } // namespace greville

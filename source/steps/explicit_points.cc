@@ -24,9 +24,9 @@ namespace greville
     update.move          = move;
     update.velocity_step = trial.velocity_step;
     update.step          = trial.step;
-    update.flip          = flip_share(state, trial.velocity_step);
-    update.apic          = apic;
-    update.projection    = discretization.volume_projection();
+    update.flip       = discretization.flip_share(state, trial.velocity_step);
+    update.apic       = apic;
+    update.projection = discretization.volume_projection();
 
     const bool watches = row && kick && row->watch;
     if (watches)

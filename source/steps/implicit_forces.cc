@@ -399,10 +399,7 @@ namespace greville
     // Points lose this momentum with the FLIP kick, or take a velocity without
     // it.
     const bool   is_taken = !scheme.keeps_constrained_momentum;
-    const double flip     = flip_share(parameters.scheme,
-                                   discretization.cell_size(),
-                                   state.first_signal,
-                                   dt);
+    const double flip     = discretization.flip_share(state, dt);
     const auto   sums =
       discretization.walls().constrained_sums(constrained_momentum);
     for (unsigned int w = 0; w < 2 * dim; ++w)

@@ -20,66 +20,37 @@ namespace greville
 
 
 
-    void
-    set_quasi_static(ImplicitScheme &scheme, const ImplicitParameters &)
-    {
-      scheme.is_static = true;
-    }
-
-
-
-    void
-    set_backward_euler(ImplicitScheme &scheme, const ImplicitParameters &)
-    {
-      scheme.alpha_u = scheme.alpha_v = 1.;
-    }
-
-
-
-    void
-    set_trapezoidal_rule(ImplicitScheme &scheme, const ImplicitParameters &)
-    {
-      set_newmark(scheme, 0.25, 0.5);
-    }
-
-
-
-    void
-    set_generalized_alpha(ImplicitScheme           &scheme,
-                          const ImplicitParameters &parameters)
-    {
-      const double rho = parameters.spectral_radius;
-      scheme.alpha_m   = (2. * rho - 1.) / (rho + 1.);
-      scheme.alpha_f   = rho / (rho + 1.);
-      const double sum = 1. - scheme.alpha_m + scheme.alpha_f;
-      set_newmark(scheme, 0.25 * sum * sum, sum - 0.5);
-      scheme.keeps_acceleration = true;
-    }
-
-
-
-    void
-    set_implicit_midpoint(ImplicitScheme &scheme, const ImplicitParameters &)
-    {
-      scheme.alpha_u = scheme.alpha_v   = 2.;
-      scheme.stress                     = StepStress::energy_consistent;
-      scheme.keeps_constrained_momentum = true;
-      scheme.load_time                  = 0.5;
-    }
-
-
-
     using SetScheme = void (*)(ImplicitScheme &, const ImplicitParameters &);
 
     const std::map<std::string, SetScheme> &
     schemes()
     {
       static const std::map<std::string, SetScheme> list = {
-        {"quasi-static", set_quasi_static},
-        {"backward-euler", set_backward_euler},
-        {"newmark", set_trapezoidal_rule},
-        {"generalized-alpha", set_generalized_alpha},
-        {"implicit-midpoint", set_implicit_midpoint}};
+        {"quasi-static",
+         [](ImplicitScheme &scheme, const auto &) { scheme.is_static = true; }},
+        {"backward-euler",
+         [](ImplicitScheme &scheme, const auto &) {
+           scheme.alpha_u = scheme.alpha_v = 1.;
+         }},
+        {"newmark",
+         [](ImplicitScheme &scheme, const auto &) {
+           set_newmark(scheme, 0.25, 0.5);
+         }},
+        {"generalized-alpha",
+         [](ImplicitScheme &scheme, const auto &parameters) {
+           const double rho = parameters.spectral_radius;
+           scheme.alpha_m   = (2. * rho - 1.) / (rho + 1.);
+           scheme.alpha_f   = rho / (rho + 1.);
+           const double sum = 1. - scheme.alpha_m + scheme.alpha_f;
+           set_newmark(scheme, 0.25 * sum * sum, sum - 0.5);
+           scheme.keeps_acceleration = true;
+         }},
+        {"implicit-midpoint", [](ImplicitScheme &scheme, const auto &) {
+           scheme.alpha_u = scheme.alpha_v   = 2.;
+           scheme.stress                     = StepStress::energy_consistent;
+           scheme.keeps_constrained_momentum = true;
+           scheme.load_time                  = 0.5;
+         }}};
       return list;
     }
   } // namespace

@@ -54,16 +54,14 @@ namespace greville
                         &new_surface_loads,
                         &contact_load,
                         &contact_acceleration})
-      for (VectorType &component : *field)
-        system.space().initialize_vector(component);
+      discretization.initialize(*field);
     system.initialize(last_residual);
     if (!parameters.general.pore_water)
       return;
     water = std::make_unique<PoreWater<dim>>(system.space(),
                                              discretization.triangulation(),
                                              parameters);
-    for (VectorType &component : water_force)
-      system.space().initialize_vector(component);
+    discretization.initialize(water_force);
     // With one IC(0) for all components, p = 3 takes four times the iterations,
     // and ten times in nearly undrained soil.
     system.smooth_components();
@@ -108,16 +106,8 @@ namespace greville
     fail_with([&]() { g = loads.gravity(t); }, false);
     if (loads.act_on_points())
       {
-        fail_with(
-          [&]() {
-            run_on_all(
-              [&]() {
-                with_following ? loads.set(state.bodies, t)
-                               : loads.set_others(state.bodies, t);
-              },
-              discretization.communicator());
-          },
-          false);
+        run_or_fail([&]() { loads.set(state.bodies, t, with_following); },
+                    discretization.communicator());
         discretization.sum(state, true);
         for (unsigned int d = 0; d < dim; ++d)
           sums[d].copy_locally_owned_data_from(field().force[d]);
@@ -466,10 +456,7 @@ namespace greville
     kick.acceleration  = &state.field.acceleration;
     kick.velocity      = &velocity;
     kick.velocity_step = dt;
-    kick.flip          = flip_share(parameters.scheme,
-                           discretization.cell_size(),
-                           state.first_signal,
-                           dt);
+    kick.flip          = discretization.flip_share(state, dt);
     const auto pass    = [&](const PointUpdate<dim> &update) {
       PointMotion motion = update_points(state.bodies,
                                          discretization.transfer(),
@@ -500,12 +487,7 @@ namespace greville
     move.projection          = discretization.volume_projection();
     const PointMotion motion = pass(move);
     state.points_have_changed();
-    const std::string problem =
-      discretization.transport_points(state,
-                                      motion.left_cells,
-                                      motion.left_surface_cells);
-    fail_on_all(motion.problem.empty() ? problem : motion.problem,
-                discretization.communicator());
+    discretization.transport_points(state, motion);
     guard.set(motion);
     guard.set(momentum);
     std::vector<double> speeds{motion.fastest_signal, motion.fastest_wave};

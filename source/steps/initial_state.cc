@@ -78,39 +78,6 @@ namespace greville
 
 
     /**
-     * Update the signals by the points of a body on this process.
-     */
-    template <int dim>
-    void
-    add_signals(Signals                &signals,
-                const Body<dim>        &body,
-                const SplineSpace<dim> &space)
-    {
-      const Moduli moduli = body.material->moduli();
-      const double c      = std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) /
-                                 body.material->density);
-      signals.wave        = std::max(signals.wave, c);
-      if (body.points.layout().is_total_lagrangian())
-        {
-          signals.fastest = std::max(signals.fastest, c);
-          return;
-        }
-      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-        double v2 = 0., rate = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double v = p.velocity(d);
-            v2 += v * v;
-            rate += std::abs(v) / space.cell_size(d);
-          }
-        signals.fastest       = std::max(signals.fastest, c + std::sqrt(v2));
-        signals.crossing_rate = std::max(signals.crossing_rate, rate);
-      });
-    }
-
-
-
-    /**
      * Collective. Set the initial pore pressure of surfaces in contact.
      */
     template <int dim>
@@ -290,7 +257,22 @@ namespace greville
   {
     Signals signals;
     for (const Body<dim> &body : bodies)
-      add_signals(signals, body, space);
+      {
+        const Moduli moduli = body.material->moduli();
+        const double c      = std::sqrt((moduli.bulk + 4. / 3. * moduli.shear) /
+                                   body.material->density);
+        signals.wave        = std::max(signals.wave, c);
+        signals.fastest     = std::max(signals.fastest, c);
+        if (!body.points.layout().is_total_lagrangian())
+          body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+            double rate = 0.;
+            for (unsigned int d = 0; d < dim; ++d)
+              rate += std::abs(p.velocity(d)) / space.cell_size(d);
+            signals.fastest =
+              std::max(signals.fastest, c + p.velocity().norm());
+            signals.crossing_rate = std::max(signals.crossing_rate, rate);
+          });
+      }
     const MPI_Comm comm   = space.communicator();
     signals.fastest       = Utilities::MPI::max(signals.fastest, comm);
     signals.crossing_rate = Utilities::MPI::max(signals.crossing_rate, comm);

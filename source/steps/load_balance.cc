@@ -35,18 +35,6 @@ namespace greville
 
 
 
-    template <typename StateType, typename Action>
-    void
-    for_all_points(StateType &state, const Action &action)
-    {
-      for (auto &body : state.bodies)
-        action(body.points);
-      for (auto &surface : state.surfaces)
-        action(surface.points);
-    }
-
-
-
     /**
      * Move the points in the cells @p old_cells of this process to the
      * processes that now own these cells.

@@ -32,41 +32,19 @@ namespace greville
 
 
 
-  double
-  flip_share(const SchemeParameters &scheme,
-             const double            h,
-             const double            signal,
-             const double            dt)
-  {
-    if (scheme.is_pic() || scheme.flip == 0.)
-      return 0.;
-    if (scheme.flip == 1.)
-      return 1.;
-    return std::pow(scheme.flip, dt * signal / h);
-  }
-
-
-
   template <int dim>
   void
   stop_points(State<dim> &state)
   {
-    for (Surface<dim> &surface : state.surfaces)
-      surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+    for_all_points(state, [](MaterialPoints<dim> &points) {
+      const PointField *affine = points.layout().find("affine");
+      points.for_each([&](const unsigned int, PointRef<dim> p) {
         for (unsigned int d = 0; d < dim; ++d)
           p.velocity(d) = 0.;
+        for (unsigned int k = 0; affine && k < dim * dim; ++k)
+          p[affine->first + k] = 0.;
       });
-    for (Body<dim> &body : state.bodies)
-      {
-        const PointField *affine = body.points.layout().find("affine");
-        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
-          for (unsigned int d = 0; d < dim; ++d)
-            p.velocity(d) = 0.;
-          if (affine)
-            for (unsigned int k = 0; k < dim * dim; ++k)
-              p[affine->first + k] = 0.;
-        });
-      }
+    });
   }
 
 

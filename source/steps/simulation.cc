@@ -142,14 +142,13 @@ namespace greville
         body.parameters = &parameters.bodies.at(body.name);
         body.material =
           parameters.materials.at(body.parameters->material).get();
-        if (keeps_integrator)
-          body.points.set_space(discretization.space());
       }
     // enter_stage() makes new spaces and gives them to points.
     if (keeps_integrator)
-      for (Surface<dim> &surface : current.surfaces)
-        surface.points.set_space(discretization.space());
-    if (!keeps_integrator)
+      for_all_points(current, [&](MaterialPoints<dim> &points) {
+        points.set_space(discretization.space());
+      });
+    else
       enter_stage(state.stage);
     discretization.field().mass->forget();
     integrator->forget();
@@ -356,7 +355,8 @@ namespace greville
       names.push_back(name);
       values.push_back(own);
     };
-    late.energy.visit_numbers(
+    EnergyBalance::visit_numbers(
+      late.energy,
       EnergyBalance::surfaces + current.surfaces.size(),
       [](const std::string &, const double) {},
       add);
@@ -458,10 +458,9 @@ namespace greville
   Simulation<dim>::points_memory() const
   {
     std::size_t n = last_good.memory_consumption();
-    for (const Body<dim> &body : current.bodies)
-      n += body.points.memory_consumption();
-    for (const Surface<dim> &surface : current.surfaces)
-      n += surface.points.memory_consumption();
+    for_all_points(current, [&](const MaterialPoints<dim> &points) {
+      n += points.memory_consumption();
+    });
     return n;
   }
 

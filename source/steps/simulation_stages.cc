@@ -53,13 +53,11 @@ namespace greville
       loads = Loads<dim>(parameters);
       discretization.reinit();
       for (Body<dim> &body : current.bodies)
-        {
-          body.points.set_space(discretization.space());
-          body.material =
-            parameters.materials.at(body.parameters->material).get();
-        }
-      for (Surface<dim> &surface : current.surfaces)
-        surface.points.set_space(discretization.space());
+        body.material =
+          parameters.materials.at(body.parameters->material).get();
+      for_all_points(current, [&](MaterialPoints<dim> &points) {
+        points.set_space(discretization.space());
+      });
       integrator = make_integrator();
       check_given_step(parameters.time, discretization, stage != current.stage);
     });
@@ -141,23 +139,15 @@ namespace greville
     const bool reset = !parameters.stages.empty() &&
                        parameters.stages[current.stage].reset_displacements;
     const bool apic = parameters.scheme.is_apic();
-    for (Surface<dim> &surface : current.surfaces)
-      surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+    for_all_points(current, [&](MaterialPoints<dim> &points) {
+      const PointField *affine = points.layout().find("affine");
+      points.for_each([&](const unsigned int, PointRef<dim> p) {
         for (unsigned int d = 0; reset && d < dim; ++d)
           p.reference(d) = p.position(d);
+        for (unsigned int k = 0; affine && !apic && k < dim * dim; ++k)
+          p[affine->first + k] = 0.;
       });
-    for (Body<dim> &body : current.bodies)
-      {
-        const PointField *affine = body.points.layout().find("affine");
-        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
-          if (reset)
-            for (unsigned int d = 0; d < dim; ++d)
-              p.reference(d) = p.position(d);
-          if (affine && !apic)
-            for (unsigned int k = 0; k < dim * dim; ++k)
-              p[affine->first + k] = 0.;
-        });
-      }
+    });
     // This stage may have other loads, and new initial positions.
     loads.precompute(current.bodies);
     current.points_have_changed();

@@ -103,8 +103,7 @@ namespace greville
   void
   Simulation<dim>::check_energy()
   {
-    const bool is_due = guard.looks_at_energy(current.n_steps) ||
-                        (is_finished() && guard.looks_at_last_energy(current));
+    const bool is_due = guard.looks_at_energy(current.n_steps, is_finished());
     if (is_due && requested_row.is_known)
       {
         const PartTimer timer(log, "energy");

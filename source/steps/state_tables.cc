@@ -72,8 +72,11 @@ namespace greville
       all("n_history", state.field.history.n);
       all("step_before", state.field.history.steps[0]);
       all("step_before_that", state.field.history.steps[1]);
-      state.energy.visit_numbers(
-        EnergyBalance::surfaces + state.surfaces.size(), all, sum);
+      EnergyBalance::visit_numbers(state.energy,
+                                   EnergyBalance::surfaces +
+                                     state.surfaces.size(),
+                                   all,
+                                   sum);
       for (unsigned int w = 0; w < 2 * dim; ++w)
         for (unsigned int d = 0; d < dim; ++d)
           sum("reaction_" + std::to_string(w) + "_" + std::to_string(d),

@@ -403,18 +403,10 @@ namespace greville
 
   template <int dim>
   bool
-  StepGuard<dim>::looks_at_energy(const unsigned int n_steps) const
+  StepGuard<dim>::looks_at_energy(const unsigned int n_steps,
+                                  const bool         is_last) const
   {
-    return n_steps % energy_every == 0;
-  }
-
-
-
-  template <int dim>
-  bool
-  StepGuard<dim>::looks_at_last_energy(const State<dim> &state) const
-  {
-    return state.n_steps > energy_every && !looks_at_energy(state.n_steps);
+    return n_steps % energy_every == 0 || (is_last && n_steps > energy_every);
   }
 
 

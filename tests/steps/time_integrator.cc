@@ -56,9 +56,7 @@ namespace
                                                discretization.transfer(),
                                                update,
                                                state.time + dt);
-      const std::string problem =
-        discretization.transport_points(state, motion.left_cells);
-      fail_on_all(motion.problem + problem, discretization.communicator());
+      discretization.transport_points(state, motion);
       std::swap(state.field.velocity, velocity);
       state.time += dt;
       state.velocity_time = state.time;

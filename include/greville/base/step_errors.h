@@ -76,6 +76,15 @@ namespace greville
     fail_with([&]() { throw_on_all(message, comm); });
   }
 
+  /// Collective. Call an action that has nothing to do with materials, and
+  /// throw StepFailed on all processes if it throws on any.
+  template <typename Action>
+  void
+  run_or_fail(const Action &action, const MPI_Comm comm)
+  {
+    fail_with([&]() { run_on_all(action, comm); }, false);
+  }
+
   /// Return a message without its final stop, so that it can be continued.
   inline std::string
   without_stop(std::string text)

@@ -54,20 +54,13 @@ namespace greville
     }
 
     /**
-     * Set the accelerations of points at time @p t, s.
+     * Set the accelerations of points at time @p t, s, by all loads or, without
+     * @p with_following, by those that following() does not contain.
      */
     void
-    set(std::vector<Body<dim>> &bodies, const double t)
-    {
-      set(bodies, t, true);
-    }
-
-    /// Set the accelerations by all loads that following() does not contain.
-    void
-    set_others(std::vector<Body<dim>> &bodies, const double t)
-    {
-      set(bodies, t, false);
-    }
+    set(std::vector<Body<dim>> &bodies,
+        const double            t,
+        const bool              with_following = true);
 
     /**
      * Return the bodies with the sum of the point loads at time @p t that
@@ -101,11 +94,6 @@ namespace greville
     gravity(const double t) const;
 
   private:
-    void
-    set(std::vector<Body<dim>> &bodies,
-        const double            t,
-        const bool              with_following);
-
     /// Return the parameters of the loads that are present.
     std::string
     names(const bool with_gravity) const;

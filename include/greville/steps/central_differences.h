@@ -195,10 +195,6 @@ namespace greville
     void
     take_acceleration(State<dim> &state, const double dt);
 
-    /// Collective. Move points to their new cells and processes.
-    void
-    transport(State<dim> &state);
-
     /// Set the fields, times and counters of the state.
     void
     count_step(State<dim> &state, const double dt);
@@ -255,10 +251,6 @@ namespace greville
     /// Return the signals of the new state, over all processes.
     Signals
     signals() const;
-
-    /// Return the fraction of the velocity that FLIP keeps in a step.
-    double
-    flip_share(const State<dim> &state, const double velocity_step) const;
 
     std::unique_ptr<FractionalStep<dim>> water; // null: none
 

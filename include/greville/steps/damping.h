@@ -48,14 +48,9 @@ namespace greville
     power(const GridField<dim> &field, const VectorField<dim> &momenta) const;
 
   private:
-    /**
-     * Return the reduction of the acceleration of function @p i of this process
-     * by damping with the factor @p alpha.
-     */
+    /// Return the reduction of the acceleration of the owned function @p i.
     dealii::Tensor<1, dim>
-    taken(const GridField<dim> &field,
-          const double          alpha,
-          const unsigned int    i) const;
+    taken(const GridField<dim> &field, const unsigned int i) const;
 
     const LoadParameters &parameters;
   };

@@ -6,14 +6,27 @@
 #include <greville/boundary/loads.h>
 #include <greville/points/point_transport.h>
 #include <greville/points/volume_projection.h>
-#include <greville/steps/grid_field.h>
-#include <greville/steps/state.h>
+#include <greville/steps/move_points.h>
 #include <greville/steps/step_log.h>
 
 #include <optional>
 
 namespace greville
 {
+  /**
+   * Collective. Make the cells of a @p grid, and return their number in each
+   * direction. Throws dealii::ExcMessage, which names the @p parameter, if they
+   * do not fit into memory.
+   */
+  template <int dim>
+  MultiIndex<dim>
+  create_grid_mesh(DistributedTriangulation<dim> &mesh,
+                   const GridParameters          &grid,
+                   const WallParameters          &walls,
+                   const std::string             &parameter);
+
+
+
   /**
    * The grid: mesh, spline spaces, walls and velocity fields with their masses,
    * and the transfer between the grid and the points of a state. Sums over
@@ -189,16 +202,17 @@ namespace greville
           const std::vector<const VectorField<dim> *> &sums,
           const std::vector<double>                   &shares = {});
 
+    /// Return the share of FLIP in a step @p dt (s), see SchemeParameters.
+    double
+    flip_share(const State<dim> &state, const double dt) const;
+
     /**
-     * Collective. Move points of bodies from the cells @p left_cells[body], and
-     * points of surfaces, to their new cells and processes, and count the
-     * points of bodies. Returns a message about invalid points on this process.
+     * Collective. Move points that have left their cells in a @p motion to
+     * their new cells and processes, and count the points of bodies. Throws
+     * StepFailed for invalid points.
      */
-    std::string
-    transport_points(
-      State<dim>                                   &state,
-      const std::vector<std::vector<unsigned int>> &left_cells,
-      const std::vector<std::vector<unsigned int>> &left_surface_cells = {});
+    void
+    transport_points(State<dim> &state, const PointMotion &motion);
 
   private:
     void

@@ -166,29 +166,12 @@ namespace greville
      * processes, and @p sum(name, number) for numbers that are sums over
      * processes, including the first @p n_sources sources of work.
      */
-    template <typename All, typename Sum>
-    void
-    visit_numbers(const unsigned int n_sources, const All &all, const Sum &sum)
-    {
-      visit(*this, n_sources, all, sum);
-    }
-
-    template <typename All, typename Sum>
-    void
-    visit_numbers(const unsigned int n_sources,
-                  const All         &all,
-                  const Sum         &sum) const
-    {
-      visit(*this, n_sources, all, sum);
-    }
-
-  private:
     template <typename Balance, typename All, typename Sum>
     static void
-    visit(Balance           &balance,
-          const unsigned int n_sources,
-          const All         &all,
-          const Sum         &sum)
+    visit_numbers(Balance           &balance,
+                  const unsigned int n_sources,
+                  const All         &all,
+                  const Sum         &sum)
     {
       all("energy_at_start", balance.start);
       all("largest_energy", balance.largest);
@@ -203,12 +186,12 @@ namespace greville
       sum("friction", balance.own_friction);
     }
 
+  private:
     std::vector<double> own_work; // of sources
     double              start = 0., largest = 0.;
     double              own_damping = 0., own_friction = 0.;
     double              lowest_damping = 0.; // of D in calls of gain()
   };
-
 } // namespace greville
 
 #endif

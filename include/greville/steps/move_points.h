@@ -31,16 +31,6 @@ namespace greville
   };
 
   /**
-   * Return the share of FLIP in a step @p dt (s), see SchemeParameters: @p h is
-   * the smallest edge of a cell, @p signal the fastest initial speed (m / s).
-   */
-  double
-  flip_share(const SchemeParameters &scheme,
-             const double            h,
-             const double            signal,
-             const double            dt);
-
-  /**
    * Set the velocities of bodies and surfaces to zero.
    */
   template <int dim>

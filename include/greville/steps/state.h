@@ -225,6 +225,19 @@ namespace greville
 
 
 
+  /// Call @p action for the points of all bodies and surfaces of a state.
+  template <typename StateType, typename Action>
+  void
+  for_all_points(StateType &state, const Action &action)
+  {
+    for (auto &body : state.bodies)
+      action(body.points);
+    for (auto &surface : state.surfaces)
+      action(surface.points);
+  }
+
+
+
   /**
    * A copy of a state with its points as PointsCopy: half of the memory, in
    * single precision.

@@ -115,10 +115,8 @@ namespace greville
      * hundred steps, and after the last one if there are more than a hundred.
      */
     bool
-    looks_at_energy(const unsigned int n_steps) const;
-
-    bool
-    looks_at_last_energy(const State<dim> &state) const;
+    looks_at_energy(const unsigned int n_steps,
+                    const bool         is_last = false) const;
 
     /**
      * Collective. Check the balance of energy; @p now belongs to a finished
