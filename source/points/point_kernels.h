@@ -41,6 +41,22 @@ namespace greville
 
 
 
+    /// Return the volumes with which points count in PointTransfer::filling().
+    template <int dim>
+    inline Simd
+    filling_volume(const PointLayout<dim> &layout, const double *group)
+    {
+      constexpr double largest_expansion = 1.5;
+      Simd volume = load(group + PointLayout<dim>::volume0 * simd_width);
+      if (!layout.is_total_lagrangian())
+        volume *=
+          min(max(load(group + PointLayout<dim>::J * simd_width), Simd(1.)),
+              Simd(largest_expansion));
+      return volume;
+    }
+
+
+
     /// Data shared by all points of a cell.
     template <int dim, int n>
     struct CellGeometry

@@ -86,7 +86,6 @@ namespace greville
     const std::vector<const MaterialPoints<dim> *> &bodies,
     std::vector<double>                            &result) const
   {
-    constexpr double largest_expansion = 1.5;
     result.assign(tables.space->owned_cells().size(), 0.);
     for (const MaterialPoints<dim> *points : bodies)
       for (std::size_t c = 0; c < points->cells().size(); ++c)
@@ -102,15 +101,7 @@ namespace greville
                             g,
                             PointLayout<dim>::J + 1,
                             PointLayout<dim>::volume0);
-              const double *group = points->group(g);
-              Simd          volume =
-                load(group + PointLayout<dim>::volume0 * simd_width);
-              if (!points->layout().is_total_lagrangian())
-                volume *=
-                  min(max(load(group + PointLayout<dim>::J * simd_width),
-                          Simd(1.)),
-                      Simd(largest_expansion));
-              sum += volume;
+              sum += filling_volume(points->layout(), points->group(g));
             }
           result[cell] +=
             reduce(sum) /

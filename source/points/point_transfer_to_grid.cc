@@ -97,7 +97,8 @@ namespace greville
 
 
 
-    /// Add the points of a body to the fields of the functions in a buffer.
+    /// Add the points of a body to the fields of the functions in a buffer, and
+    /// to the filled parts of cells unless these are null.
     template <int dim,
               int n,
               typename Fields,
@@ -107,7 +108,8 @@ namespace greville
     add_points(const MaterialPoints<dim>   &points,
                const SpacePolynomials<dim> &tables,
                const CellWindows<dim>      *windows,
-               double                      *buffer)
+               double                      *buffer,
+               double                      *filled_parts)
     {
       // A local object: the compiler knows that its sums overlap nothing else.
       Scatter<dim, n, Fields> scatter(points, tables, windows, buffer);
@@ -124,14 +126,20 @@ namespace greville
         {
           const bool is_next = geometry.go_to(cell);
           scatter.begin(geometry, cell, is_next);
-          unsigned int count = points.n_in_first_group(cell);
+          unsigned int count  = points.n_in_first_group(cell);
+          Simd         volume = 0.;
           for (unsigned int g = points.first_group(cell);
                g != MaterialPoints<dim>::none;
                g = points.next_group(g), count = simd_width)
             {
               ahead.advance();
               scatter.add(geometry, points.group(g), count);
+              if (filled_parts)
+                volume += filling_volume(layout, points.group(g));
             }
+          if (filled_parts)
+            filled_parts[cell] +=
+              reduce(volume) / cell_volume<dim>(*tables.space, cell, layout);
         }
       scatter.end();
     }
@@ -145,7 +153,8 @@ namespace greville
     const std::vector<const MaterialPoints<dim> *> &bodies,
     VectorType                                     *mass,
     VectorField<dim>                               *momentum,
-    VectorField<dim>                               *force)
+    VectorField<dim>                               *force,
+    std::vector<double>                            *filled_parts)
   {
     AssertThrow((mass == nullptr) == (momentum == nullptr),
                 ExcMessage("Mass and momentum go together."));
@@ -157,6 +166,8 @@ namespace greville
     resize_numbers(first_force +
                    (!force ? 0 : std::max<unsigned int>(dim, n_vector)));
     std::fill(numbers.begin(), numbers.end(), 0.);
+    if (filled_parts)
+      filled_parts->assign(tables.space->owned_cells().size(), 0.);
 
     for (const MaterialPoints<dim> *points : bodies)
       with_order(tables.space->degree(), [&](const auto size) {
@@ -164,18 +175,15 @@ namespace greville
         const bool    affine = points->layout().find("affine");
         AssertThrow(!affine || !windows,
                     ExcMessage("APIC does not support domains."));
-        const auto run = [&](auto with_mass, auto with_force, auto apic) {
+        double *const parts = filled_parts ? filled_parts->data() : nullptr;
+        const auto    run   = [&](auto with_mass, auto with_force, auto apic) {
           using Fields = AddedFields<dim, with_mass, with_force, apic>;
           if constexpr (!Fields::apic)
             if (windows)
-              return add_points<dim, n, Fields, DomainScatter>(*points,
-                                                               tables,
-                                                               windows,
-                                                               numbers.data());
-          add_points<dim, n, Fields, PointScatter>(*points,
-                                                   tables,
-                                                   windows,
-                                                   numbers.data());
+              return add_points<dim, n, Fields, DomainScatter>(
+                *points, tables, windows, numbers.data(), parts);
+          add_points<dim, n, Fields, PointScatter>(
+            *points, tables, windows, numbers.data(), parts);
         };
         constexpr std::true_type  yes;
         constexpr std::false_type no;

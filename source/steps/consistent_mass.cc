@@ -78,7 +78,6 @@ namespace greville
     this->lumped_mass.copy_locally_owned_data_from(lumped);
     bodies   = &all_bodies;
     transfer = &point_transfer;
-    transfer->filling(*bodies, filled_part);
     for (const MaterialPoints<dim> *points : surfaces)
       for (const unsigned int cell : points->cells())
         if (filled_part[cell] == 0.)

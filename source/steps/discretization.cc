@@ -260,11 +260,12 @@ namespace greville
     const bool force_waits = field.mass->has_windows();
     {
       const PartTimer timer(log, "points to grid");
-      point_transfer.points_to_grid(field.points,
-                                    is_current ? nullptr : &field.lumped_mass,
-                                    is_current ? nullptr : &field.momentum,
-                                    with_force && !force_waits ? &field.force
-                                                               : nullptr);
+      point_transfer.points_to_grid(
+        field.points,
+        is_current ? nullptr : &field.lumped_mass,
+        is_current ? nullptr : &field.momentum,
+        with_force && !force_waits ? &field.force : nullptr,
+        is_current || mass_is_known ? nullptr : field.mass->filled_parts());
     }
     // The mass of total Lagrangian steps never changes.
     if (!is_current && !mass_is_known)

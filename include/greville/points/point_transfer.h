@@ -84,13 +84,14 @@ namespace greville
     /**
      * Collective. Overwrite each vector that is given with the sums over all @p
      * bodies, which must be on cells of the space. Mass and momentum must be
-     * given together.
+     * given together. If @p filled_parts is given, it is set as by filling().
      */
     void
     points_to_grid(const std::vector<const MaterialPoints<dim> *> &bodies,
                    VectorType                                     *mass,
                    VectorField<dim>                               *momentum,
-                   VectorField<dim>                               *force);
+                   VectorField<dim>                               *force,
+                   std::vector<double> *filled_parts = nullptr);
 
     /**
      * Collective. Update @p points. Ghost entries of the fields are updated.

@@ -115,6 +115,12 @@ namespace greville
     double
     fragment_fraction() const override;
 
+    std::vector<double> *
+    filled_parts() override
+    {
+      return &filled_part;
+    }
+
     void
     forget() override
     {

@@ -54,6 +54,14 @@ namespace greville
     virtual bool
     is_diagonal() const = 0;
 
+    /// Return the filled parts of cells that update() needs, to be set by
+    /// PointTransfer::points_to_grid() before; null if it needs none.
+    virtual std::vector<double> *
+    filled_parts()
+    {
+      return nullptr;
+    }
+
     /**
      * Collective. Set new masses: @p lumped from
      * PointTransfer::points_to_grid() for these @p bodies, and points of their
