@@ -242,9 +242,8 @@ namespace greville
         for (const auto &entry : ghost_of)
           positions.push_back(entry.first);
       }
-    const bool changes =
-      !layout || owned_changed || positions != ghost_positions;
-    if (Utilities::MPI::logical_or(changes, comm))
+    // On several processes, the ghosts may change as well.
+    if (is_parallel || !layout || owned_changed)
       {
         const types::global_dof_index first =
           is_parallel ? sum_before(n_owned, comm) : 0;
@@ -255,11 +254,10 @@ namespace greville
         std::vector<types::global_dof_index> ghost_numbers;
         for (const auto &ghost : ghosts)
           ghost_numbers.push_back(ghost.first);
-        layout          = std::make_shared<const InterleavedLayout>(first,
+        layout = std::make_shared<const InterleavedLayout>(first,
                                                            n_owned,
                                                            ghost_numbers,
                                                            comm);
-        ghost_positions = std::move(positions);
       }
     for (const auto &ghost : ghosts)
       {

@@ -82,7 +82,8 @@ namespace greville
     void
     initialize_vector(VectorOf<Number> &vector, const unsigned int width) const;
 
-    /// Return the layout, the same object as long as numbers do not change.
+    /// Return the layout; on one process, the same object as long as numbers do
+    /// not change.
     const std::shared_ptr<const InterleavedLayout> &
     unknown_layout() const;
 
@@ -295,8 +296,7 @@ namespace greville
     // Numbers and positions of unknowns.
     using NumberedPositions =
       std::vector<std::pair<dealii::types::global_dof_index, std::uint64_t>>;
-    NumberedPositions          ghosts;
-    std::vector<std::uint64_t> ghost_positions; // ascending
+    NumberedPositions ghosts;
   };
 } // namespace greville
 
