@@ -238,30 +238,37 @@ namespace greville
         for (const std::uint64_t position : positions_in_E)
           if (!std::binary_search(owned.begin(), owned.end(), position))
             ghost_of.emplace(position, numbers::invalid_unsigned_int);
-
         for (const auto &entry : ghost_of)
           positions.push_back(entry.first);
       }
-    // On several processes, the ghosts may change as well.
-    if (is_parallel || !layout || owned_changed)
+    const bool changes = !layout || owned_changed ||
+                         ghost_positions.size() != positions.size() ||
+                         std::any_of(ghost_positions.begin(),
+                                     ghost_positions.end(),
+                                     [&](const std::uint64_t position) {
+                                       return ghost_of.count(position) == 0;
+                                     });
+    if (Utilities::MPI::logical_or(changes, comm))
       {
-        const types::global_dof_index first =
+        const types::global_dof_index first_unknown =
           is_parallel ? sum_before(n_owned, comm) : 0;
-        ghosts =
-          is_parallel
-            ? find_unknowns(space, owned_unknown_functions, first, positions)
-            : NumberedPositions();
-        std::vector<types::global_dof_index> ghost_numbers;
-        for (const auto &ghost : ghosts)
-          ghost_numbers.push_back(ghost.first);
-        layout = std::make_shared<const InterleavedLayout>(first,
+        std::vector<types::global_dof_index> ghost_unknowns;
+        ghost_positions.clear();
+        if (is_parallel)
+          for (const auto &[number, position] : find_unknowns(
+                 space, owned_unknown_functions, first_unknown, positions))
+            {
+              ghost_unknowns.push_back(number);
+              ghost_positions.push_back(position);
+            }
+        layout = std::make_shared<const InterleavedLayout>(first_unknown,
                                                            n_owned,
-                                                           ghost_numbers,
+                                                           ghost_unknowns,
                                                            comm);
       }
-    for (const auto &ghost : ghosts)
+    for (const std::uint64_t position : ghost_positions)
       {
-        auto              &found = ghost_of.at(ghost.second);
+        unsigned int      &found = ghost_of.at(position);
         const unsigned int f     = found;
         found                    = unknowns.size();
         unknowns.push_back(f == numbers::invalid_unsigned_int

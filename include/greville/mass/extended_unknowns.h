@@ -82,8 +82,7 @@ namespace greville
     void
     initialize_vector(VectorOf<Number> &vector, const unsigned int width) const;
 
-    /// Return the layout; on one process, the same object as long as numbers do
-    /// not change.
+    /// Return the layout, the same object until numbers change.
     const std::shared_ptr<const InterleavedLayout> &
     unknown_layout() const;
 
@@ -266,15 +265,14 @@ namespace greville
     void
     number_unknowns();
 
-    /// Set the owned unknowns and the lumped places. Returns whether owned
-    /// unknowns differ from the last ones.
+    /// Set owned unknowns and lumped places. Returns if the unknowns differ.
     bool
     choose_unknowns();
 
     /**
      * Collective. Append the unknowns of other processes: functions of owned
-     * cells, and others, without places, that occur in E. Sets the layout if
-     * numbers of any process change, and returns those of ghosts by position.
+     * cells, and others, without places, that occur in E. Sets the layout
+     * unless numbers stay, and returns those of ghosts by position.
      */
     std::map<std::uint64_t, unsigned int>
     number_ghost_unknowns(const std::vector<std::uint64_t> &positions_in_E,
@@ -293,10 +291,7 @@ namespace greville
     std::vector<unsigned int> extended_functions; // local numbers
 
     std::shared_ptr<const InterleavedLayout> layout;
-    // Numbers and positions of unknowns.
-    using NumberedPositions =
-      std::vector<std::pair<dealii::types::global_dof_index, std::uint64_t>>;
-    NumberedPositions ghosts;
+    std::vector<std::uint64_t> ghost_positions; // in the order of numbers
   };
 } // namespace greville
 
