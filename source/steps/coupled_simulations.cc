@@ -337,18 +337,33 @@ namespace greville
 
 
 
+  namespace
+  {
+    /// Return the messages that the logs of parts give, with their bodies if
+    /// there are several parts.
+    template <typename Parts>
+    std::vector<std::string>
+    take_messages(const Parts &parts,
+                  std::vector<std::string> (StepLog::*take)())
+    {
+      std::vector<std::string> result;
+      for (const auto &part : parts)
+        for (const std::string &message : (part->step_log().*take)())
+          result.push_back((parts.size() > 1
+                              ? "Body " + part->state().bodies[0].name + ": "
+                              : "") +
+                           message);
+      return result;
+    }
+  } // namespace
+
+
+
   template <int dim>
   std::vector<std::string>
   CoupledSimulations<dim>::take_warnings()
   {
-    std::vector<std::string> result;
-    for (const auto &part : parts)
-      for (const std::string &warning : part->step_log().take_warnings())
-        result.push_back((parts.size() > 1
-                            ? "Body " + part->state().bodies[0].name + ": "
-                            : "") +
-                         warning);
-    return result;
+    return take_messages(parts, &StepLog::take_warnings);
   }
 
 
@@ -357,11 +372,7 @@ namespace greville
   std::vector<std::string>
   CoupledSimulations<dim>::take_cuts()
   {
-    std::vector<std::string> result;
-    for (const auto &part : parts)
-      for (const std::string &cut : part->step_log().take_cuts())
-        result.push_back(cut);
-    return result;
+    return take_messages(parts, &StepLog::take_cuts);
   }
 
 

@@ -43,10 +43,8 @@ namespace greville
     virtual std::string
     solver() const = 0;
 
-    /**
-     * Return whether solve() applies the exact inverse of the points' mass
-     * matrix, and not an approximation, which loses part of the mapped field.
-     */
+    /// Return whether solve() applies the exact inverse of the points' mass
+    /// matrix, and not an approximation, which loses part of the mapped field.
     virtual bool
     is_exact() const = 0;
 
@@ -154,10 +152,8 @@ namespace greville
     extend(VectorField<dim> &) const
     {}
 
-    /**
-     * Return whether the points determine an owned function: its coefficient
-     * does not depend on only a few points.
-     */
+    /// Return whether the points determine an owned function: its coefficient
+    /// does not depend on only a few points.
     virtual bool
     is_stable(const unsigned int) const
     {
@@ -171,17 +167,14 @@ namespace greville
       return {};
     }
 
-    /**
-     * Set the windows of cells, kept by reference, in which update() stores the
-     * cells that reach their neighbours by extended functions; null for none.
-     */
+    /// Set the windows of cells, kept by reference, in which update() stores
+    /// the cells that reach their neighbours by extended functions; null for
+    /// none.
     virtual void
     set_windows(CellWindows<dim> *)
     {}
 
-    /**
-     * Return whether update() changes windows.
-     */
+    /// Return whether update() changes windows.
     virtual bool
     has_windows() const
     {
@@ -216,10 +209,8 @@ namespace greville
     distribute(VectorField<dim> &) const
     {}
 
-    /**
-     * Forget the factorizations of earlier matrices: results then depend only
-     * on the points, bitwise and not just within the tolerance of the solver.
-     */
+    /// Forget the factorizations of earlier matrices: results then depend only
+    /// on the points, bitwise and not just within the tolerance of the solver.
     virtual void
     forget()
     {}
@@ -256,20 +247,16 @@ namespace greville
     }
 
   protected:
-    /**
-     * Collective. The orders are kept by reference; the walls are not needed
-     * afterwards.
-     */
+    /// Collective. The orders are kept by reference; the walls are not needed
+    /// afterwards.
     GridMass(const OrderHierarchy<dim> &orders, const Walls<dim> &walls);
 
     /// Collective. Update after a change of the constraints.
     virtual void
     update_constrained() = 0;
 
-    /**
-     * Collective. Compute the rows of M x at constrained functions, for the
-     * given components; other entries may have any value.
-     */
+    /// Collective. Compute the rows of M x at constrained functions, for the
+    /// given components; other entries may have any value.
     virtual void
     multiply_constrained_rows(
       VectorField<dim>            &rows,

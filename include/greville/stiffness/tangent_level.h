@@ -15,8 +15,8 @@ namespace greville
    * their mass M~ (see ExtendedMass), a factor c (1/s^2) and the Extension E of
    * the space.
    *
-   * The level stores the entries of the symmetric part in single precision, for
-   * smoothers, cycles and factorizations. vmult() uses the product of
+   * The level stores symmetric entries (see PointTangents) in single precision,
+   * for smoothers, cycles and factorizations. vmult() uses the product of
    * set_product() if it is set.
    */
   template <int dim>

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_steps_snapshot_h
+#define greville_steps_snapshot_h
+
+#include <greville/steps/state.h>
+
+namespace greville
+{
+  /**
+   * A copy of a state with its points as PointsCopy: half of the memory, in
+   * single precision.
+   */
+  template <int dim>
+  class Snapshot
+  {
+  public:
+    void
+    take(const State<dim> &state)
+    {
+      rest = static_cast<const StateWithoutBodies<dim> &>(state);
+      points.resize(state.bodies.size());
+      n_points.resize(points.size());
+      for (unsigned int b = 0; b < points.size(); ++b)
+        {
+          points[b].copy(state.bodies[b].points);
+          n_points[b] = state.bodies[b].n_points;
+        }
+      surfaces.resize(state.surfaces.size());
+      for (unsigned int s = 0; s < surfaces.size(); ++s)
+        surfaces[s].copy(state.surfaces[s].points);
+    }
+
+    /**
+     * Overwrite a state of the same bodies and surfaces.
+     */
+    void
+    restore(State<dim> &state) const
+    {
+      static_cast<StateWithoutBodies<dim> &>(state) = rest;
+      for (unsigned int b = 0; b < points.size(); ++b)
+        {
+          points[b].restore(state.bodies[b].points);
+          state.bodies[b].n_points = n_points[b];
+        }
+      for (unsigned int s = 0; s < surfaces.size(); ++s)
+        surfaces[s].restore(state.surfaces[s].points);
+      state.points_have_changed();
+    }
+
+    unsigned int
+    stage() const
+    {
+      return rest.stage;
+    }
+
+    /// Return the bytes of the points on this process.
+    std::size_t
+    memory_consumption() const
+    {
+      std::size_t n = 0;
+      for (const PointsCopy<dim> &copy : points)
+        n += copy.memory_consumption();
+      for (const PointsCopy<dim> &copy : surfaces)
+        n += copy.memory_consumption();
+      return n;
+    }
+
+  private:
+    StateWithoutBodies<dim>      rest;
+    std::vector<PointsCopy<dim>> points, surfaces;
+    std::vector<std::uint64_t>   n_points;
+  };
+} // namespace greville
+
+#endif
