@@ -138,9 +138,10 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedLevel<dim>::multiply(VectorType                  &dst,
-                               const VectorType            &src,
-                               const std::function<void()> &product) const
+  ExtendedLevel<dim>::multiply_unknowns(
+    VectorType                  &dst,
+    const VectorType            &src,
+    const std::function<void()> &product) const
   {
     extended_mass.unknowns().read(source, src, components);
     product();
@@ -225,18 +226,8 @@ namespace greville
                     const CholeskyParameters &parameters,
                     const bool                by_components)
         : level(level)
-        , factors(by_components ? level.components : 1)
-      {
-        for (unsigned int c = 0; c < factors.size(); ++c)
-          {
-            const unsigned int of_components =
-              factors.size() > 1 ? 1u << c : all_components(level.components);
-            level.factorize(level.diagonal_block(of_components),
-                            parameters,
-                            of_components,
-                            factors[c]);
-          }
-      }
+        , factors(level.factorize(parameters, by_components))
+      {}
 
       void
       vmult(VectorType &dst, const VectorType &src) const override
@@ -251,6 +242,105 @@ namespace greville
       std::vector<OverlappingCholesky> factors;
     };
     return std::make_unique<Factorization>(*this, parameters, by_components);
+  }
+
+
+
+  template <int dim>
+  std::vector<OverlappingCholesky>
+  ExtendedLevel<dim>::factorize(const CholeskyParameters &parameters,
+                                const bool                by_components) const
+  {
+    std::vector<OverlappingCholesky> factors(by_components ? components : 1);
+    for (unsigned int c = 0; c < factors.size(); ++c)
+      {
+        const unsigned int of_components =
+          factors.size() > 1 ? 1u << c : all_components(components);
+        factorize(diagonal_block(of_components),
+                  parameters,
+                  of_components,
+                  factors[c]);
+      }
+    return factors;
+  }
+
+
+
+  template <int dim>
+  typename ExtendedLevel<dim>::Lattice
+  ExtendedLevel<dim>::lattice() const
+  {
+    Lattice result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = NestedKnots(spline_space.degree(),
+                              spline_space.cells_per_direction()[d],
+                              spline_space.is_periodic(d));
+    return result;
+  }
+
+
+
+  template <int dim>
+  typename ExtendedLevel<dim>::Position
+  ExtendedLevel<dim>::position(const unsigned int function) const
+  {
+    const auto index =
+      multi_index<dim>(spline_space.function_position(function),
+                       spline_space.n_functions());
+    Position result;
+    std::copy(index.begin(), index.end(), result.begin());
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<typename ExtendedLevel<dim>::Position>
+  ExtendedLevel<dim>::unknown_positions() const
+  {
+    std::vector<Position> result;
+    for (const unsigned int f : extended_mass.unknowns().unknown_functions())
+      result.push_back(position(f));
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::pair<typename ExtendedLevel<dim>::Position, unsigned char>>
+  ExtendedLevel<dim>::constrained_functions() const
+  {
+    std::vector<std::pair<Position, unsigned char>> result;
+    for (unsigned int f = 0; f < constrained.size(); ++f)
+      if (constrained[f] != 0 &&
+          spline_extension[f] != Extension<dim>::inactive)
+        result.emplace_back(position(f), constrained[f]);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedLevel<dim>::for_each_extended(
+    const std::function<void(const Position &, const Terms &)> &visit) const
+  {
+    const auto &rows      = spline_extension.rows();
+    const auto &functions = spline_extension.extended_functions();
+    Terms       terms;
+    for (unsigned int k = 0; k < functions.size(); ++k)
+      {
+        terms.clear();
+        for (std::size_t e = rows.begin[k]; e < rows.begin[k + 1]; ++e)
+          {
+            const auto index =
+              multi_index<dim>(rows.positions[e], spline_space.n_functions());
+            Position unknown;
+            std::copy(index.begin(), index.end(), unknown.begin());
+            terms.emplace_back(unknown, rows.weights[e]);
+          }
+        visit(position(functions[k]), terms);
+      }
   }
 
 

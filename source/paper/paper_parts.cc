@@ -242,7 +242,7 @@ namespace greville
       parameters.coarsening,
       "The orders of the levels: p, p-1, ..., 1 (one by one), p, p-2, ..., 1 "
       "(by two), p, 1 (direct), or p alone (none).",
-      Patterns::Selection(OrderHierarchy<2>::coarsenings()));
+      Patterns::Selection(OrderHierarchy<2>::coarsenings() + "|lattice"));
     prm.add_parameter("Cycle",
                       parameters.cycle,
                       "The cycle.",

@@ -13,6 +13,8 @@ namespace greville
   OrderHierarchy<dim>::orders(const unsigned int degree,
                               const std::string &coarsening)
   {
+    if (coarsening == "lattice")
+      return {degree};
     const auto names = Utilities::split_string_list(coarsenings(), '|');
     AssertThrow(std::count(names.begin(), names.end(), coarsening) == 1,
                 ExcMessage("The coarsening <" + coarsening + "> is none of " +

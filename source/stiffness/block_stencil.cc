@@ -11,32 +11,6 @@ namespace greville
 {
   using namespace dealii;
 
-  namespace
-  {
-    /**
-     * Return the width of the vectors for a line of @p n entries: eight floats,
-     * unless this adds many more zeros than four.
-     */
-    template <typename Number>
-    constexpr int
-    vector_width(const int n)
-    {
-      return std::is_same_v<Number, float> && (n + 7) / 8 * 8 - n < 4 ? 8 : 4;
-    }
-
-    template <typename Number>
-    constexpr int
-    padded(const int n)
-    {
-      constexpr auto round_up = [](const int m, const int width) {
-        return (m + width - 1) / width * width;
-      };
-      return round_up(n, vector_width<Number>(n));
-    }
-  } // namespace
-
-
-
   template <int dim, typename Number>
   void
   BlockStencil<dim, Number>::reinit(const StencilMatrix<dim> &stencil)
@@ -45,10 +19,12 @@ namespace greville
     matrix               = &stencil;
     length               = 2 * p + 1;
     n_lines              = Utilities::fixed_power<dim - 1>(length) / 2 + 1;
-    line_size            = padded<Number>(length * dim);
-    first_of_line        = p * dim;
-    row_size             = std::size_t(n_lines) * dim * line_size;
-    row_of               = ZeroedArray<std::size_t>(stencil.size());
+    with_order(p, [&](const auto n) {
+      line_size = HalfStencil<dim, dim, decltype(n)::value, Number>::line_size;
+    });
+    first_of_line = p * dim;
+    row_size      = std::size_t(n_lines) * dim * line_size;
+    row_of        = ZeroedArray<std::size_t>(stencil.size());
     if (std::is_same_v<Number, float>)
       for (ZeroedArray<Number> *array : {&single_x, &single_y})
         *array = ZeroedArray<Number>(stencil.size() * dim + line_size);
@@ -89,8 +65,7 @@ namespace greville
                                                const unsigned int stride)
   {
     constexpr int length      = 2 * n - 1;
-    constexpr int n_of_line   = length * dim;
-    constexpr int size        = padded<Number>(n_of_line);
+    constexpr int size        = HalfStencil<dim, dim, n, Number>::line_size;
     constexpr int n_z         = dim == 3 ? n : 1;
     constexpr int n_functions = n * n * n_z;
 
@@ -186,12 +161,8 @@ namespace greville
   void
   BlockStencil<dim, Number>::vmult(double *y, const double *x) const
   {
-    const auto multiply_numbers = [&](Number *to, const Number *from) {
-      with_order(matrix->space().degree(),
-                 [&](const auto n) { multiply<decltype(n)::value>(to, from); });
-    };
     if constexpr (std::is_same_v<Number, double>)
-      multiply_numbers(y, x);
+      multiply(y, x);
     else
       {
         const auto for_each_range = [&](const auto &action) {
@@ -216,7 +187,7 @@ namespace greville
           for (std::size_t k = begin; k < end; ++k)
             single_x[k] = Number(down * x[k]);
         });
-        multiply_numbers(single_y.data(), single_x.data());
+        multiply(single_y.data(), single_x.data());
         for_each_range([&](const std::size_t begin, const std::size_t end) {
           for (std::size_t k = begin; k < end; ++k)
             y[k] = up * single_y[k];
@@ -227,17 +198,21 @@ namespace greville
 
 
   template <int dim, typename Number>
-  template <int n>
   void
   BlockStencil<dim, Number>::multiply(Number *y, const Number *x) const
   {
-    constexpr int p         = n - 1;
-    constexpr int length    = 2 * p + 1;
-    constexpr int lines     = (dim == 3 ? length * length : length) / 2 + 1;
-    constexpr int width     = vector_width<Number>(length * dim);
-    constexpr int n_vectors = padded<Number>(length * dim) / width;
-    using Vector            = FixedSimd<Number, width>;
+    with_order(matrix->space().degree(),
+               [&](const auto n) { multiply_rows<decltype(n)::value>(y, x); });
+  }
 
+
+
+  template <int dim, typename Number>
+  template <int n>
+  void
+  BlockStencil<dim, Number>::multiply_rows(Number *y, const Number *x) const
+  {
+    using Half = HalfStencil<dim, dim, n, Number>;
     matrix->for_each_segment(
       [&](const unsigned int begin, const unsigned int end, const auto &) {
         std::fill(y + std::size_t(begin) * dim,
@@ -248,43 +223,15 @@ namespace greville
     matrix->for_each_segment([&](const unsigned int begin,
                                  const unsigned int end,
                                  const auto        &distance) {
-      std::ptrdiff_t distances[lines];
-      for (int k = 0; k < lines; ++k)
-        distances[k] = std::ptrdiff_t(distance(lines - 1 + k) - p) * dim;
-      for (unsigned int i = begin; i < end; ++i)
-        {
-          const Number *x_i = x + std::size_t(i) * dim;
-          Number       *y_i = y + std::size_t(i) * dim;
-          Vector        own[dim], sums[dim];
-          for (int c = 0; c < dim; ++c)
-            {
-              own[c]  = x_i[c];
-              sums[c] = Number(0.);
-            }
-          for (int k = 0; k < lines; ++k)
-            {
-              const Number *x_k = x_i + distances[k];
-              Number       *y_k = y_i + distances[k];
-#pragma GCC unroll 10
-              for (int v = 0; v < n_vectors; ++v)
-                {
-                  const Vector from = load<Vector>(x_k + v * width);
-                  Vector       to   = load<Vector>(y_k + v * width);
-#pragma GCC unroll 3
-                  for (int c = 0; c < dim; ++c)
-                    {
-                      const Vector entry =
-                        load<Vector>(entries + (c * n_vectors + v) * width);
-                      sums[c] += entry * from;
-                      to += entry * own[c];
-                    }
-                  store(to, y_k + v * width);
-                }
-              entries += dim * n_vectors * width;
-            }
-          for (int c = 0; c < dim; ++c)
-            y_i[c] += reduce(sums[c]);
-        }
+      std::ptrdiff_t distances[Half::n_lines];
+      for (int k = 0; k < Half::n_lines; ++k)
+        distances[k] =
+          std::ptrdiff_t(distance(Half::n_lines - 1 + k) - (n - 1)) * dim;
+      for (unsigned int i = begin; i < end; ++i, entries += Half::row_size)
+        Half::multiply(entries,
+                       x + std::size_t(i) * dim,
+                       y + std::size_t(i) * dim,
+                       distances);
     });
   }
 

@@ -88,11 +88,36 @@ namespace greville
     const VectorType                                      &src,
     const std::function<void(double *y, const double *x)> &product) const
   {
-    this->multiply(dst, src, [&]() {
+    this->multiply_unknowns(dst, src, [&]() {
       this->extended_mass.unknowns().multiply(this->result,
                                               this->source,
                                               dim,
                                               product);
+    });
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::multiply(SingleVector &y, SingleVector &x) const
+  {
+    this->extended_mass.unknowns().template multiply<float>(
+      y, x, dim, [&](float *to, const float *from) {
+        blocks.multiply(to, from);
+      });
+  }
+
+
+
+  template <int dim>
+  void
+  TangentLevel<dim>::for_each_row(
+    const std::function<void(const typename ExtendedLevel<dim>::Position &,
+                             const float *)> &visit) const
+  {
+    this->for_each_place([&](const unsigned int f, const unsigned int place) {
+      visit(this->position(f), blocks.row(place));
     });
   }
 

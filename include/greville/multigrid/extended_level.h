@@ -5,6 +5,7 @@
 
 #include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/mass/extended_mass.h>
+#include <greville/multigrid/lattice_level.h>
 #include <greville/multigrid/level_operator.h>
 
 #include <functional>
@@ -22,9 +23,13 @@ namespace greville
    * transfer between orders.
    */
   template <int dim>
-  class ExtendedLevel : public LevelOperator<dim>
+  class ExtendedLevel : public LevelOperator<dim>, public LatticeLevel<dim>
   {
   public:
+    using typename LatticeLevel<dim>::Lattice;
+    using typename LatticeLevel<dim>::Position;
+    using typename LatticeLevel<dim>::Terms;
+
     /**
      * Collective. The space is kept by reference. Bit c of @p constrained[f]
      * constrains component c of local function f; an empty vector constrains
@@ -112,6 +117,41 @@ namespace greville
     std::unique_ptr<Preconditioner>
     lattice_preconditioner() const override;
 
+    Lattice
+    lattice() const override;
+
+    const InterleavedLayout &
+    layout() const override
+    {
+      return *extended_mass.unknowns().unknown_layout();
+    }
+
+    std::vector<Position>
+    unknown_positions() const override;
+
+    std::vector<unsigned char>
+    constrained_unknowns() const override
+    {
+      return extended_mass.unknowns().constrained_unknowns();
+    }
+
+    std::vector<std::pair<Position, unsigned char>>
+    constrained_functions() const override;
+
+    void
+    for_each_extended(const std::function<void(const Position &, const Terms &)>
+                        &visit) const override;
+
+    double
+    unit() const override
+    {
+      return largest > 0. ? largest : 1.;
+    }
+
+    std::vector<OverlappingCholesky>
+    factorize(const CholeskyParameters &parameters,
+              const bool                by_components) const override;
+
     const DensityWeights<dim> *
     transfer_weights() const override
     {
@@ -139,9 +179,26 @@ namespace greville
      * vectors of unknowns.
      */
     void
-    multiply(VectorType                  &dst,
-             const VectorType            &src,
-             const std::function<void()> &product) const;
+    multiply_unknowns(VectorType                  &dst,
+                      const VectorType            &src,
+                      const std::function<void()> &product) const;
+
+    Position
+    position(const unsigned int function) const;
+
+    /// Call visit(f, place) for the local functions f with rows.
+    template <typename Visit>
+    void
+    for_each_place(const Visit &visit) const
+    {
+      const StencilMatrix<dim> &places = extended_mass.matrix();
+      for (unsigned int f = 0; f < constrained.size(); ++f)
+        if (spline_extension[f] != Extension<dim>::inactive)
+          visit(f, places.place(f));
+      for (const auto &[f, place] : places.images())
+        if (spline_extension[f] != Extension<dim>::inactive)
+          visit(f, place);
+    }
 
     /**
      * Return the scalar matrix, with the unknowns of the mass, whose factors

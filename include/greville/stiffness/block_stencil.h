@@ -4,6 +4,7 @@
 #define greville_stiffness_block_stencil_h
 
 #include <greville/mass/stencil_matrix.h>
+#include <greville/multigrid/half_stencil.h>
 
 namespace greville
 {
@@ -66,6 +67,17 @@ namespace greville
     void
     vmult(double *y, const double *x) const;
 
+    /// The same without a change of precision.
+    void
+    multiply(Number *y, const Number *x) const;
+
+    /// Return the row of a place, in the memory of a HalfStencil.
+    const Number *
+    row(const unsigned int place) const
+    {
+      return values.data() + row_of[place] * row_size;
+    }
+
     /// Return the diagonal entry of component c at a place.
     double
     diagonal(const unsigned int place, const unsigned int c) const
@@ -90,7 +102,7 @@ namespace greville
 
     template <int n>
     void
-    multiply(Number *y, const Number *x) const;
+    multiply_rows(Number *y, const Number *x) const;
 
     /**
      * Return the first entry of component c in line number @p k of the
@@ -105,12 +117,6 @@ namespace greville
 
     Number *
     row(const unsigned int place)
-    {
-      return values.data() + row_of[place] * row_size;
-    }
-
-    const Number *
-    row(const unsigned int place) const
     {
       return values.data() + row_of[place] * row_size;
     }

@@ -97,6 +97,14 @@ namespace greville
       });
     }
 
+    void
+    multiply(SingleVector &y, SingleVector &x) const override;
+
+    void
+    for_each_row(
+      const std::function<void(const typename ExtendedLevel<dim>::Position &,
+                               const float *)> &visit) const override;
+
     /// Compute y = M~_e x.
     void
     multiply_mass(VectorType &dst, const VectorType &src) const;

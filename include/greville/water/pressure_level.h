@@ -44,6 +44,14 @@ namespace greville
     void
     vmult(VectorType &dst, const VectorType &src) const override;
 
+    void
+    multiply(SingleVector &y, SingleVector &x) const override;
+
+    void
+    for_each_row(
+      const std::function<void(const typename ExtendedLevel<dim>::Position &,
+                               const float *)> &visit) const override;
+
   private:
     const ExtendedMass<dim> &
     diagonal_block(const unsigned int) const override

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_multigrid_lattice_level_h
+#define greville_multigrid_lattice_level_h
+
+#include <greville/linear_algebra/overlapping_cholesky.h>
+#include <greville/multigrid/half_stencil.h>
+#include <greville/multigrid/nested_knots.h>
+
+#include <functional>
+
+namespace greville
+{
+  /// A vector of unknowns in single precision, with interleaved components.
+  using SingleVector = VectorOf<float>;
+
+  /**
+   * A symmetric operator on splines, some of whose functions are *unknowns*, as
+   * a level of LatticeCycle. Functions have positions in a lattice, wrapped in
+   * periodic directions. The operator is the sum of the rows of all processes.
+   */
+  template <int dim>
+  class LatticeLevel
+  {
+  public:
+    using Lattice  = std::array<NestedKnots, dim>;
+    using Position = std::array<int, dim>;
+    using Terms    = std::vector<std::pair<Position, float>>;
+
+    virtual ~LatticeLevel() = default;
+
+    virtual Lattice
+    lattice() const = 0;
+
+    virtual unsigned int
+    n_components() const = 0;
+
+    /// Return the layout of the unknowns.
+    virtual const InterleavedLayout &
+    layout() const = 0;
+
+    /// Return the positions of the owned unknowns.
+    virtual std::vector<Position>
+    unknown_positions() const = 0;
+
+    /// Return the constrained components (bits) of the owned unknowns.
+    virtual std::vector<unsigned char>
+    constrained_unknowns() const = 0;
+
+    /// Return the constrained functions of this process whose rows are stored,
+    /// with their components (bits).
+    virtual std::vector<std::pair<Position, unsigned char>>
+    constrained_functions() const = 0;
+
+    /// Call visit(position, terms) for the functions with rows whose
+    /// coefficient is a sum over unknowns, with their positions and weights.
+    virtual void
+    for_each_extended(const std::function<void(const Position &, const Terms &)>
+                        &visit) const = 0;
+
+    /// Call visit(position, row) for the rows of this process, in the memory of
+    /// a HalfStencil.
+    virtual void
+    for_each_row(const std::function<void(const Position &, const float *)>
+                   &visit) const = 0;
+
+    /// Return the divisor of the matrix in multiply() and of for_each_row().
+    virtual double
+    unit() const = 0;
+
+    /// Collective. Compute y = A x. The ghost entries of x are zero afterwards.
+    virtual void
+    multiply(SingleVector &y, SingleVector &x) const = 0;
+
+    /// Collective. Factorize the mean of the diagonal blocks of the components,
+    /// or each block.
+    virtual std::vector<OverlappingCholesky>
+    factorize(const CholeskyParameters &parameters,
+              const bool                by_components) const = 0;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_multigrid_nested_knots_h
+#define greville_multigrid_nested_knots_h
+
+#include <vector>
+
+namespace greville
+{
+  /**
+   * The knots of B-splines of order p in one direction of a lattice and of
+   * coarser lattices: integers, the breakpoints between its cells. Knots at the
+   * ends are repeated, or the direction is periodic. Function i has the knots
+   * number i - p to i + 1.
+   */
+  class NestedKnots
+  {
+  public:
+    NestedKnots() = default;
+
+    NestedKnots(const unsigned int degree,
+                const unsigned int n_cells,
+                const bool         periodic);
+
+    bool
+    is_periodic() const
+    {
+      return periodic;
+    }
+
+    int
+    degree() const
+    {
+      return p;
+    }
+
+    int
+    n_cells() const
+    {
+      return int(breakpoints.size()) - 1;
+    }
+
+    int
+    n_functions() const
+    {
+      return periodic ? n_cells() : n_cells() + p;
+    }
+
+    /// Return the knots of cells of twice the size, or the same knots if there
+    /// is one cell or a period would have too few.
+    NestedKnots
+    coarser() const;
+
+    /// A row of the matrix that inserts knots: the weights of the coarse
+    /// functions first, first + 1, ...
+    struct Row
+    {
+      int                first;
+      std::vector<float> weights;
+    };
+
+    /// Return the row of function @p i, which may be any integer in a periodic
+    /// direction, for the @p coarse knots, a part of these.
+    Row
+    insertion(const int i, const NestedKnots &coarse) const;
+
+  private:
+    /// Return knot number @p k, counted from the first breakpoint.
+    int
+    knot(const int k) const;
+
+    int              p        = 0;
+    bool             periodic = false;
+    std::vector<int> breakpoints;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/multigrid/nested_knots.h>
+
+#include <algorithm>
+
+namespace greville
+{
+  NestedKnots::NestedKnots(const unsigned int degree,
+                           const unsigned int n_cells,
+                           const bool         periodic)
+    : p(degree)
+    , periodic(periodic)
+  {
+    for (unsigned int k = 0; k <= n_cells; ++k)
+      breakpoints.push_back(k);
+  }
+
+
+
+  NestedKnots
+  NestedKnots::coarser() const
+  {
+    const int n = n_cells(), n_coarse = (n + 1) / 2;
+    if (n == 1 || (periodic && n_coarse < p + 1))
+      return *this;
+    NestedKnots result = *this;
+    result.breakpoints.clear();
+    for (int k = 0; k < n; k += 2)
+      result.breakpoints.push_back(breakpoints[k]);
+    result.breakpoints.push_back(breakpoints.back());
+    return result;
+  }
+
+
+
+  int
+  NestedKnots::knot(const int k) const
+  {
+    const int n = n_cells();
+    if (!periodic)
+      return breakpoints[std::clamp(k, 0, n)];
+    const int period = k >= 0 ? k / n : -((n - 1 - k) / n);
+    return breakpoints[k - period * n] +
+           period * (breakpoints.back() - breakpoints.front());
+  }
+
+
+
+  NestedKnots::Row
+  NestedKnots::insertion(const int i, const NestedKnots &coarse) const
+  {
+    // The Oslo algorithm. Knots of functions are counted from -p on.
+    const auto fine_knot   = [&](const int k) { return knot(k - p); };
+    const auto coarse_knot = [&](const int k) { return coarse.knot(k - p); };
+    // The last coarse cell that begins at or before the first knot of i.
+    const int period =
+      periodic ? (i >= 0 ? i / n_cells() : -((n_cells() - 1 - i) / n_cells()))
+               : 0;
+    int last = p + (periodic ? (period - 1 - p) * coarse.n_cells() : 0);
+    while (coarse_knot(last + 1) <= fine_knot(i) &&
+           (periodic || last + 1 < coarse.n_cells() + p))
+      ++last;
+    const int          first = last - p;
+    std::vector<float> a(p + 2, 0.f), b(p + 2, 0.f); // from first on
+    a[p] = 1.f;
+    for (int k = 1; k <= p; ++k)
+      {
+        const int t = fine_knot(i + k);
+        for (int j = first; j <= last; ++j)
+          {
+            const int low = coarse_knot(j), high = coarse_knot(j + k);
+            const int low_next  = coarse_knot(j + 1),
+                      high_next = coarse_knot(j + k + 1);
+            const float own  = high > low ? float(t - low) / (high - low) : 0.f;
+            const float next = high_next > low_next
+                                 ? float(high_next - t) / (high_next - low_next)
+                                 : 0.f;
+            b[j - first]     = own * a[j - first] + next * a[j - first + 1];
+          }
+        a = b;
+      }
+    int begin = 0, end = p + 1;
+    while (begin + 1 < end && a[begin] == 0.f)
+      ++begin;
+    while (begin + 1 < end && a[end - 1] == 0.f)
+      --end;
+    return {first + begin, {a.begin() + begin, a.begin() + end}};
+  }
+} // namespace greville
