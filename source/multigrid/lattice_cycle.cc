@@ -70,7 +70,11 @@ namespace greville
             n_rows(matrix(l)) <= largest_direct_size)
           factorize_coarsest();
         else
-          make_smoother(levels[l], by_components);
+          {
+            if (l > 0)
+              coarse[l - 1]->finish();
+            make_smoother(levels[l], by_components);
+          }
       }
   }
 

@@ -19,7 +19,7 @@ namespace greville
     // Coarse functions at the edge of a body may be linearly dependent to
     // single precision: this fraction of the largest diagonal entry keeps
     // matrices positive definite.
-    constexpr float relative_regularization = 1e-6f;
+    constexpr double relative_regularization = 1e-6;
   } // namespace
 
 
@@ -37,26 +37,26 @@ namespace greville
 
 
   /**
-   * The sum of P_i^T B_ij P_j over blocks of half rows B, for all coarse
-   * functions, in full rows; they have half of the matrix, Q + Q^T.
+   * The sum of P_i^T B_ij P_j over the blocks of half rows B, in half rows.
    */
   template <int dim>
   template <int nc, int n>
   class LatticeMatrix<dim>::Product
   {
   public:
-    using Half = HalfStencil<dim, nc, n, float>;
+    using Half = HalfStencil<dim, nc, n, double>;
 
     Product(LatticeMatrix &coarse, const LatticeLevel<dim> &fine)
       : coarse(coarse)
       , scale(1. / fine.unit())
-      , sums(coarse.positions.size() * full_size, 0.f)
     {
+      coarse.row_size = Half::row_size;
+      coarse.rows.assign(coarse.positions.size() * Half::row_size, 0.);
       set_extended(fine);
     }
 
     void
-    add(const Position &i, const float *row)
+    add(const Position &i, const double *row)
     {
       if (touches_extended(i))
         {
@@ -80,14 +80,14 @@ namespace greville
 
       // In x: [line][c][X][d].
       const int w = count[0] * nc;
-      std::fill_n(in_x, n_lines * nc * w, 0.f);
+      std::fill_n(in_x, n_lines * nc * w, 0.);
       for (int x = 0; x < length; ++x)
         if (const NestedKnots::Row *r = column(0, i[0] + x - p))
           for (unsigned int k = 0; k < r->weights.size(); ++k)
             {
-              const float  weight = scale * r->weights[k];
-              const float *from   = row + x * nc;
-              float       *to     = in_x + (r->first - first[0] + k) * nc;
+              const double  weight = scale * r->weights[k];
+              const double *from   = row + x * nc;
+              double       *to     = in_x + (r->first - first[0] + k) * nc;
               for (int l = 0; l < n_lines * nc; ++l)
                 for (int d = 0; d < nc; ++d)
                   to[l * w + d] += weight * from[l * line_size + d];
@@ -97,7 +97,7 @@ namespace greville
       const int     w_line  = nc * w;
       const int     w_layer = count[1] * w_line;
       constexpr int n_z     = dim == 3 ? n : 1;
-      std::fill_n(in_y, n_z * w_layer, 0.f);
+      std::fill_n(in_y, n_z * w_layer, 0.);
       for (int dz = 0, line = 0; dz < n_z; ++dz)
         for (int dy = dz == 0 ? 0 : -p; dy <= p; ++dy, ++line)
           if (const NestedKnots::Row *r = column(1, i[1] + dy))
@@ -107,10 +107,10 @@ namespace greville
                            r->weights[k],
                            in_x + line * w_line,
                            w_line);
-      const float *result = in_y;
+      const double *result = in_y;
       if constexpr (dim == 3)
         {
-          std::fill_n(in_z, count[2] * w_layer, 0.f);
+          std::fill_n(in_z, count[2] * w_layer, 0.);
           for (int dz = 0; dz < n_z; ++dz)
             if (const NestedKnots::Row *r = column(2, i[2] + dz))
               for (unsigned int k = 0; k < r->weights.size(); ++k)
@@ -120,53 +120,42 @@ namespace greville
                              w_layer);
           result = in_z;
         }
-      for_each_term(i, [&](const Position &I, const float weight) {
+      for_each_term(i, [&](const Position &I, const double weight) {
         add_to_row(I, weight, result, first, count);
       });
     }
 
     /// Add P_i^T B_ij P_j for a block beyond the stencils of the finer level.
     void
-    add(const Beyond &fine)
+    add(const typename LatticeLevel<dim>::FarBlock &fine)
     {
-      for_each_term(fine.i, [&](const Position &I, const float of_i) {
-        for_each_term(fine.j, [&](const Position &J, const float of_j) {
+      for_each_term(fine.i, [&](const Position &I, const double of_i) {
+        for_each_term(fine.j, [&](const Position &J, const double of_j) {
           add_block(I, J, of_i * of_j, fine.block, nc);
         });
       });
     }
 
-    /// Store the half rows without other functions than the unknowns.
+    /// Leave out other functions than the unknowns.
     void
     finish()
     {
       merge_beyond();
-      coarse.row_size = Half::row_size;
-      coarse.rows.assign(coarse.positions.size() * Half::row_size, 0.f);
       for (unsigned int u = 0; u < coarse.positions.size(); ++u)
-        for (int k = 0; k < Half::n_lines; ++k)
-          for (int x = k == 0 ? p : 0; x < length; ++x)
+        for (int k = 0; k < n_lines; ++k)
+          for (int x = 0; x < length; ++x)
             {
               const int v =
-                coarse
-                  .unknown_at[coarse.places[u] + coarse.distances[k] + x - p];
-              if (v < 0)
-                continue;
-              float *to = coarse.rows.data() + u * Half::row_size +
-                          k * nc * line_size + x * nc;
-              const float *own = sums.data() + u * full_size +
-                                 (middle + k) * nc * line_size + x * nc;
-              const float *other = sums.data() + v * full_size +
-                                   (middle - k) * nc * line_size +
-                                   (length - 1 - x) * nc;
-              const bool is_diagonal = k == 0 && x == p;
+                k == 0 && x < p ?
+                  -1 :
+                  coarse
+                    .unknown_at[coarse.places[u] + coarse.distances[k] + x - p];
+              double *block = half_row(u) + k * nc * line_size + x * nc;
               for (int c = 0; c < nc; ++c)
-                if (!((coarse.constrained[u] >> c) & 1))
-                  for (int d = 0; d < nc; ++d)
-                    if (!((coarse.constrained[v] >> d) & 1))
-                      to[c * line_size + d] =
-                        own[c * line_size + d] +
-                        (is_diagonal ? 0.f : other[d * line_size + c]);
+                for (int d = 0; d < nc; ++d)
+                  if (v < 0 || ((coarse.constrained[u] >> c) & 1) ||
+                      ((coarse.constrained[v] >> d) & 1))
+                    block[c * line_size + d] = 0.;
             }
     }
 
@@ -175,14 +164,47 @@ namespace greville
     static constexpr int length    = Half::length;
     static constexpr int line_size = Half::line_size;
     static constexpr int n_lines   = Half::n_lines;
-    static constexpr int n_full    = 2 * n_lines - 1;
     static constexpr int middle    = n_lines - 1;
-    static constexpr int full_size = n_full * nc * line_size;
     // The largest number of coarse functions of the columns.
     static constexpr int most = 2 * n + 1;
 
+    double *
+    half_row(const unsigned int u) const
+    {
+      return coarse.rows.data() + u * Half::row_size;
+    }
+
+    /// Add a multiple of a block at x in a line, counted from the own line, to
+    /// the half row of the first function of both in the order of places.
+    void
+    add_to_half_row(const unsigned int u,
+                    const int          line,
+                    const int          x,
+                    const double       weight,
+                    const double      *block,
+                    const int          stride)
+    {
+      if (line > 0 || (line == 0 && x >= p))
+        {
+          double *to = half_row(u) + line * nc * line_size + x * nc;
+          for (int c = 0; c < nc; ++c)
+            for (int d = 0; d < nc; ++d)
+              to[c * line_size + d] += weight * block[c * stride + d];
+          return;
+        }
+      const int v =
+        coarse.unknown_at[coarse.places[u] - coarse.distances[-line] + x - p];
+      if (v < 0)
+        return;
+      double *to =
+        half_row(v) - line * nc * line_size + (length - 1 - x) * nc;
+      for (int c = 0; c < nc; ++c)
+        for (int d = 0; d < nc; ++d)
+          to[d * line_size + c] += weight * block[c * stride + d];
+    }
+
     static void
-    add_multiple(float *to, const float factor, const float *from, const int k)
+    add_multiple(double *to, const double factor, const double *from, const int k)
     {
       for (int e = 0; e < k; ++e)
         to[e] += factor * from[e];
@@ -223,7 +245,7 @@ namespace greville
     struct Term
     {
       Position offset;
-      float    weight;
+      double    weight;
     };
 
     /// The coarse functions of a fine one.
@@ -236,7 +258,7 @@ namespace greville
     /// A column of a fine row: its block and its coarse functions.
     struct Column
     {
-      const float *block;
+      const double *block;
       Position     first;
       const Terms *terms;
     };
@@ -310,7 +332,7 @@ namespace greville
            const typename LatticeLevel<dim>::Terms &terms,
            const Lattice                           &lattice) const
     {
-      std::map<Position, float> sums;
+      std::map<Position, double> sums;
       for (const auto &[given, weight] : terms)
         {
           // The image next to the function.
@@ -324,7 +346,7 @@ namespace greville
                 else if (2 * (i[d] - u[d]) > period)
                   u[d] += period;
               }
-          for_each_term(u, [&](const Position &I, const float of_u) {
+          for_each_term(u, [&](const Position &I, const double of_u) {
             sums[I] += weight * of_u;
           });
         }
@@ -334,7 +356,7 @@ namespace greville
           result.lowest[d]  = std::numeric_limits<int>::max();
           result.highest[d] = -result.lowest[d];
         }
-      constexpr float negligible = 1e-5f;
+      constexpr double negligible = 1e-5;
       for (const auto &[I, weight] : sums)
         if (std::abs(weight) > negligible)
           {
@@ -370,7 +392,7 @@ namespace greville
               I[1] = y.first + ky;
               I[0] = x.first + kx;
               visit(I,
-                    x.weights[kx] * y.weights[ky] * (z ? z->weights[kz] : 1.f));
+                    x.weights[kx] * y.weights[ky] * (z ? z->weights[kz] : 1.));
             }
     }
 
@@ -417,7 +439,7 @@ namespace greville
           own.lowest[d]             = 0;
           own.highest[d]            = int(r.weights.size()) - 1;
         }
-      for_each_term(i, [&](const Position &I, const float weight) {
+      for_each_term(i, [&](const Position &I, const double weight) {
         Term term{I, weight};
         for (unsigned int d = 0; d < dim; ++d)
           term.offset[d] -= first[d];
@@ -427,7 +449,7 @@ namespace greville
     }
 
     void
-    add_with_extended(const Position &i, const float *row)
+    add_with_extended(const Position &i, const double *row)
     {
       // The columns and their range of coarse functions.
       columns.clear();
@@ -441,11 +463,11 @@ namespace greville
         for (int dy = dz == 0 ? 0 : -p; dy <= p; ++dy, ++line)
           for (int x = line == 0 ? p : 0; x < length; ++x)
             {
-              const float *block   = row + line * nc * line_size + x * nc;
+              const double *block   = row + line * nc * line_size + x * nc;
               bool         is_zero = true;
               for (int c = 0; c < nc; ++c)
                 for (int d = 0; d < nc; ++d)
-                  is_zero = is_zero && block[c * line_size + d] == 0.f;
+                  is_zero = is_zero && block[c * line_size + d] == 0.;
               if (is_zero)
                 continue;
               Position j = i;
@@ -475,18 +497,18 @@ namespace greville
       const int w       = count[0] * nc;
       const int w_line  = nc * w;
       const int w_layer = count[1] * w_line;
-      sum_of_columns.assign((dim == 3 ? count[dim - 1] : 1) * w_layer, 0.f);
+      sum_of_columns.assign((dim == 3 ? count[dim - 1] : 1) * w_layer, 0.);
       for (const Column &column : columns)
         for (const Term &term : column.terms->list)
           {
-            float *to = sum_of_columns.data() +
+            double *to = sum_of_columns.data() +
                         (column.first[0] + term.offset[0] - first[0]) * nc +
                         (column.first[1] + term.offset[1] - first[1]) * w_line +
                         (dim == 3 ? (column.first[dim - 1] +
                                      term.offset[dim - 1] - first[dim - 1]) *
                                       w_layer
                                   : 0);
-            const float weight = scale * term.weight;
+            const double weight = scale * term.weight;
             for (int c = 0; c < nc; ++c)
               for (int d = 0; d < nc; ++d)
                 to[c * w + d] += weight * column.block[c * line_size + d];
@@ -507,8 +529,8 @@ namespace greville
     /// List the blocks beyond the stencil.
     void
     add_beyond(const Position             &I,
-               const float                 weight,
-               const float                *sum,
+               const double                 weight,
+               const double                *sum,
                const std::array<int, dim> &first,
                const std::array<int, dim> &count)
     {
@@ -556,8 +578,8 @@ namespace greville
     void
     add_block(const Position &I,
               const Position &J,
-              const float     weight,
-              const float    *block,
+              const double     weight,
+              const double    *block,
               const int       stride)
     {
       const int u = unknown(I), v = unknown(J);
@@ -568,14 +590,11 @@ namespace greville
           int line = J[1] - I[1] + p;
           if (dim == 3)
             line += (J[dim - 1] - I[dim - 1] + p) * length;
-          float *to = sums.data() + u * full_size + line * nc * line_size +
-                      (J[0] - I[0] + p) * nc;
-          for (int c = 0; c < nc; ++c)
-            for (int d = 0; d < nc; ++d)
-              to[c * line_size + d] += weight * block[c * stride + d];
+          add_to_half_row(
+            u, line - middle, J[0] - I[0] + p, weight, block, stride);
           return;
         }
-      Beyond entry{unsigned(u), unsigned(v), I, J, {}};
+      Beyond entry{{I, J, {}}, unsigned(u), unsigned(v)};
       bool   is_zero = true;
       for (int c = 0; c < nc; ++c)
         for (int d = 0; d < nc; ++d)
@@ -583,7 +602,7 @@ namespace greville
               !((coarse.constrained[v] >> d) & 1))
             {
               entry.block[c * nc + d] = weight * block[c * stride + d];
-              is_zero = is_zero && entry.block[c * nc + d] == 0.f;
+              is_zero = is_zero && entry.block[c * nc + d] == 0.;
             }
       if (!is_zero)
         coarse.beyond.push_back(entry);
@@ -593,8 +612,8 @@ namespace greville
     /// function.
     void
     add_to_row(const Position             &I,
-               const float                 weight,
-               const float                *sum,
+               const double                 weight,
+               const double                *sum,
                const std::array<int, dim> &first,
                const std::array<int, dim> &count)
     {
@@ -607,7 +626,6 @@ namespace greville
       const int            w       = count[0] * nc;
       const int            w_line  = nc * w;
       const int            w_layer = count[1] * w_line;
-      float               *row     = sums.data() + u * full_size;
       std::array<int, dim> begin, end;
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -621,23 +639,28 @@ namespace greville
         for (int Y = begin[1]; Y < end[1]; ++Y)
           {
             const int line =
-              (dim == 3 ? (Z - I[z] + p) * length : 0) + Y - I[1] + p;
-            const float *from =
-              sum + (dim == 3 ? (Z - first[z]) * w_layer : 0) +
-              (Y - first[1]) * w_line + (begin[0] - first[0]) * nc;
-            float *to =
-              row + line * nc * line_size + (begin[0] - I[0] + p) * nc;
-            for (int c = 0; c < nc; ++c)
-              add_multiple(to + c * line_size,
-                           weight,
-                           from + c * w,
-                           (end[0] - begin[0]) * nc);
+              (dim == 3 ? (Z - I[z] + p) * length : 0) + Y - I[1] + p - middle;
+            const double *from = sum +
+                                 (dim == 3 ? (Z - first[z]) * w_layer : 0) +
+                                 (Y - first[1]) * w_line;
+            const int direct = line > 0  ? begin[0] :
+                               line == 0 ? std::max(begin[0], I[0]) :
+                                           end[0];
+            for (int X = begin[0]; X < std::min(direct, end[0]); ++X)
+              add_to_half_row(
+                u, line, X - I[0] + p, weight, from + (X - first[0]) * nc, w);
+            if (direct < end[0])
+              for (int c = 0; c < nc; ++c)
+                add_multiple(half_row(u) + (line * nc + c) * line_size +
+                               (direct - I[0] + p) * nc,
+                             weight,
+                             from + c * w + (direct - first[0]) * nc,
+                             (end[0] - direct) * nc);
           }
     }
 
     LatticeMatrix     &coarse;
-    const float        scale;
-    std::vector<float> sums;
+    const double        scale;
 
     // The extended functions of the finer level, and a box around them.
     static constexpr unsigned int none = static_cast<unsigned int>(-1);
@@ -647,11 +670,11 @@ namespace greville
     std::vector<bool>             is_near;
     std::vector<Terms>            own_terms;
     std::vector<Column>           columns;
-    std::vector<float>            sum_of_columns;
+    std::vector<double>            sum_of_columns;
 
-    float in_x[n_lines * nc * most * nc];
-    float in_y[(dim == 3 ? n : 1) * most * nc * most * nc];
-    float in_z[dim == 3 ? most * most * nc * most * nc : 1];
+    double in_x[n_lines * nc * most * nc];
+    double in_y[(dim == 3 ? n : 1) * most * nc * most * nc];
+    double in_z[dim == 3 ? most * most * nc * most * nc : 1];
   };
 
 
@@ -691,25 +714,21 @@ namespace greville
         std::make_unique<Product<decltype(nc)::value, decltype(n)::value>>(
           *this, fine);
       fine.for_each_row(
-        [&](const Position &i, const float *row) { product->add(i, row); });
+        [&](const Position &i, const double *row) { product->add(i, row); });
+      fine.for_each_far_block([&](const auto &block) { product->add(block); });
       product->finish();
 
       // The diagonal.
       using Half =
-        HalfStencil<dim, decltype(nc)::value, decltype(n)::value, float>;
+        HalfStencil<dim, decltype(nc)::value, decltype(n)::value, double>;
       const auto entry = [&](const unsigned int u, const unsigned int c) {
         return rows.data() + u * row_size + c * Half::line_size + (n - 1) * nc +
                c;
       };
-      float largest = 0.f;
-      for (unsigned int u = 0; u < positions.size(); ++u)
-        for (unsigned int c = 0; c < components; ++c)
-          largest = std::max(largest, *entry(u, c));
-      largest = Utilities::MPI::max(largest, unknowns->communicator());
       for (unsigned int u = 0; u < unknowns->n_owned(); ++u)
         for (unsigned int c = 0; c < components; ++c)
           if (!((constrained[u] >> c) & 1))
-            *entry(u, c) += relative_regularization * largest;
+            *entry(u, c) *= 1. + relative_regularization;
     });
   }
 
@@ -774,7 +793,7 @@ namespace greville
             position_of.emplace(key(i), i);
           });
         };
-        fine.for_each_row([&](const Position &f, const float *) { add(f); });
+        fine.for_each_row([&](const Position &f, const double *) { add(f); });
         fine.for_each_extended([&](const Position &, const auto &terms) {
           for (const auto &term : terms)
             add(term.first);
@@ -1019,10 +1038,19 @@ namespace greville
   template <int dim>
   void
   LatticeMatrix<dim>::for_each_row(
-    const std::function<void(const Position &, const float *)> &visit) const
+    const std::function<void(const Position &, const double *)> &visit) const
   {
     for (unsigned int u = 0; u < positions.size(); ++u)
       visit(positions[u], rows.data() + u * row_size);
+  }
+
+
+
+  template <int dim>
+  void
+  LatticeMatrix<dim>::finish()
+  {
+    single_rows.assign(rows.begin(), rows.end());
   }
 
 
@@ -1048,7 +1076,7 @@ namespace greville
             from[image.second * nc + c];
       std::fill(place_y.begin(), place_y.end(), 0.f);
       for (std::size_t u = 0; u < places.size(); ++u)
-        Half::multiply(rows.data() + u * row_size,
+        Half::multiply(single_rows.data() + u * row_size,
                        place_x.data() + std::size_t(places[u]) * nc,
                        place_y.data() + std::size_t(places[u]) * nc,
                        of_lines);
@@ -1082,7 +1110,7 @@ namespace greville
   {
     with_sizes([&](const auto width, const auto n) {
       constexpr int nc = decltype(width)::value;
-      using Half       = HalfStencil<dim, nc, decltype(n)::value, float>;
+      using Half       = HalfStencil<dim, nc, decltype(n)::value, double>;
       constexpr int p  = decltype(n)::value - 1;
       for (unsigned int u = 0; u < positions.size(); ++u)
         for (int k = 0; k < Half::n_lines; ++k)
@@ -1129,7 +1157,7 @@ namespace greville
     for_each_block([&](const unsigned int u,
                        const unsigned int v,
                        const bool         is_diagonal,
-                       const float       *block,
+                       const double      *block,
                        const int          stride) {
       double sum = 0.;
       for (unsigned int c = 0; c < components; ++c)
@@ -1204,7 +1232,7 @@ namespace greville
     for_each_block([&](const unsigned int u,
                        const unsigned int v,
                        const bool,
-                       const float *block,
+                       const double *block,
                        const int    stride) {
       const std::size_t i = unknowns->global_number(u) * components,
                         j = unknowns->global_number(v) * components;

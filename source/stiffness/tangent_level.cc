@@ -114,10 +114,12 @@ namespace greville
   void
   TangentLevel<dim>::for_each_row(
     const std::function<void(const typename ExtendedLevel<dim>::Position &,
-                             const float *)> &visit) const
+                             const double *)> &visit) const
   {
+    std::vector<double> row(blocks.size_of_row());
     this->for_each_place([&](const unsigned int f, const unsigned int place) {
-      visit(this->position(f), blocks.row(place));
+      std::copy_n(blocks.row(place), row.size(), row.begin());
+      visit(this->position(f), row.data());
     });
   }
 

@@ -96,13 +96,13 @@ namespace greville
   void
   PressureLevel<dim>::for_each_row(
     const std::function<void(const typename ExtendedLevel<dim>::Position &,
-                             const float *)> &visit) const
+                             const double *)> &visit) const
   {
     const StencilMatrix<dim> &stencil = matrix.matrix();
     with_order(this->space().degree(), [&](const auto n) {
-      using Half = HalfStencil<dim, 1, decltype(n)::value, float>;
+      using Half = HalfStencil<dim, 1, decltype(n)::value, double>;
       std::vector<double> full((2 * Half::n_lines - 1) * Half::length);
-      float               row[Half::row_size] = {};
+      double              row[Half::row_size] = {};
       this->for_each_place([&](const unsigned int f, const unsigned int place) {
         stencil.get_row(place, full.data());
         for (int k = 0; k < Half::n_lines; ++k)

@@ -61,8 +61,22 @@ namespace greville
     /// Call visit(position, row) for the rows of this process, in the memory of
     /// a HalfStencil.
     virtual void
-    for_each_row(const std::function<void(const Position &, const float *)>
+    for_each_row(const std::function<void(const Position &, const double *)>
                    &visit) const = 0;
+
+    /// A block of functions i, j beyond the size of a HalfStencil, whose
+    /// transpose belongs to j, i. Positions are not wrapped.
+    struct FarBlock
+    {
+      Position i, j;
+      double   block[dim * dim];
+    };
+
+    /// Call visit(block) for the blocks of this process beyond its rows.
+    virtual void
+    for_each_far_block(
+      const std::function<void(const FarBlock &)> & /*visit*/) const
+    {}
 
     /// Return the divisor of the matrix in multiply() and of for_each_row().
     virtual double

@@ -88,8 +88,21 @@ namespace greville
     {}
 
     void
-    for_each_row(const std::function<void(const Position &, const float *)>
+    for_each_row(const std::function<void(const Position &, const double *)>
                    &visit) const override;
+
+    /// Free the rows of double precision, after coarser() and factorize().
+    void
+    finish();
+
+    void
+    for_each_far_block(
+      const std::function<void(const typename LatticeLevel<dim>::FarBlock &)>
+        &visit) const override
+    {
+      for (const Beyond &entry : beyond)
+        visit(entry);
+    }
 
     double
     unit() const override
@@ -197,15 +210,14 @@ namespace greville
     std::vector<int>                                   unknown_at; // place
     std::vector<std::ptrdiff_t>                        distances;  // of lines
     std::size_t                                        row_size = 0;
-    std::vector<float>                                 rows;
+    std::vector<double>                                rows;
+    std::vector<float>                                 single_rows;
     mutable std::vector<float>                         place_x, place_y;
 
-    /// A block beyond the stencils, without its transpose.
-    struct Beyond
+    /// A far block of two local unknowns.
+    struct Beyond : public LatticeLevel<dim>::FarBlock
     {
       unsigned int u, v;
-      Position     i, j; // not wrapped
-      float        block[dim * dim];
     };
     std::vector<Beyond> beyond;
 

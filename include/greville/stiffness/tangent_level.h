@@ -103,7 +103,7 @@ namespace greville
     void
     for_each_row(
       const std::function<void(const typename ExtendedLevel<dim>::Position &,
-                               const float *)> &visit) const override;
+                               const double *)> &visit) const override;
 
     /// Compute y = M~_e x.
     void
