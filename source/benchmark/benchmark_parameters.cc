@@ -22,7 +22,7 @@ namespace greville
             {"Restrictions", OrderTransfer<2>::restrictions(), restrictions},
             {"Prolongations", OrderTransfer<2>::prolongations(), prolongations},
             {"Coarsenings",
-             OrderHierarchy<2>::coarsenings() + "|lattice",
+             OrderHierarchy<2>::coarsenings(),
              coarsenings}};
   }
 

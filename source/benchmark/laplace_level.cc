@@ -4,9 +4,7 @@
 
 #include <greville/benchmark/laplace_level.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
-#include <greville/multigrid/lattice_levels.h>
-
-#include <numeric>
+#include <greville/multigrid/lattice_cycle.h>
 
 namespace greville
 {
@@ -100,6 +98,7 @@ namespace greville
   LaplaceLevel<dim>::LaplaceLevel(const SplineSpace<dim>           &space,
                                   const std::vector<unsigned char> &constrained)
     : spline_space(space)
+    , constrained(constrained)
   {
     AssertThrow(constrained.size() == space.owned_functions().size() +
                                         space.ghost_functions().size(),
@@ -109,11 +108,9 @@ namespace greville
     // All functions are unknowns.
     CellFilling<dim> filling(space);
     filling.update(std::vector<double>(space.owned_cells().size(), 1.), 0.);
-    Extension<dim> all_stable(space, filling);
-
-    ExtendedMass<dim> stencil;
+    extension.reinit(space, filling);
     stencil.reinit(space);
-    stencil.begin(all_stable, true);
+    stencil.begin(extension, true);
     stencil.unknowns().constrain(constrained);
     add_laplace_matrix(stencil.matrix());
     stencil.finish();
@@ -150,18 +147,13 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<Preconditioner>
-  LaplaceLevel<dim>::lattice_preconditioner() const
+  LaplaceLevel<dim>::lattice_preconditioner(
+    const LatticeCycleParameters &parameters) const
   {
-    const unsigned int n_functions = this->space().owned_functions().size();
-    std::vector<unsigned int>  functions(n_functions);
-    std::vector<unsigned char> constrained(n_functions, 0);
-    std::iota(functions.begin(), functions.end(), 0u);
-    for (const unsigned int f : this->inactive())
-      constrained[f] = 1;
-    const LatticeLevels<dim> lattice(
-      matrix(), this->space(), functions, 1, constrained);
-    return std::make_unique<PetscPreconditioner>(
-      matrix(), lattice.options(), [&](PC pc) { lattice.apply_to(pc); });
+    return std::make_unique<LatticeCycle<dim>>(
+      std::make_unique<ExtendedLattice<dim>>(
+        stencil, extension, constrained, matrix_diagonal.linfty_norm()),
+      parameters);
   }
 
 

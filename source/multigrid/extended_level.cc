@@ -2,7 +2,7 @@
 
 #include <greville/linear_algebra/petsc_preconditioner.h>
 #include <greville/multigrid/extended_level.h>
-#include <greville/multigrid/lattice_levels.h>
+#include <greville/multigrid/lattice_cycle.h>
 
 namespace greville
 {
@@ -35,13 +35,12 @@ namespace greville
     class UnknownsPreconditioner : public Preconditioner
     {
     public:
-      UnknownsPreconditioner(const ExtendedLevel<dim>      &level,
-                             PetscMatrix                    given_matrix,
-                             const std::string             &options,
-                             const std::function<void(PC)> &prepare = {})
+      UnknownsPreconditioner(const ExtendedLevel<dim> &level,
+                             PetscMatrix               given_matrix,
+                             const std::string        &options)
         : level(level)
         , matrix(std::move(given_matrix))
-        , petsc(matrix.get(), options, prepare)
+        , petsc(matrix.get(), options)
       {
         for (VectorType *vector : {&to, &from})
           level.extended().unknowns().initialize_vector(*vector,
@@ -267,85 +266,6 @@ namespace greville
 
 
   template <int dim>
-  typename ExtendedLevel<dim>::Lattice
-  ExtendedLevel<dim>::lattice() const
-  {
-    Lattice result;
-    for (unsigned int d = 0; d < dim; ++d)
-      result[d] = NestedKnots(spline_space.degree(),
-                              spline_space.cells_per_direction()[d],
-                              spline_space.is_periodic(d));
-    return result;
-  }
-
-
-
-  template <int dim>
-  typename ExtendedLevel<dim>::Position
-  ExtendedLevel<dim>::position(const unsigned int function) const
-  {
-    const auto index =
-      multi_index<dim>(spline_space.function_position(function),
-                       spline_space.n_functions());
-    Position result;
-    std::copy(index.begin(), index.end(), result.begin());
-    return result;
-  }
-
-
-
-  template <int dim>
-  std::vector<typename ExtendedLevel<dim>::Position>
-  ExtendedLevel<dim>::unknown_positions() const
-  {
-    std::vector<Position> result;
-    for (const unsigned int f : extended_mass.unknowns().unknown_functions())
-      result.push_back(position(f));
-    return result;
-  }
-
-
-
-  template <int dim>
-  std::vector<std::pair<typename ExtendedLevel<dim>::Position, unsigned char>>
-  ExtendedLevel<dim>::constrained_functions() const
-  {
-    std::vector<std::pair<Position, unsigned char>> result;
-    for (unsigned int f = 0; f < constrained.size(); ++f)
-      if (constrained[f] != 0 &&
-          spline_extension[f] != Extension<dim>::inactive)
-        result.emplace_back(position(f), constrained[f]);
-    return result;
-  }
-
-
-
-  template <int dim>
-  void
-  ExtendedLevel<dim>::for_each_extended(
-    const std::function<void(const Position &, const Terms &)> &visit) const
-  {
-    const auto &rows      = spline_extension.rows();
-    const auto &functions = spline_extension.extended_functions();
-    Terms       terms;
-    for (unsigned int k = 0; k < functions.size(); ++k)
-      {
-        terms.clear();
-        for (std::size_t e = rows.begin[k]; e < rows.begin[k + 1]; ++e)
-          {
-            const auto index =
-              multi_index<dim>(rows.positions[e], spline_space.n_functions());
-            Position unknown;
-            std::copy(index.begin(), index.end(), unknown.begin());
-            terms.emplace_back(unknown, rows.weights[e]);
-          }
-        visit(position(functions[k]), terms);
-      }
-  }
-
-
-
-  template <int dim>
   void
   ExtendedLevel<dim>::apply_inverse_mass(VectorType &x) const
   {
@@ -375,21 +295,10 @@ namespace greville
 
   template <int dim>
   std::unique_ptr<Preconditioner>
-  ExtendedLevel<dim>::lattice_preconditioner() const
+  ExtendedLevel<dim>::lattice_preconditioner(
+    const LatticeCycleParameters &parameters) const
   {
-    PetscMatrix              matrix = petsc_matrix();
-    const LatticeLevels<dim> lattice(
-      matrix.get(),
-      spline_space,
-      extended_mass.unknowns().unknown_functions(),
-      components,
-      extended_mass.unknowns().constrained_unknowns());
-    return std::make_unique<UnknownsPreconditioner<dim>>(*this,
-                                                         std::move(matrix),
-                                                         lattice.options(),
-                                                         [&](PC pc) {
-                                                           lattice.apply_to(pc);
-                                                         });
+    return std::make_unique<LatticeCycle<dim>>(make_lattice(), parameters);
   }
 
 

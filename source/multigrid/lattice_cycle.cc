@@ -14,12 +14,9 @@ namespace greville
 
   namespace
   {
-    // A level of fewer rows is the last one. A last level of more rows than the
-    // second number is smoothed, not factorized.
+    // Lattices become coarser until a matrix has so few rows. A matrix of more
+    // than the second number of rows is smoothed, not factorized.
     constexpr unsigned int small_size = 250, largest_direct_size = 1200;
-
-    // Pivots below this part of the diagonal entry are left out.
-    constexpr double smallest_pivot = 1e-5;
 
     unsigned int
     width_of_factors(const unsigned int n_components)
@@ -35,19 +32,63 @@ namespace greville
                                    level.n_components(),
                                  level.layout().communicator());
     }
+
+    /// Return the number of functions of order 1 of a lattice.
+    template <typename Lattice>
+    std::uint64_t
+    n_functions_of_order_1(const Lattice &lattice)
+    {
+      std::uint64_t result = 1;
+      for (const NestedKnots &direction : lattice)
+        if (direction.degree() > 0)
+          result *= direction.n_cells() + !direction.is_periodic();
+      return result;
+    }
   } // namespace
 
 
 
   template <int dim>
-  LatticeCycle<dim>::LatticeCycle(const ExtendedLevel<dim> &finest,
-                                  const SmootherParameters &parameters,
-                                  const bool                by_components)
-    : finest(finest)
+  LatticeCycle<dim>::LatticeCycle(std::unique_ptr<ExtendedLattice<dim>> finest,
+                                  const LatticeCycleParameters &parameters)
+    : finest(std::move(finest))
     , parameters(parameters)
   {
-    const LatticeLevel<dim> *last = &finest;
-    while (n_rows(*last) > small_size && LatticeMatrix<dim>::can_coarsen(*last))
+    coarsen();
+    for (unsigned int l = 0; l < levels.size(); ++l)
+      {
+        Level                   &level  = levels[l];
+        const InterleavedLayout &layout = level.matrix->layout();
+        for (SingleVector *vector :
+             {&level.x, &level.b, &level.step, &level.product})
+          vector->reinit(layout.partitioner(level.matrix->n_components()));
+        const bool is_last = l > 0 && l + 1 == levels.size();
+        if (is_last)
+          make_direct_matrix();
+        if (!is_last || parameters.lowers_order || direct_matrix.m() == 0)
+          make_smoother(level);
+        if (l > 0)
+          coarse[l - 1]->finish();
+        if (!level.factors.empty())
+          estimate_eigenvalue(level);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  LatticeCycle<dim>::coarsen()
+  {
+    const LatticeLevel<dim> *last     = finest.get();
+    const auto               is_small = [&](const LatticeLevel<dim> &level) {
+      return parameters.lowers_order ? n_functions_of_order_1(level.lattice()) *
+                                           level.n_components() <=
+                                         largest_direct_size
+                                                   : n_rows(level) <= small_size;
+    };
+    while ((last == finest.get() || !is_small(*last)) &&
+           LatticeMatrix<dim>::can_coarsen(*last))
       {
         auto next = std::make_unique<LatticeMatrix<dim>>(*last);
         // Bodies of a few functions each can have more coarse unknowns.
@@ -57,41 +98,24 @@ namespace greville
         last = coarse.back().get();
       }
     levels.resize(coarse.size() + 1);
-    for (unsigned int l = 0; l < levels.size(); ++l)
-      {
-        levels[l].matrix = l == 0
-                             ? static_cast<const LatticeLevel<dim> *>(&finest)
-                             : coarse[l - 1].get();
-        for (SingleVector *vector :
-             {&levels[l].x, &levels[l].b, &levels[l].step, &levels[l].product})
-          vector->reinit(
-            matrix(l).layout().partitioner(matrix(l).n_components()));
-        if (l > 0 && l + 1 == levels.size() &&
-            n_rows(matrix(l)) <= largest_direct_size)
-          factorize_coarsest();
-        else
-          {
-            if (l > 0)
-              coarse[l - 1]->finish();
-            make_smoother(levels[l], by_components);
-          }
-      }
+    levels[0].matrix = finest.get();
+    for (unsigned int l = 1; l < levels.size(); ++l)
+      levels[l].matrix = coarse[l - 1].get();
   }
 
 
 
   template <int dim>
   void
-  LatticeCycle<dim>::make_smoother(Level &level, const bool by_components)
+  LatticeCycle<dim>::make_smoother(Level &level)
   {
     level.factors =
-      level.matrix->factorize({parameters.shift, 0.}, by_components);
+      level.matrix->factorize({parameters.shift, 0.}, parameters.by_components);
     level.constrained = level.matrix->constrained_unknowns();
     if (std::all_of(level.constrained.begin(),
                     level.constrained.end(),
                     [](const unsigned char bits) { return bits == 0; }))
       level.constrained.clear();
-    estimate_eigenvalue(level);
   }
 
 
@@ -113,7 +137,7 @@ namespace greville
       for (unsigned int c = 0; c < n; ++c)
         {
           double phase = c;
-          for (unsigned int e = 0; e < dim; ++e)
+          for (unsigned int e = 0; e < 3; ++e)
             phase += (e == 0   ? 12.9898
                       : e == 1 ? 78.233
                                : 37.719) *
@@ -241,22 +265,29 @@ namespace greville
   void
   LatticeCycle<dim>::cycle(const unsigned int l) const
   {
-    const Level &level = levels[l];
-    level.x            = 0.f;
+    const Level &level  = levels[l];
+    const auto  &last   = levels.back();
+    const bool   direct = &level == &last && direct_matrix.m() > 0;
+    level.x             = 0.f;
     if (level.factors.empty())
       {
-        solve_coarsest(level);
+        add_direct_solution(level.x, level.b);
         return;
       }
     smooth(level);
     subtract_product(level, level.step);
-    if (l + 1 < levels.size())
+    if (direct || &level != &last)
       {
-        const Level &next = levels[l + 1];
-        coarse[l]->restrict(next.b, level.b);
-        cycle(l + 1);
         level.step = 0.f;
-        coarse[l]->prolongate_and_add(level.step, next.x);
+        if (direct)
+          add_direct_solution(level.step, level.b);
+        else
+          {
+            const LatticeUnknowns<dim> &unknowns = coarse[l]->unknowns();
+            unknowns.restrict(levels[l + 1].b, level.b);
+            cycle(l + 1);
+            unknowns.prolongate_and_add(level.step, levels[l + 1].x);
+          }
         level.x.add(1.f, level.step);
         subtract_product(level, level.step);
       }
@@ -267,72 +298,117 @@ namespace greville
 
   template <int dim>
   void
-  LatticeCycle<dim>::factorize_coarsest()
+  LatticeCycle<dim>::make_direct_matrix()
   {
-    factors      = coarse.back()->all_entries();
-    n_last       = n_rows(*coarse.back());
-    const auto n = n_last;
-    // The factor L by rows, with the inverse of its diagonal.
-    for (std::size_t i = 0; i < n; ++i)
-      {
-        double *const row_i    = factors.data() + i * n;
-        const double  diagonal = row_i[i];
-        for (std::size_t j = 0; j <= i; ++j)
+    const LatticeMatrix<dim> &last       = *coarse.back();
+    const unsigned int        components = last.n_components();
+    const InterleavedLayout  &layout     = last.layout();
+    const auto               &positions  = last.unknowns().positions();
+    const auto                lattice    = last.lattice();
+    const std::uint64_t       n_columns =
+      parameters.lowers_order ? n_functions_of_order_1(lattice) * components
+                                    : n_rows(last);
+    if (n_columns > largest_direct_size)
+      return;
+    const auto columns =
+      [&](const unsigned int u, const unsigned int c, const auto &add) {
+        if (!parameters.lowers_order)
           {
-            const double *row_j = factors.data() + j * n;
-            double        sum   = 0.;
-#pragma GCC ivdep
-            for (std::size_t k = 0; k < j; ++k)
-              sum += row_i[k] * row_j[k];
-            if (j < i)
-              row_i[j] = (row_i[j] - sum) * row_j[j];
-            else
-              {
-                const double pivot = row_i[i] - sum;
-                row_i[i]           = pivot > smallest_pivot * diagonal
-                                       ? 1. / std::sqrt(pivot)
-                                       : 0.;
-              }
+            add(layout.global_number(u) * components + c, 1.);
+            return;
           }
-      }
-    right_hand_side.resize(n);
+        std::vector<std::pair<unsigned int, double>> terms{{0, 1.}};
+        for (unsigned int d = 3; d-- > 0;)
+          {
+            const NestedKnots &knots = lattice[d];
+            if (knots.degree() == 0)
+              continue;
+            const unsigned int n    = knots.n_cells() + !knots.is_periodic();
+            const auto [cell, part] = knots.greville_point(positions[u][d]);
+            std::vector<std::pair<unsigned int, double>> product;
+            for (const auto &[number, weight] : terms)
+              {
+                product.emplace_back(number * n + cell, weight * (1. - part));
+                if (part > 0.)
+                  product.emplace_back(number * n + (cell + 1) % n,
+                                       weight * part);
+              }
+            terms = product;
+          }
+        for (const auto &[number, weight] : terms)
+          add(number * components + c, weight);
+      };
+    direct_begin.assign(1, 0);
+    for (unsigned int u = 0; u < layout.n_owned(); ++u)
+      for (unsigned int c = 0; c < components; ++c)
+        {
+          if (!last.unknowns().is_constrained(u, c))
+            columns(u, c, [&](const unsigned int column, const double weight) {
+              direct_columns.emplace_back(column, weight);
+            });
+          direct_begin.push_back(direct_columns.size());
+        }
+    direct_values.reinit(n_columns);
+    factorize_direct_matrix(last.reduced_entries(n_columns, columns));
   }
 
 
 
   template <int dim>
   void
-  LatticeCycle<dim>::solve_coarsest(const Level &level) const
+  LatticeCycle<dim>::factorize_direct_matrix(std::vector<double> entries)
   {
-    const std::size_t        n      = n_last;
-    const InterleavedLayout &layout = level.matrix->layout();
-    const std::size_t        first =
-      layout.n_owned() > 0
-               ? layout.global_number(0) * level.matrix->n_components()
-               : 0;
-    std::vector<double> &x = right_hand_side;
-    std::fill(x.begin(), x.end(), 0.);
-    for (unsigned int i = 0; i < level.b.locally_owned_size(); ++i)
-      x[first + i] = level.b.local_element(i);
-    if (Utilities::MPI::n_mpi_processes(layout.communicator()) > 1)
-      Utilities::MPI::sum(x, layout.communicator(), x);
-    for (std::size_t i = 0; i < n; ++i)
+    // Functions can be linearly dependent, and tangents indefinite: the
+    // diagonal is raised as far as necessary.
+    constexpr double   smallest_shift = 1e-6, largest_shift = 10., growth = 30.;
+    const unsigned int n = direct_values.size();
+    for (double shift = smallest_shift; shift < largest_shift; shift *= growth)
       {
-        const double *row = factors.data() + i * n;
-        double        sum = 0.;
-        for (std::size_t k = 0; k < i; ++k)
-          sum += row[k] * x[k];
-        x[i] = (x[i] - sum) * row[i];
+        direct_matrix.reinit(n, n);
+        direct_matrix.set_property(LAPACKSupport::symmetric);
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int j = 0; j < n; ++j)
+            direct_matrix(i, j) = entries[std::size_t(i) * n + j];
+        for (unsigned int i = 0; i < n; ++i)
+          if (entries[std::size_t(i) * n + i] > 0.)
+            direct_matrix(i, i) *= 1. + shift;
+          else
+            direct_matrix(i, i) = 1.;
+        try
+          {
+            direct_matrix.compute_cholesky_factorization();
+            return;
+          }
+        catch (const ExceptionBase &)
+          {}
       }
-    for (std::size_t i = n; i-- > 0;)
+    direct_matrix.reinit(0, 0);
+  }
+
+
+
+  template <int dim>
+  void
+  LatticeCycle<dim>::add_direct_solution(SingleVector       &x,
+                                         const SingleVector &b) const
+  {
+    direct_values = 0.;
+    for (unsigned int i = 0; i < b.locally_owned_size(); ++i)
+      for (std::size_t k = direct_begin[i]; k < direct_begin[i + 1]; ++k)
+        direct_values[direct_columns[k].first] +=
+          direct_columns[k].second * b.local_element(i);
+    const MPI_Comm comm = coarse.back()->layout().communicator();
+    if (Utilities::MPI::n_mpi_processes(comm) > 1)
+      Utilities::MPI::sum(direct_values, comm, direct_values);
+    direct_matrix.solve(direct_values);
+    for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
       {
-        const double *row = factors.data() + i * n;
-        x[i] *= row[i];
-        for (std::size_t k = 0; k < i; ++k)
-          x[k] -= row[k] * x[i];
+        double sum = 0.;
+        for (std::size_t k = direct_begin[i]; k < direct_begin[i + 1]; ++k)
+          sum +=
+            direct_columns[k].second * direct_values[direct_columns[k].first];
+        x.local_element(i) += float(sum);
       }
-    for (unsigned int i = 0; i < level.x.locally_owned_size(); ++i)
-      level.x.local_element(i) = float(x[first + i]);
   }
 
 
@@ -346,17 +422,16 @@ namespace greville
     dst                  = 0.;
     if (!(largest > 0.) || !std::isfinite(largest))
       return;
-    const unsigned int n    = finest.n_components();
-    const auto &functions   = finest.extended().unknowns().unknown_functions();
-    const auto &constrained = finest.constrained_components();
+    const unsigned int n         = finest->n_components();
+    const auto        &functions = finest->unknown_functions();
     for (unsigned int u = 0; u < functions.size(); ++u)
       for (unsigned int c = 0; c < n; ++c)
         level.b.local_element(u * n + c) =
-          ((constrained[functions[u]] >> c) & 1)
+          !level.constrained.empty() && ((level.constrained[u] >> c) & 1)
             ? 0.f
             : float(src.local_element(functions[u] * n + c) / largest);
     cycle(0);
-    const double scale = largest / finest.unit();
+    const double scale = largest / finest->unit();
     for (unsigned int u = 0; u < functions.size(); ++u)
       for (unsigned int c = 0; c < n; ++c)
         dst.local_element(functions[u] * n + c) =

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/multigrid/lattice_cycle.h>
 #include <greville/multigrid/mass_level.h>
 
 #include <algorithm>
@@ -178,6 +179,24 @@ namespace greville
     if (!entries)
       return nullptr;
     return std::make_unique<Factorization>(*this, parameters);
+  }
+
+
+
+  template <int dim>
+  std::unique_ptr<Preconditioner>
+  MassLevel<dim>::lattice_preconditioner(
+    const LatticeCycleParameters &parameters) const
+  {
+    if (!entries)
+      return nullptr;
+    return std::make_unique<LatticeCycle<dim>>(
+      std::make_unique<ExtendedLattice<dim>>(*entries,
+                                             is_extended() ? *given_extension
+                                                           : all_stable,
+                                             constrained_functions,
+                                             diagonal().linfty_norm()),
+      parameters);
   }
 
 

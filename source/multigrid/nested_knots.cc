@@ -47,6 +47,25 @@ namespace greville
 
 
 
+  std::pair<unsigned int, double>
+  NestedKnots::greville_point(const int i) const
+  {
+    double x = 0.;
+    for (int k = 1; k <= p; ++k)
+      x += double(knot(i - p + k)) / p;
+    const double period = breakpoints.back() - breakpoints.front();
+    if (periodic && x < breakpoints.front())
+      x += period;
+    const auto next =
+      std::upper_bound(breakpoints.begin(), breakpoints.end(), x);
+    const unsigned int cell = next - breakpoints.begin() - 1;
+    if (next == breakpoints.end())
+      return {periodic ? 0 : cell, 0.};
+    return {cell, (x - next[-1]) / (next[0] - next[-1])};
+  }
+
+
+
   NestedKnots::Row
   NestedKnots::insertion(const int i, const NestedKnots &coarse) const
   {

@@ -2,37 +2,14 @@
 
 #include <greville/base/parameters.h>
 #include <greville/linear_algebra/krylov.h>
+#include <greville/multigrid/lattice_cycle.h>
 #include <greville/multigrid/p_multigrid.h>
 
 #include <cmath>
-#include <map>
 
 namespace greville
 {
   using namespace dealii;
-
-  namespace
-  {
-    /**
-     * Coarse preconditioners on the entries of all components, as options of
-     * PETSc.
-     */
-    const std::map<std::string, std::string> &
-    algebraic_options()
-    {
-      static const std::map<std::string, std::string> options = {
-        {"gamg",
-         "-pc_type ksp -ksp_ksp_type chebyshev -ksp_ksp_max_it 2 "
-         "-ksp_pc_type gamg"},
-        {"boomeramg",
-         "-pc_type hypre -pc_hypre_type boomeramg "
-         "-pc_hypre_boomeramg_strong_threshold 0.5"},
-        {"direct", "-pc_type lu -pc_factor_mat_solver_type mumps"}};
-      return options;
-    }
-  } // namespace
-
-
 
   void
   PMultigridParameters::declare(ParameterHandler  &prm,
@@ -93,23 +70,48 @@ namespace greville
                                             *levels[l],
                                             is_symmetric);
       }
-    const std::string &coarse     = parameters.coarse_preconditioner;
-    const auto         algebraic  = algebraic_options().find(coarse);
-    const bool         is_lattice = coarse == "lattice";
-    if (has_coarse && (is_lattice || algebraic != algebraic_options().end()))
+    if (has_coarse)
+      make_coarse_preconditioner(smoother_parameters);
+  }
+
+
+
+  template <int dim>
+  void
+  PMultigrid<dim>::make_coarse_preconditioner(
+    const SmootherParameters &smoother_parameters)
+  {
+    const std::string name = parameters.coarsens_lattices()
+                               ? "lattice"
+                               : parameters.coarse_preconditioner;
+    if (name == "none")
+      return;
+    if (name != "lattice" && name != "direct")
       {
         coarse_preconditioner =
-          is_lattice ? levels[0]->lattice_preconditioner()
-                     : levels[0]->petsc_preconditioner(algebraic->second);
-        AssertThrow(coarse_preconditioner,
-                    ExcMessage("The parameter 'Coarse preconditioner' is <" +
-                               coarse +
-                               ">, which is for operators of implicit "
-                               "steps; a mass matrix takes none or jacobi."));
+          make_smoother<dim>(name, smoother_parameters, *levels[0], true);
+        return;
       }
-    else if (has_coarse && coarse != "none")
-      coarse_preconditioner =
-        make_smoother<dim>(coarse, smoother_parameters, *levels[0], true);
+    const bool by_components = parameters.smoother == "chebyshev-component-ic0";
+    AssertThrow(!parameters.coarsens_lattices() || by_components ||
+                  parameters.smoother == "chebyshev-ic0",
+                ExcMessage("The coarsening <" + parameters.coarsening +
+                           "> takes the smoothers chebyshev-ic0 and "
+                           "chebyshev-component-ic0, but 'Smoother' is <" +
+                           parameters.smoother + ">."));
+    coarse_preconditioner =
+      name == "direct" ? levels[0]->petsc_preconditioner(
+                           "-pc_type lu -pc_factor_mat_solver_type mumps")
+                       : levels[0]->lattice_preconditioner(
+                           {smoother_parameters.shift,
+                            smoother_parameters.chebyshev_degree,
+                            smoother_parameters.chebyshev_range,
+                            by_components,
+                            parameters.coarsening == "hp"});
+    AssertThrow(coarse_preconditioner,
+                ExcMessage("The parameter 'Coarse preconditioner' is <" + name +
+                           ">, which needs entries that this operator does "
+                           "not provide."));
   }
 
 
@@ -184,7 +186,8 @@ namespace greville
   PMultigrid<dim>::solve_coarse() const
   {
     x[0] = 0.;
-    if (coarse_tolerance >= 1. && coarse_preconditioner)
+    if ((coarse_tolerance >= 1. || parameters.coarsens_lattices()) &&
+        coarse_preconditioner)
       {
         const double start = b[0].l2_norm();
         if (start != 0. && std::isfinite(start))

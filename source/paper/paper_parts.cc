@@ -241,8 +241,9 @@ namespace greville
       "Coarsening",
       parameters.coarsening,
       "The orders of the levels: p, p-1, ..., 1 (one by one), p, p-2, ..., 1 "
-      "(by two), p, 1 (direct), or p alone (none).",
-      Patterns::Selection(OrderHierarchy<2>::coarsenings() + "|lattice"));
+      "(by two), p, 1 (direct), or p alone (none), on lattices that become "
+      "coarser by two (lattice), the coarsest one with order 1 (hp).",
+      Patterns::Selection(OrderHierarchy<2>::coarsenings()));
     prm.add_parameter("Cycle",
                       parameters.cycle,
                       "The cycle.",

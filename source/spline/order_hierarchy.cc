@@ -13,13 +13,11 @@ namespace greville
   OrderHierarchy<dim>::orders(const unsigned int degree,
                               const std::string &coarsening)
   {
-    if (coarsening == "lattice")
-      return {degree};
     const auto names = Utilities::split_string_list(coarsenings(), '|');
     AssertThrow(std::count(names.begin(), names.end(), coarsening) == 1,
                 ExcMessage("The coarsening <" + coarsening + "> is none of " +
                            coarsenings() + "."));
-    if (coarsening == "none")
+    if (coarsening == "none" || coarsening == "lattice" || coarsening == "hp")
       return {degree};
     const unsigned int step =
       coarsening == "one by one" ? 1 : (coarsening == "by two" ? 2 : degree);

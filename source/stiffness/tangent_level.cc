@@ -99,28 +99,61 @@ namespace greville
 
 
   template <int dim>
-  void
-  TangentLevel<dim>::multiply(SingleVector &y, SingleVector &x) const
+  std::unique_ptr<ExtendedLattice<dim>>
+  TangentLevel<dim>::make_lattice() const
   {
-    this->extended_mass.unknowns().template multiply<float>(
-      y, x, dim, [&](float *to, const float *from) {
-        blocks.multiply(to, from);
-      });
-  }
+    using Lattice  = ExtendedLattice<dim>;
+    using Position = typename Lattice::Position;
 
+    class TangentLattice : public Lattice
+    {
+    public:
+      TangentLattice(const TangentLevel<dim> &level)
+        : Lattice(level.extended_mass,
+                  level.spline_extension,
+                  level.constrained,
+                  level.largest_diagonal())
+        , level(level)
+      {}
 
+      unsigned int
+      n_components() const override
+      {
+        return dim;
+      }
 
-  template <int dim>
-  void
-  TangentLevel<dim>::for_each_row(
-    const std::function<void(const typename ExtendedLevel<dim>::Position &,
-                             const double *)> &visit) const
-  {
-    std::vector<double> row(blocks.size_of_row());
-    this->for_each_place([&](const unsigned int f, const unsigned int place) {
-      std::copy_n(blocks.row(place), row.size(), row.begin());
-      visit(this->position(f), row.data());
-    });
+      void
+      for_each_row(const std::function<void(const Position &, const double *)>
+                     &visit) const override
+      {
+        std::vector<double> row(level.blocks.size_of_row());
+        this->for_each_place([&](const Position &i, const unsigned int place) {
+          std::copy_n(level.blocks.row(place), row.size(), row.begin());
+          visit(i, row.data());
+        });
+      }
+
+      void
+      multiply(SingleVector &y, SingleVector &x) const override
+      {
+        level.extended_mass.unknowns().template multiply<float>(
+          y, x, dim, [&](float *to, const float *from) {
+            level.blocks.multiply(to, from);
+          });
+      }
+
+      std::vector<OverlappingCholesky>
+      factorize(const CholeskyParameters &parameters,
+                const bool                by_components) const override
+      {
+        return level.factorize(parameters, by_components);
+      }
+
+    private:
+      const TangentLevel<dim> &level;
+    };
+
+    return std::make_unique<TangentLattice>(*this);
   }
 
 

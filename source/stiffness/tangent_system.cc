@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/multigrid/lattice_cycle.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <cmath>
@@ -365,18 +364,6 @@ namespace greville
         operators.push_back(levels[l].get());
     operators.push_back(levels.back().get());
     multigrid.reset();
-    if (cycle.coarsening == "lattice")
-      {
-        AssertThrow(cycle.smoother == "chebyshev-ic0" ||
-                      cycle.smoother == "chebyshev-component-ic0",
-                    ExcMessage("The coarsening lattice takes the smoothers "
-                               "chebyshev-ic0 and chebyshev-component-ic0, "
-                               "but 'Smoother' is <" +
-                               cycle.smoother + ">."));
-        multigrid = std::make_unique<LatticeCycle<dim>>(
-          finest(), smoother, cycle.smoother == "chebyshev-component-ic0");
-        return;
-      }
     multigrid = std::make_unique<PMultigrid<dim>>(
       operators, cycle, smoother, parameters.multigrid.coarse_tolerance);
   }

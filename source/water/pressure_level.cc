@@ -3,7 +3,6 @@
 #include <deal.II/base/quadrature_lib.h>
 
 #include <greville/base/index_limits.h>
-#include <greville/base/with_width.h>
 #include <greville/water/pressure_level.h>
 
 #include <algorithm>
@@ -76,42 +75,6 @@ namespace greville
   {
     this->multiply_unknowns(dst, src, [&]() {
       matrix.vmult(this->result, this->source, 1);
-    });
-  }
-
-
-
-  template <int dim>
-  void
-  PressureLevel<dim>::multiply(SingleVector &y, SingleVector &x) const
-  {
-    std::copy_n(x.begin(), x.locally_owned_size(), this->source.begin());
-    matrix.vmult(this->result, this->source, 1);
-    std::copy_n(this->result.begin(), y.locally_owned_size(), y.begin());
-  }
-
-
-
-  template <int dim>
-  void
-  PressureLevel<dim>::for_each_row(
-    const std::function<void(const typename ExtendedLevel<dim>::Position &,
-                             const double *)> &visit) const
-  {
-    const StencilMatrix<dim> &stencil = matrix.matrix();
-    with_order(this->space().degree(), [&](const auto n) {
-      using Half = HalfStencil<dim, 1, decltype(n)::value, double>;
-      std::vector<double> full((2 * Half::n_lines - 1) * Half::length);
-      double              row[Half::row_size] = {};
-      this->for_each_place([&](const unsigned int f, const unsigned int place) {
-        stencil.get_row(place, full.data());
-        for (int k = 0; k < Half::n_lines; ++k)
-          for (int x = k == 0 ? Half::length / 2 : 0; x < Half::length; ++x)
-            row[k * Half::line_size + x] =
-              (k == 0 && x == Half::length / 2 ? 0.5 : 1.) *
-              full[(Half::n_lines - 1 + k) * Half::length + x];
-        visit(this->position(f), row);
-      });
     });
   }
 

@@ -9,6 +9,7 @@
 #include <deal.II/lac/solver_cg.h>
 
 #include <greville/benchmark/laplace_level.h>
+#include <greville/multigrid/lattice_cycle.h>
 
 #include <tests.h>
 
@@ -29,7 +30,7 @@ iterations(const unsigned int           n_cells,
   for (unsigned int i = 0; i < constrained.size(); ++i)
     constrained[i] = space.greville_point(i).distance(center) > 0.43;
   const LaplaceLevel<dim> laplace(space, constrained);
-  const auto              preconditioner = laplace.lattice_preconditioner();
+  const auto              preconditioner = laplace.lattice_preconditioner({});
 
   VectorType x, b = pseudo_random_vector(space);
   for (const unsigned int i : laplace.inactive())

@@ -3,6 +3,7 @@
 #ifndef greville_benchmark_laplace_level_h
 #define greville_benchmark_laplace_level_h
 
+#include <greville/mass/extended_mass.h>
 #include <greville/multigrid/level_operator.h>
 #include <greville/paper/mass_matrix.h>
 
@@ -65,10 +66,14 @@ namespace greville
     petsc_preconditioner(const std::string &options) const override;
 
     std::unique_ptr<Preconditioner>
-    lattice_preconditioner() const override;
+    lattice_preconditioner(
+      const LatticeCycleParameters &parameters) const override;
 
   private:
     const SplineSpace<dim>          &spline_space;
+    const std::vector<unsigned char> constrained;
+    Extension<dim>                   extension; // of no function
+    ExtendedMass<dim>                stencil;
     std::unique_ptr<MassMatrix<dim>> entries;
     VectorType                       matrix_diagonal;
     std::vector<unsigned int>        constrained_functions; // owned ones

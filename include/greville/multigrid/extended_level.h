@@ -5,7 +5,7 @@
 
 #include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/mass/extended_mass.h>
-#include <greville/multigrid/lattice_level.h>
+#include <greville/multigrid/extended_lattice.h>
 #include <greville/multigrid/level_operator.h>
 
 #include <functional>
@@ -23,13 +23,9 @@ namespace greville
    * transfer between orders.
    */
   template <int dim>
-  class ExtendedLevel : public LevelOperator<dim>, public LatticeLevel<dim>
+  class ExtendedLevel : public LevelOperator<dim>
   {
   public:
-    using typename LatticeLevel<dim>::Lattice;
-    using typename LatticeLevel<dim>::Position;
-    using typename LatticeLevel<dim>::Terms;
-
     /**
      * Collective. The space is kept by reference. Bit c of @p constrained[f]
      * constrains component c of local function f; an empty vector constrains
@@ -115,42 +111,14 @@ namespace greville
     petsc_preconditioner(const std::string &options) const override;
 
     std::unique_ptr<Preconditioner>
-    lattice_preconditioner() const override;
+    lattice_preconditioner(
+      const LatticeCycleParameters &parameters) const override;
 
-    Lattice
-    lattice() const override;
-
-    const InterleavedLayout &
-    layout() const override
-    {
-      return *extended_mass.unknowns().unknown_layout();
-    }
-
-    std::vector<Position>
-    unknown_positions() const override;
-
-    std::vector<unsigned char>
-    constrained_unknowns() const override
-    {
-      return extended_mass.unknowns().constrained_unknowns();
-    }
-
-    std::vector<std::pair<Position, unsigned char>>
-    constrained_functions() const override;
-
-    void
-    for_each_extended(const std::function<void(const Position &, const Terms &)>
-                        &visit) const override;
-
-    double
-    unit() const override
-    {
-      return largest > 0. ? largest : 1.;
-    }
-
+    /// Collective. Factorize the mean of the diagonal blocks of the components,
+    /// or each block.
     std::vector<OverlappingCholesky>
     factorize(const CholeskyParameters &parameters,
-              const bool                by_components) const override;
+              const bool                by_components) const;
 
     const DensityWeights<dim> *
     transfer_weights() const override
@@ -183,29 +151,16 @@ namespace greville
                       const VectorType            &src,
                       const std::function<void()> &product) const;
 
-    Position
-    position(const unsigned int function) const;
-
-    /// Call visit(f, place) for the local functions f with rows.
-    template <typename Visit>
-    void
-    for_each_place(const Visit &visit) const
-    {
-      const StencilMatrix<dim> &places = extended_mass.matrix();
-      for (unsigned int f = 0; f < constrained.size(); ++f)
-        if (spline_extension[f] != Extension<dim>::inactive)
-          visit(f, places.place(f));
-      for (const auto &[f, place] : places.images())
-        if (spline_extension[f] != Extension<dim>::inactive)
-          visit(f, place);
-    }
-
     /**
      * Return the scalar matrix, with the unknowns of the mass, whose factors
      * represent the given components (bits).
      */
     virtual const ExtendedMass<dim> &
     diagonal_block(const unsigned int components) const = 0;
+
+    /// Return A as the finest level of a LatticeCycle.
+    virtual std::unique_ptr<ExtendedLattice<dim>>
+    make_lattice() const = 0;
 
     /// Collective. Return A as a matrix of PETSc.
     virtual PetscMatrix

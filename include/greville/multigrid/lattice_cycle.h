@@ -3,30 +3,47 @@
 #ifndef greville_multigrid_lattice_cycle_h
 #define greville_multigrid_lattice_cycle_h
 
+#include <deal.II/lac/lapack_full_matrix.h>
+
 #include <greville/linear_algebra/preconditioner.h>
-#include <greville/multigrid/extended_level.h>
+#include <greville/multigrid/extended_lattice.h>
 #include <greville/multigrid/lattice_matrix.h>
-#include <greville/multigrid/smoother.h>
 
 namespace greville
 {
+  struct LatticeCycleParameters
+  {
+    double       shift = 0.; // of the factors, see SmootherParameters
+    unsigned int chebyshev_degree = 3;
+    double       chebyshev_range  = 8.;
+    bool         by_components    = false; // a factor for each component
+    bool         lowers_order     = false; // to 1 on the coarsest lattice
+  };
+
+
+
   /**
    * A V-cycle on lattices that are coarsened by two in each direction at the
-   * same order of the splines, down to a matrix that is factorized on each
-   * process. Vectors and matrices have single precision. The smoother is a
-   * Chebyshev polynomial over IC(0) of the mean diagonal block, or of each
-   * block.
+   * same order of the splines, with Galerkin products. Vectors and matrices
+   * have single precision. The smoother is a Chebyshev polynomial over IC(0) of
+   * the mean diagonal block, or of each block.
+   *
+   * The last level is a matrix of few rows, which is factorized: that of the
+   * coarsest lattice, or if @p lowers_order, a matrix of order 1 on the
+   * coarsest lattice. A function of order 1 is then interpolated by a spline
+   * whose coefficients are its values at the Greville points, which has all
+   * linear functions.
    */
   template <int dim>
   class LatticeCycle : public Preconditioner
   {
   public:
-    /// Collective. The @p finest level is kept by reference.
-    LatticeCycle(const ExtendedLevel<dim> &finest,
-                 const SmootherParameters &parameters,
-                 const bool                by_components);
+    /// Collective.
+    LatticeCycle(std::unique_ptr<ExtendedLattice<dim>> finest,
+                 const LatticeCycleParameters         &parameters);
 
-    /// Apply one cycle with the initial guess zero.
+    /// Apply one cycle with the initial guess zero, to vectors with
+    /// coefficients of all functions.
     void
     vmult(VectorType &dst, const VectorType &src) const override;
 
@@ -34,21 +51,19 @@ namespace greville
     struct Level
     {
       const LatticeLevel<dim>         *matrix;
-      std::vector<OverlappingCholesky> factors;
+      std::vector<OverlappingCholesky> factors;     // none: solved directly
       std::vector<unsigned char>       constrained; // owned unknowns, if any
       double                           largest_eigenvalue = 1.;
       mutable SingleVector             x, b, step, product;
     };
 
-    const LatticeLevel<dim> &
-    matrix(const unsigned int l) const
-    {
-      return *levels[l].matrix;
-    }
-
-    /// Collective. Factorize all but the last level.
+    /// Collective. Make the lattices.
     void
-    make_smoother(Level &level, const bool by_components);
+    coarsen();
+
+    /// Collective. Factorize the matrix of a level.
+    void
+    make_smoother(Level &level);
 
     /// Collective. Compute an upper bound of the eigenvalues of the
     /// preconditioned matrix, as a rule.
@@ -73,20 +88,30 @@ namespace greville
     void
     cycle(const unsigned int l) const;
 
+    /// Collective. Let the rows be components of the last lattice, or of its
+    /// functions of order 1.
     void
-    factorize_coarsest();
+    make_direct_matrix();
 
     void
-    solve_coarsest(const Level &level) const;
+    factorize_direct_matrix(std::vector<double> entries);
 
-    const ExtendedLevel<dim>                        &finest;
-    const SmootherParameters                         parameters;
+    /// Add the direct solution for b to x, vectors of the last lattice.
+    void
+    add_direct_solution(SingleVector &x, const SingleVector &b) const;
+
+    const std::unique_ptr<ExtendedLattice<dim>>      finest;
+    const LatticeCycleParameters                     parameters;
     std::vector<std::unique_ptr<LatticeMatrix<dim>>> coarse;
-    std::vector<Level>                               levels;     // finest first
-    std::vector<double>                              factors;    // of the last
-    unsigned int                                     n_last = 0; // rows
-    mutable std::vector<double>                      right_hand_side;
+    std::vector<Level>                               levels; // finest first
     mutable std::vector<float>                       work;
+
+    // The factorized matrix, and by row of the last lattice its columns and
+    // their weights.
+    dealii::LAPACKFullMatrix<double>             direct_matrix;
+    std::vector<std::size_t>                     direct_begin;
+    std::vector<std::pair<unsigned int, double>> direct_columns;
+    mutable dealii::Vector<double>               direct_values;
   };
 } // namespace greville
 

@@ -23,8 +23,8 @@ namespace greville
   class LatticeLevel
   {
   public:
-    using Lattice  = std::array<NestedKnots, dim>;
-    using Position = std::array<int, dim>;
+    using Lattice  = std::array<NestedKnots, 3>; // a cell of order 0 beyond dim
+    using Position = std::array<int, 3>;         // zero beyond dim
     using Terms    = std::vector<std::pair<Position, float>>;
 
     virtual ~LatticeLevel() = default;
@@ -56,7 +56,8 @@ namespace greville
     /// coefficient is a sum over unknowns, with their positions and weights.
     virtual void
     for_each_extended(const std::function<void(const Position &, const Terms &)>
-                        &visit) const = 0;
+                        & /*visit*/) const
+    {}
 
     /// Call visit(position, row) for the rows of this process, in the memory of
     /// a HalfStencil.

@@ -13,6 +13,8 @@
 
 namespace greville
 {
+  struct LatticeCycleParameters;
+
   /**
    * A symmetric positive definite operator A of one order of a hierarchy, with
    * the interface required by cycles, smoothers and transfers. Vectors have a
@@ -146,11 +148,11 @@ namespace greville
     }
 
     /**
-     * Collective. Return the same with LatticeLevels below the entries, for
-     * order 1.
+     * Collective. Return a LatticeCycle for the operator, which is kept by
+     * reference; null if the operator has no entries.
      */
     virtual std::unique_ptr<Preconditioner>
-    lattice_preconditioner() const
+    lattice_preconditioner(const LatticeCycleParameters & /*parameters*/) const
     {
       return nullptr;
     }

@@ -135,6 +135,10 @@ namespace greville
     factorization(const CholeskyParameters &parameters,
                   const bool) const override;
 
+    std::unique_ptr<Preconditioner>
+    lattice_preconditioner(
+      const LatticeCycleParameters &parameters) const override;
+
     const DensityWeights<dim> *
     transfer_weights() const override
     {

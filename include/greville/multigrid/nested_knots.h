@@ -3,6 +3,7 @@
 #ifndef greville_multigrid_nested_knots_h
 #define greville_multigrid_nested_knots_h
 
+#include <utility>
 #include <vector>
 
 namespace greville
@@ -50,6 +51,12 @@ namespace greville
     /// is one cell or a period would have too few.
     NestedKnots
     coarser() const;
+
+    /// Return the cell of the Greville point of function @p i, the mean of its
+    /// inner knots, and the part of the cell before it, 0 at the first
+    /// breakpoint of the cell; the last breakpoint has a cell of its own.
+    std::pair<unsigned int, double>
+    greville_point(const int i) const;
 
     /// A row of the matrix that inserts knots: the weights of the coarse
     /// functions first, first + 1, ...

@@ -26,13 +26,20 @@ namespace greville
     static std::string
     all_coarse_preconditioners()
     {
-      return "none|jacobi|lattice|gamg|boomeramg|direct";
+      return "none|jacobi|lattice|direct";
     }
 
     bool
     has_coarse_levels() const
     {
       return coarsening != "none";
+    }
+
+    /// Return whether the lattices of the highest order become coarser.
+    bool
+    coarsens_lattices() const
+    {
+      return coarsening == "lattice" || coarsening == "hp";
     }
 
     std::string  coarsening            = "one by one";
@@ -66,7 +73,9 @@ namespace greville
    * are symmetric (up to the tolerance of the coarse solver).
    *
    * With coarsening = "none" there is no coarse level: a cycle consists of
-   * @f$ \nu_1 + \nu_2 @f$ smoothing steps.
+   * @f$ \nu_1 + \nu_2 @f$ smoothing steps. With "lattice" and "hp" there is one
+   * level, whose cycle is that of a LatticeCycle; the coarse preconditioner
+   * "lattice" is one on level 0.
    *
    * The cycle is not dealii::Multigrid's, whose W-cycle runs as a V-cycle up to
    * version 9.7.
@@ -125,6 +134,9 @@ namespace greville
       levels[l]->vmult_in_cycle(residual[l], x[l]);
       residual[l].sadd(-1., 1., b[l]);
     }
+
+    void
+    make_coarse_preconditioner(const SmootherParameters &smoother_parameters);
 
     void
     solve_coarse() const;

@@ -45,12 +45,13 @@ namespace greville
     /**
      * Return the names of coarsenings, separated by '|' for a
      * Patterns::Selection. "one by one": p, p-1, ..., 1; "by two": p, p-2, ...,
-     * 1 (the last step may be by one); "direct": p, 1; "none": p alone.
+     * 1 (the last step may be by one); "direct": p, 1; "none", "lattice", "hp":
+     * p alone.
      */
     static std::string
     coarsenings()
     {
-      return "one by one|by two|direct|none";
+      return "one by one|by two|direct|none|lattice|hp";
     }
 
     /// Return the orders from the coarsest to the finest level.

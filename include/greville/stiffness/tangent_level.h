@@ -97,14 +97,6 @@ namespace greville
       });
     }
 
-    void
-    multiply(SingleVector &y, SingleVector &x) const override;
-
-    void
-    for_each_row(
-      const std::function<void(const typename ExtendedLevel<dim>::Position &,
-                               const double *)> &visit) const override;
-
     /// Compute y = M~_e x.
     void
     multiply_mass(VectorType &dst, const VectorType &src) const;
@@ -112,6 +104,9 @@ namespace greville
   private:
     const ExtendedMass<dim> &
     diagonal_block(const unsigned int components) const override;
+
+    std::unique_ptr<ExtendedLattice<dim>>
+    make_lattice() const override;
 
     PetscMatrix
     petsc_matrix() const override;

@@ -320,7 +320,7 @@ namespace greville
     PointTangents<dim>                              tangents;
     BlockStencil<dim, double>                       entries; // of order 1
     TangentSurfaces<dim>                            of_surfaces;
-    std::unique_ptr<Preconditioner>                 multigrid;
+    std::unique_ptr<PMultigrid<dim>>                multigrid;
     bool                                            symmetric     = true;
     bool                                            by_components = false;
     VolumeProjection<dim>                          *projection;

@@ -44,19 +44,20 @@ namespace greville
     void
     vmult(VectorType &dst, const VectorType &src) const override;
 
-    void
-    multiply(SingleVector &y, SingleVector &x) const override;
-
-    void
-    for_each_row(
-      const std::function<void(const typename ExtendedLevel<dim>::Position &,
-                               const double *)> &visit) const override;
-
   private:
     const ExtendedMass<dim> &
     diagonal_block(const unsigned int) const override
     {
       return matrix;
+    }
+
+    std::unique_ptr<ExtendedLattice<dim>>
+    make_lattice() const override
+    {
+      return std::make_unique<ExtendedLattice<dim>>(matrix,
+                                                    this->spline_extension,
+                                                    this->constrained,
+                                                    this->largest_diagonal());
     }
 
     PetscMatrix

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_multigrid_lattice_unknowns_h
+#define greville_multigrid_lattice_unknowns_h
+
+#include <greville/multigrid/lattice_level.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+
+namespace greville
+{
+  /// A box of positions, numbered in lexicographic order.
+  struct LatticeBox
+  {
+    using Position = std::array<int, 3>;
+
+    /// Be the smallest box around the first members of pairs, with a margin.
+    template <typename Pairs>
+    void
+    fit(const Pairs &pairs, const Position &margin)
+    {
+      Position high;
+      low.fill(std::numeric_limits<int>::max());
+      high.fill(-std::numeric_limits<int>::max());
+      for (const auto &pair : pairs)
+        for (unsigned int d = 0; d < 3; ++d)
+          {
+            low[d]  = std::min(low[d], pair.first[d] - margin[d]);
+            high[d] = std::max(high[d], pair.first[d] + margin[d]);
+          }
+      for (unsigned int d = 0; d < 3; ++d)
+        extents[d] = pairs.empty() ? 0 : high[d] + 1 - low[d];
+    }
+
+    std::size_t
+    size() const
+    {
+      return std::size_t(extents[0]) * extents[1] * extents[2];
+    }
+
+    bool
+    contains(const Position &i) const
+    {
+      for (unsigned int d = 0; d < 3; ++d)
+        if (i[d] < low[d] || i[d] >= low[d] + extents[d])
+          return false;
+      return true;
+    }
+
+    std::size_t
+    place(const Position &i) const
+    {
+      return (std::size_t(i[2] - low[2]) * extents[1] + (i[1] - low[1])) *
+               extents[0] +
+             (i[0] - low[0]);
+    }
+
+    Position
+    position(const std::size_t place) const
+    {
+      return {{low[0] + int(place % extents[0]),
+               low[1] + int(place / extents[0] % extents[1]),
+               low[2] + int(place / extents[0] / extents[1])}};
+    }
+
+    Position low{}, extents{};
+  };
+
+
+
+  /// Append the images in periodic directions, up to a margin, of the first
+  /// members of pairs.
+  template <typename Pairs>
+  void
+  add_periodic_images(const std::array<NestedKnots, 3> &lattice,
+                      const std::array<int, 3>         &margin,
+                      Pairs                            &pairs)
+  {
+    for (unsigned int d = 0; d < 3; ++d)
+      if (lattice[d].is_periodic())
+        for (std::size_t k = 0, n_before = pairs.size(); k < n_before; ++k)
+          for (const int sign : {-1, 1})
+            {
+              const int n     = lattice[d].n_functions();
+              auto      image = pairs[k];
+              image.first[d] += sign * n;
+              if (image.first[d] >= -margin[d] &&
+                  image.first[d] < n + margin[d])
+                pairs.push_back(image);
+            }
+  }
+
+
+
+  /**
+   * The unknowns on the lattice of twice the size below a level, and the knot
+   * insertion P from them, which is multilinear for order 1. They are all
+   * coarse functions from which a component of an unknown of the finer level is
+   * interpolated. Components from which a constrained one is interpolated are
+   * constrained.
+   */
+  template <int dim>
+  class LatticeUnknowns
+  {
+  public:
+    using Lattice  = typename LatticeLevel<dim>::Lattice;
+    using Position = typename LatticeLevel<dim>::Position;
+
+    /// Collective. @p fine is used by this call only.
+    explicit LatticeUnknowns(const LatticeLevel<dim> &fine);
+
+    const Lattice &
+    lattice() const
+    {
+      return knots;
+    }
+
+    const std::shared_ptr<const InterleavedLayout> &
+    layout() const
+    {
+      return unknowns;
+    }
+
+    unsigned int
+    n_components() const
+    {
+      return components;
+    }
+
+    /// Return the positions of the local unknowns, owned ones first.
+    const std::vector<Position> &
+    positions() const
+    {
+      return local_positions;
+    }
+
+    /// Return the constrained components (bits) of the local unknowns.
+    const std::vector<unsigned char> &
+    constrained() const
+    {
+      return constrained_components;
+    }
+
+    bool
+    is_constrained(const unsigned int u, const unsigned int c) const
+    {
+      return (constrained_components[u] >> c) & 1;
+    }
+
+    /// Return whether a function of the finer level exists, @p i may be any
+    /// integer in periodic directions.
+    bool
+    has_insertion(const unsigned int d, const int i) const
+    {
+      const int k = i + margin();
+      return k >= 0 && k < int(insertions[d].size()) &&
+             !insertions[d][k].weights.empty();
+    }
+
+    const NestedKnots::Row &
+    insertion(const unsigned int d, const int i) const
+    {
+      return insertions[d][i + margin()];
+    }
+
+    Position
+    wrapped(const Position &i) const
+    {
+      return {{wrap(0, i[0]), wrap(1, i[1]), wrap(2, i[2])}};
+    }
+
+    /// Return the local unknown at a position, -1 if there is none.
+    int
+    find(const Position &i) const
+    {
+      return box.contains(i) ? unknown_at[box.place(i)] : -1;
+    }
+
+    /// Return the local unknown in another line at the distance @p x from u, or
+    /// -1; see distance().
+    int
+    unknown_in_line(const unsigned int u, const int line, const int x) const
+    {
+      return unknown_at[unknown_places[u] + distance(line) + x];
+    }
+
+    /// Return the distance of places in lines; lines are counted from that of
+    /// the own place as in HalfStencil.
+    std::ptrdiff_t
+    distance(const int line) const
+    {
+      return distances[line + int(distances.size() / 2)];
+    }
+
+    /// Return the places of the local unknowns in a box with margins.
+    const std::vector<unsigned int> &
+    places() const
+    {
+      return unknown_places;
+    }
+
+    std::size_t
+    n_places() const
+    {
+      return box.size();
+    }
+
+    /// Return the periodic images: places and their unknowns.
+    const std::vector<std::pair<unsigned int, unsigned int>> &
+    images() const
+    {
+      return image_places;
+    }
+
+    /// Compute fine += P coarse; the ghost entries of @p coarse are zero
+    /// afterwards.
+    void
+    prolongate_and_add(SingleVector &fine, SingleVector &coarse) const;
+
+    /// Compute coarse = P^T fine.
+    void restrict(SingleVector &coarse, const SingleVector &fine) const;
+
+  private:
+    /// The coarse functions of a process: components that unknowns of the finer
+    /// level need (bits), and whether rows refer to the function.
+    struct Wanted
+    {
+      LatticeBox                 box;
+      std::vector<unsigned char> needed, is_listed;
+    };
+
+    /// Return the number of functions beyond each end with an insertion.
+    int
+    margin() const
+    {
+      return 4 * knots[0].degree() + 2;
+    }
+
+    int
+    wrap(const unsigned int d, const int i) const
+    {
+      const int n = knots[d].n_functions();
+      return knots[d].is_periodic() ? (i % n + n) % n : i;
+    }
+
+    std::uint64_t
+    key(const Position &i) const
+    {
+      return (std::uint64_t(i[2]) * knots[1].n_functions() + i[1]) *
+               knots[0].n_functions() +
+             i[0];
+    }
+
+    /// Call visit(position, weight) for the coarse functions of a fine one,
+    /// wrapped.
+    template <typename Visit>
+    void
+    for_each_coarse(const Position &fine, const Visit &visit) const;
+
+    Wanted
+    find_wanted(const LatticeLevel<dim> &fine) const;
+
+    /// Collective. Choose the unknowns.
+    void
+    number_unknowns(const LatticeLevel<dim> &fine);
+
+    void
+    make_places();
+
+    void
+    make_transfer(const LatticeLevel<dim> &fine);
+
+    const unsigned int                           components;
+    Lattice                                      knots;
+    std::array<std::vector<NestedKnots::Row>, 3> insertions;
+    std::shared_ptr<const InterleavedLayout>     unknowns;
+    std::vector<Position>                        local_positions;
+    std::vector<unsigned char>                   constrained_components;
+
+    LatticeBox                                         box;
+    std::vector<unsigned int>                          unknown_places;
+    std::vector<std::pair<unsigned int, unsigned int>> image_places;
+    std::vector<int>                                   unknown_at; // by place
+    std::vector<std::ptrdiff_t>                        distances;
+
+    // The rows of P for the owned unknowns of the finer level.
+    struct Weight
+    {
+      unsigned int unknown;
+      float        weight;
+    };
+    std::vector<std::size_t> transfer_begin = {0};
+    std::vector<Weight>      transfer;
+  };
+} // namespace greville
+
+#endif

@@ -1,0 +1,611 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_multigrid_galerkin_product_h
+#define greville_multigrid_galerkin_product_h
+
+#include <greville/multigrid/lattice_unknowns.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace greville
+{
+  /**
+   * The sum of P_i^T B_ij P_j over the blocks of half rows B, in half rows of
+   * the coarse unknowns. P_i has the coarse functions of the function i, and of
+   * the unknowns on which i depends if it is extended. Functions that do not
+   * depend on others are inserted direction by direction.
+   */
+  template <int dim, int nc, int n>
+  class GalerkinProduct
+  {
+  public:
+    using Half     = HalfStencil<dim, nc, n, double>;
+    using Position = typename LatticeLevel<dim>::Position;
+    using FarBlock = typename LatticeLevel<dim>::FarBlock;
+
+    /// Set the half rows of the local unknowns, and the blocks beyond them.
+    GalerkinProduct(const LatticeUnknowns<dim> &coarse,
+                    const LatticeLevel<dim>    &fine,
+                    std::vector<double>        &rows,
+                    std::vector<FarBlock>      &far_blocks)
+      : coarse(coarse)
+      , scale(1. / fine.unit())
+      , rows(rows)
+      , far_blocks(far_blocks)
+    {
+      rows.assign(coarse.positions().size() * Half::row_size, 0.);
+      set_extended(fine);
+      fine.for_each_row(
+        [&](const Position &i, const double *row) { add(i, row); });
+      fine.for_each_far_block([&](const FarBlock &block) { add(block); });
+      merge_far_blocks();
+      leave_out_other_functions();
+    }
+
+  private:
+    static constexpr int      p = n - 1;
+    static constexpr Position reach{{p, p, dim == 3 ? p : 0}};
+    static constexpr int      length    = Half::length;
+    static constexpr int      line_size = Half::line_size;
+    static constexpr int      n_lines   = Half::n_lines;
+    // The largest number of coarse functions of the columns in a direction.
+    static constexpr int most = 2 * n + 1;
+
+    /// A coarse function of a fine one, counted from the first function of its
+    /// insertion.
+    struct Term
+    {
+      Position offset;
+      double   weight;
+    };
+
+    struct Terms
+    {
+      Position          lowest, highest; // offsets
+      std::vector<Term> list;
+    };
+
+    /// A column of a fine row: its block and its coarse functions.
+    struct Column
+    {
+      const double *block;
+      Position      first;
+      const Terms  *terms;
+    };
+
+    /// A box of coarse functions, for each of which a row has a block: entry
+    /// (c, d) at offset() + c * n_of_line() + d.
+    struct Box
+    {
+      Position first, count;
+
+      int
+      n_of_line() const
+      {
+        return count[0] * nc;
+      }
+
+      int
+      offset(const Position &I) const
+      {
+        return (((I[2] - first[2]) * count[1] + I[1] - first[1]) * nc *
+                  count[0] +
+                I[0] - first[0]) *
+               nc;
+      }
+
+      int
+      size() const
+      {
+        return count[2] * count[1] * nc * n_of_line();
+      }
+    };
+
+    static void
+    add_multiple(double       *to,
+                 const double  factor,
+                 const double *from,
+                 const int     k)
+    {
+      for (int e = 0; e < k; ++e)
+        to[e] += factor * from[e];
+    }
+
+    /// Call visit(I, weight) for the coarse functions of an unknown, not
+    /// wrapped.
+    template <typename Visit>
+    void
+    for_each_term(const Position &u, const Visit &visit) const
+    {
+      const NestedKnots::Row &x = coarse.insertion(0, u[0]),
+                             &y = coarse.insertion(1, u[1]),
+                             &z = coarse.insertion(2, u[2]);
+      for (unsigned int kz = 0; kz < z.weights.size(); ++kz)
+        for (unsigned int ky = 0; ky < y.weights.size(); ++ky)
+          for (unsigned int kx = 0; kx < x.weights.size(); ++kx)
+            visit(Position{{x.first + int(kx),
+                            y.first + int(ky),
+                            z.first + int(kz)}},
+                  x.weights[kx] * y.weights[ky] * z.weights[kz]);
+    }
+
+    Position
+    first_coarse(const Position &i) const
+    {
+      Position result;
+      for (unsigned int d = 0; d < 3; ++d)
+        result[d] = coarse.insertion(d, i[d]).first;
+      return result;
+    }
+
+    /// Return the coarse functions of the columns of a row.
+    Box
+    box_of_columns(const Position &i) const
+    {
+      Box result;
+      for (int d = 0; d < 3; ++d)
+        {
+          int low = std::numeric_limits<int>::max(), high = -low;
+          for (int k = d < dim - 1 ? -reach[d] : 0; k <= reach[d]; ++k)
+            if (coarse.has_insertion(d, i[d] + k))
+              {
+                const NestedKnots::Row &r = coarse.insertion(d, i[d] + k);
+                low                       = std::min(low, r.first);
+                high = std::max(high, r.first + int(r.weights.size()));
+              }
+          result.first[d] = low;
+          result.count[d] = high - low;
+        }
+      return result;
+    }
+
+    void
+    add(const Position &i, const double *row)
+    {
+      if (touches_extended(i))
+        {
+          add_with_extended(i, row);
+          return;
+        }
+      const Box box    = box_of_columns(i);
+      const int w      = box.n_of_line();
+      const int w_line = nc * w, w_layer = box.count[1] * w_line;
+
+      // Entry (line, c, X, d).
+      std::fill_n(in_x, n_lines * w_line, 0.);
+      for (int x = 0; x < length; ++x)
+        if (coarse.has_insertion(0, i[0] + x - p))
+          {
+            const NestedKnots::Row &r    = coarse.insertion(0, i[0] + x - p);
+            const double           *from = row + x * nc;
+            for (unsigned int k = 0; k < r.weights.size(); ++k)
+              {
+                const double weight = scale * r.weights[k];
+                double      *to     = in_x + (r.first - box.first[0] + k) * nc;
+                for (int l = 0; l < n_lines * nc; ++l)
+                  for (int d = 0; d < nc; ++d)
+                    to[l * w + d] += weight * from[l * line_size + d];
+              }
+          }
+
+      // Entry (z, Y, c, X, d).
+      std::fill_n(in_y, (reach[2] + 1) * w_layer, 0.);
+      for (int dz = 0, line = 0; dz <= reach[2]; ++dz)
+        for (int dy = dz == 0 ? 0 : -p; dy <= p; ++dy, ++line)
+          if (coarse.has_insertion(1, i[1] + dy))
+            {
+              const NestedKnots::Row &r = coarse.insertion(1, i[1] + dy);
+              for (unsigned int k = 0; k < r.weights.size(); ++k)
+                add_multiple(in_y + dz * w_layer +
+                               (r.first - box.first[1] + k) * w_line,
+                             r.weights[k],
+                             in_x + line * w_line,
+                             w_line);
+            }
+      if constexpr (dim == 3)
+        {
+          std::fill_n(in_z, box.count[2] * w_layer, 0.);
+          for (int dz = 0; dz <= reach[2]; ++dz)
+            if (coarse.has_insertion(2, i[2] + dz))
+              {
+                const NestedKnots::Row &r = coarse.insertion(2, i[2] + dz);
+                for (unsigned int k = 0; k < r.weights.size(); ++k)
+                  add_multiple(in_z + (r.first - box.first[2] + k) * w_layer,
+                               r.weights[k],
+                               in_y + dz * w_layer,
+                               w_layer);
+              }
+        }
+      for_each_term(i, [&](const Position &I, const double weight) {
+        add_to_row(I, weight, dim == 3 ? in_z : in_y, box);
+      });
+    }
+
+    void
+    add(const FarBlock &fine)
+    {
+      for_each_term(fine.i, [&](const Position &I, const double of_i) {
+        for_each_term(fine.j, [&](const Position &J, const double of_j) {
+          add_block(I, J, of_i * of_j, fine.block, nc);
+        });
+      });
+    }
+
+    /// The same as add() if the function or a column depends on others.
+    void
+    add_with_extended(const Position &i, const double *row)
+    {
+      const Box box = find_columns(i, row);
+      if (columns.empty())
+        return;
+      const int w = box.n_of_line();
+      sum_of_columns.assign(box.size(), 0.);
+      for (const Column &column : columns)
+        for (const Term &term : column.terms->list)
+          {
+            double *to = sum_of_columns.data() +
+                         box.offset(sum(column.first, term.offset));
+            const double weight = scale * term.weight;
+            for (int c = 0; c < nc; ++c)
+              for (int d = 0; d < nc; ++d)
+                to[c * w + d] += weight * column.block[c * line_size + d];
+          }
+      const Position own_first = first_coarse(i);
+      for (const Term &term : terms_of(i, own_terms.back()).list)
+        {
+          const Position I = sum(own_first, term.offset);
+          add_to_row(I, term.weight, sum_of_columns.data(), box);
+          add_beyond_row(I, term.weight, sum_of_columns.data(), box);
+        }
+    }
+
+    /// Set the columns that are not zero, and return their coarse functions.
+    Box
+    find_columns(const Position &i, const double *row)
+    {
+      columns.clear();
+      own_terms.resize(n_lines * length + 1);
+      Box      result;
+      Position last;
+      result.first.fill(std::numeric_limits<int>::max());
+      last.fill(-std::numeric_limits<int>::max());
+      for (int dz = 0, line = 0; dz <= reach[2]; ++dz)
+        for (int dy = dz == 0 ? 0 : -p; dy <= p; ++dy, ++line)
+          for (int x = line == 0 ? p : 0; x < length; ++x)
+            {
+              const double *block   = row + line * nc * line_size + x * nc;
+              bool          is_zero = true;
+              for (int c = 0; c < nc; ++c)
+                for (int d = 0; d < nc; ++d)
+                  is_zero = is_zero && block[c * line_size + d] == 0.;
+              if (is_zero)
+                continue;
+              const Position j     = sum(i, {{x - p, dy, dz}});
+              const Terms   &terms = terms_of(j, own_terms[line * length + x]);
+              columns.push_back({block, first_coarse(j), &terms});
+              for (unsigned int d = 0; d < 3; ++d)
+                {
+                  const int first = columns.back().first[d];
+                  result.first[d] =
+                    std::min(result.first[d], first + terms.lowest[d]);
+                  last[d] = std::max(last[d], first + terms.highest[d]);
+                }
+            }
+      for (unsigned int d = 0; d < 3; ++d)
+        result.count[d] = last[d] - result.first[d] + 1;
+      return result;
+    }
+
+    /// Add a multiple of the blocks of a box to the row of a coarse function,
+    /// as far as it reaches.
+    void
+    add_to_row(const Position &I,
+               const double    weight,
+               const double   *blocks,
+               const Box      &box)
+    {
+      const int u = coarse.find(coarse.wrapped(I));
+      if (u < 0)
+        return;
+      Position begin, end;
+      for (unsigned int d = 0; d < 3; ++d)
+        {
+          begin[d] = std::max(box.first[d], I[d] - reach[d]);
+          end[d]   = std::min(box.first[d] + box.count[d], I[d] + reach[d] + 1);
+        }
+      if (begin[0] >= end[0])
+        return;
+      for (int Z = begin[2]; Z < end[2]; ++Z)
+        for (int Y = begin[1]; Y < end[1]; ++Y)
+          {
+            const int line = (Z - I[2]) * length + Y - I[1];
+            // Blocks of functions before I belong to the rows of those.
+            const int     own  = line > 0    ? begin[0]
+                                 : line == 0 ? std::max(begin[0], I[0])
+                                             : end[0];
+            const double *from = blocks + box.offset({{begin[0], Y, Z}});
+            for (int X = begin[0]; X < std::min(own, end[0]); ++X)
+              add_to_earlier_row(u,
+                                 line,
+                                 X - I[0] + p,
+                                 weight,
+                                 from + (X - begin[0]) * nc,
+                                 box.n_of_line());
+            if (own < end[0])
+              for (int c = 0; c < nc; ++c)
+                add_multiple(half_row(u) + (line * nc + c) * line_size +
+                               (own - I[0] + p) * nc,
+                             weight,
+                             from + c * box.n_of_line() + (own - begin[0]) * nc,
+                             (end[0] - own) * nc);
+          }
+    }
+
+    /// List the blocks of a box beyond the row of a coarse function.
+    void
+    add_beyond_row(const Position &I,
+                   const double    weight,
+                   const double   *blocks,
+                   const Box      &box)
+    {
+      bool exceeds = false;
+      for (unsigned int d = 0; d < 3; ++d)
+        exceeds = exceeds || box.first[d] < I[d] - reach[d] ||
+                  box.first[d] + box.count[d] > I[d] + reach[d] + 1;
+      if (!exceeds)
+        return;
+      Position J;
+      for (int Z = 0; Z < box.count[2]; ++Z)
+        for (int Y = 0; Y < box.count[1]; ++Y)
+          for (int X = 0; X < box.count[0]; ++X)
+            {
+              J = sum(box.first, {{X, Y, Z}});
+              if (!is_inside(I, J))
+                add_block(
+                  I, J, weight, blocks + box.offset(J), box.n_of_line());
+            }
+    }
+
+    static Position
+    sum(const Position &a, const Position &b)
+    {
+      return {{a[0] + b[0], a[1] + b[1], a[2] + b[2]}};
+    }
+
+    static bool
+    is_inside(const Position &I, const Position &J)
+    {
+      bool result = true;
+      for (unsigned int d = 0; d < 3; ++d)
+        result = result && std::abs(J[d] - I[d]) <= reach[d];
+      return result;
+    }
+
+    /// Add a multiple of a block anywhere.
+    void
+    add_block(const Position &I,
+              const Position &J,
+              const double    weight,
+              const double   *block,
+              const int       stride)
+    {
+      const int u = coarse.find(coarse.wrapped(I)),
+                v = coarse.find(coarse.wrapped(J));
+      if (u < 0 || v < 0)
+        return;
+      if (is_inside(I, J))
+        {
+          const int line = (J[2] - I[2]) * length + J[1] - I[1],
+                    x    = J[0] - I[0] + p;
+          if (line < 0 || (line == 0 && x < p))
+            {
+              add_to_earlier_row(u, line, x, weight, block, stride);
+              return;
+            }
+          for (int c = 0; c < nc; ++c)
+            add_multiple(half_row(u) + (line * nc + c) * line_size + x * nc,
+                         weight,
+                         block + c * stride,
+                         nc);
+          return;
+        }
+      FarBlock entry{I, J, {}};
+      bool     is_zero = true;
+      for (int c = 0; c < nc; ++c)
+        for (int d = 0; d < nc; ++d)
+          if (!coarse.is_constrained(u, c) && !coarse.is_constrained(v, d))
+            {
+              entry.block[c * nc + d] = weight * block[c * stride + d];
+              is_zero = is_zero && entry.block[c * nc + d] == 0.;
+            }
+      if (!is_zero)
+        far_blocks.push_back(entry);
+    }
+
+    double *
+    half_row(const unsigned int u)
+    {
+      return rows.data() + u * Half::row_size;
+    }
+
+    /// Add a multiple of the transpose of a block to the row of the function in
+    /// its column, in a line before u, or in the same line.
+    void
+    add_to_earlier_row(const unsigned int u,
+                       const int          line,
+                       const int          x,
+                       const double       weight,
+                       const double      *block,
+                       const int          stride)
+    {
+      const int v = coarse.unknown_in_line(u, line, x - p);
+      if (v < 0)
+        return;
+      double *to = half_row(v) - line * nc * line_size + (length - 1 - x) * nc;
+      for (int c = 0; c < nc; ++c)
+        for (int d = 0; d < nc; ++d)
+          to[d * line_size + c] += weight * block[c * stride + d];
+    }
+
+    /// Add up the listed blocks of the same functions.
+    void
+    merge_far_blocks()
+    {
+      std::sort(far_blocks.begin(),
+                far_blocks.end(),
+                [](const FarBlock &a, const FarBlock &b) {
+                  return std::tie(a.i, a.j) < std::tie(b.i, b.j);
+                });
+      std::size_t n_merged = 0;
+      for (const FarBlock &entry : far_blocks)
+        if (n_merged > 0 && far_blocks[n_merged - 1].i == entry.i &&
+            far_blocks[n_merged - 1].j == entry.j)
+          for (int k = 0; k < nc * nc; ++k)
+            far_blocks[n_merged - 1].block[k] += entry.block[k];
+        else
+          far_blocks[n_merged++] = entry;
+      far_blocks.resize(n_merged);
+    }
+
+    /// Set the blocks of functions that are no unknowns, and of constrained
+    /// components, to zero.
+    void
+    leave_out_other_functions()
+    {
+      for (unsigned int u = 0; u < coarse.positions().size(); ++u)
+        for (int line = 0; line < n_lines; ++line)
+          for (int x = line == 0 ? p : 0; x < length; ++x)
+            {
+              const int v     = coarse.unknown_in_line(u, line, x - p);
+              double   *block = half_row(u) + line * nc * line_size + x * nc;
+              for (int c = 0; c < nc; ++c)
+                for (int d = 0; d < nc; ++d)
+                  if (v < 0 || coarse.is_constrained(u, c) ||
+                      coarse.is_constrained(v, d))
+                    block[c * line_size + d] = 0.;
+            }
+    }
+
+    /// Find the coarse functions of the extended functions of the finer level.
+    void
+    set_extended(const LatticeLevel<dim> &fine)
+    {
+      const auto                                     lattice = fine.lattice();
+      std::vector<std::pair<Position, unsigned int>> all;
+      fine.for_each_extended([&](const Position &i, const auto &terms) {
+        all.emplace_back(i, extended.size());
+        extended.push_back(insert(i, terms, lattice));
+      });
+      add_periodic_images(lattice, reach, all);
+      extended_box.fit(all, reach);
+      extended_at.assign(extended_box.size(), none);
+      is_near.assign(extended_box.size(), false);
+      for (const auto &[i, e] : all)
+        {
+          extended_at[extended_box.place(i)] = e;
+          for (int dz = -reach[2]; dz <= reach[2]; ++dz)
+            for (int dy = -p; dy <= p; ++dy)
+              for (int dx = -p; dx <= p; ++dx)
+                is_near[extended_box.place(sum(i, {{dx, dy, dz}}))] = true;
+        }
+    }
+
+    /// Return the coarse functions of an extended function.
+    Terms
+    insert(const Position                            &i,
+           const typename LatticeLevel<dim>::Terms   &terms,
+           const typename LatticeLevel<dim>::Lattice &lattice) const
+    {
+      std::map<Position, double> sums;
+      for (const auto &[given, weight] : terms)
+        {
+          // The image next to the function.
+          Position u = given;
+          for (unsigned int d = 0; d < 3; ++d)
+            if (lattice[d].is_periodic())
+              {
+                const int period = lattice[d].n_functions();
+                if (2 * (u[d] - i[d]) > period)
+                  u[d] -= period;
+                else if (2 * (i[d] - u[d]) > period)
+                  u[d] += period;
+              }
+          for_each_term(u, [&](const Position &I, const double of_u) {
+            sums[I] += weight * of_u;
+          });
+        }
+      Terms result;
+      result.lowest.fill(std::numeric_limits<int>::max());
+      result.highest.fill(-std::numeric_limits<int>::max());
+      const Position   first      = first_coarse(i);
+      constexpr double negligible = 1e-5;
+      for (const auto &[I, weight] : sums)
+        if (std::abs(weight) > negligible)
+          {
+            Term term{I, weight};
+            for (unsigned int d = 0; d < 3; ++d)
+              {
+                term.offset[d] -= first[d];
+                result.lowest[d]  = std::min(result.lowest[d], term.offset[d]);
+                result.highest[d] = std::max(result.highest[d], term.offset[d]);
+              }
+            result.list.push_back(term);
+          }
+      return result;
+    }
+
+    bool
+    touches_extended(const Position &i) const
+    {
+      return extended_box.contains(i) && is_near[extended_box.place(i)];
+    }
+
+    /// Return the coarse functions of a function, in @p own if it does not
+    /// depend on others.
+    const Terms &
+    terms_of(const Position &i, Terms &own) const
+    {
+      if (extended_box.contains(i))
+        {
+          const unsigned int e = extended_at[extended_box.place(i)];
+          if (e != none)
+            return extended[e];
+        }
+      own.list.clear();
+      const Position first = first_coarse(i);
+      for (unsigned int d = 0; d < 3; ++d)
+        {
+          own.lowest[d]  = 0;
+          own.highest[d] = int(coarse.insertion(d, i[d]).weights.size()) - 1;
+        }
+      for_each_term(i, [&](const Position &I, const double weight) {
+        own.list.push_back(
+          {{{I[0] - first[0], I[1] - first[1], I[2] - first[2]}}, weight});
+      });
+      return own;
+    }
+
+    const LatticeUnknowns<dim> &coarse;
+    const double                scale;
+    std::vector<double>        &rows;
+    std::vector<FarBlock>      &far_blocks;
+
+    // The extended functions of the finer level, and a box around them.
+    static constexpr unsigned int none = static_cast<unsigned int>(-1);
+    std::vector<Terms>            extended;
+    LatticeBox                    extended_box;
+    std::vector<unsigned int>     extended_at;
+    std::vector<bool>             is_near;
+    std::vector<Terms>            own_terms;
+    std::vector<Column>           columns;
+    std::vector<double>           sum_of_columns;
+
+    double in_x[n_lines * nc * most * nc];
+    double in_y[(dim == 3 ? n : 1) * most * nc * most * nc];
+    double in_z[dim == 3 ? most * most * nc * most * nc : 1];
+  };
+} // namespace greville
+
+#endif
