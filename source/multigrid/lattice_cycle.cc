@@ -91,8 +91,8 @@ namespace greville
            LatticeMatrix<dim>::can_coarsen(*last))
       {
         auto next = std::make_unique<LatticeMatrix<dim>>(*last);
-        // Bodies of a few functions each can have more coarse unknowns.
-        if (n_rows(*next) >= n_rows(*last))
+        // Bodies of a few functions each have more coarse unknowns.
+        if (n_rows(*next) > 2 * n_rows(*finest))
           break;
         coarse.push_back(std::move(next));
         last = coarse.back().get();
