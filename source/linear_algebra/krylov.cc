@@ -52,26 +52,46 @@ namespace greville
                const VectorType       &b,
                const unsigned int      n_basis_vectors)
   {
+    struct NegativeCurvature
+    {};
     struct Operator
     {
       void
       vmult(VectorType &dst, const VectorType &src) const
       {
         product(dst, src);
+        // Directions of conjugate gradients are not zero.
+        if (must_be_positive && dst * src <= 0.)
+          throw NegativeCurvature();
       }
 
       const Product &product;
+      const bool     must_be_positive;
     };
-    x = 0.;
-    return run_krylov(parameters, b, [&](SolverControl &control) {
+    x                     = 0.;
+    bool         takes_cg = n_basis_vectors == 0;
+    unsigned int n_of_cg  = 0;
+    const auto   run      = [&](SolverControl &control) {
       using Fgmres = SolverFGMRES<VectorType>;
-      const Operator matrix{A}, inverse{preconditioner};
-      if (n_basis_vectors == 0)
-        SolverCG<VectorType>(control).solve(matrix, x, b, inverse);
-      else
-        Fgmres(control, fgmres_data<Fgmres>(n_basis_vectors))
-          .solve(matrix, x, b, inverse);
-    });
+      const Operator matrix{A, takes_cg}, inverse{preconditioner, false};
+      if (takes_cg)
+        try
+          {
+            SolverCG<VectorType>(control).solve(matrix, x, b, inverse);
+            return;
+          }
+        catch (const NegativeCurvature &)
+          {
+            n_of_cg = control.last_step();
+          }
+      constexpr unsigned int n_after_cg = 50;
+      Fgmres(control,
+             fgmres_data<Fgmres>(takes_cg ? n_after_cg : n_basis_vectors))
+        .solve(Operator{A, false}, x, b, inverse);
+    };
+    SolveResult result = run_krylov(parameters, b, run);
+    *result.iterations += n_of_cg;
+    return result;
   }
 
 

@@ -4,7 +4,8 @@
 // Checks FGMRES in solve_krylov() with a preconditioner that changes and is bad
 // for some rows: the estimated residual is the residual of the solution.
 // Classical Gram-Schmidt with delayed corrections (deal.II 9.6.2) ends with a
-// residual of 0.019.
+// residual of 0.019. Conjugate gradients for an indefinite matrix continue as
+// FGMRES.
 
 #include <deal.II/lac/full_matrix.h>
 
@@ -62,4 +63,18 @@ test_main()
   product(residual, x);
   residual -= b;
   check("residual of the solution", residual.l2_norm() / b.l2_norm(), 2e-3);
+
+  // Eight different eigenvalues.
+  const auto indefinite = [&](VectorType &dst, const VectorType &src) {
+    for (unsigned int i = 0; i < n; ++i)
+      dst.local_element(i) =
+        (i < n / 2 ? 1. + i % 5 : -0.5 - i % 3) * src.local_element(i);
+  };
+  const auto copy = [](VectorType &dst, const VectorType &src) { dst = src; };
+  const SolveResult of_cg = solve_krylov(parameters, indefinite, copy, x, b);
+  check("an indefinite matrix", of_cg.converged);
+  check_range("iterations", *of_cg.iterations, 8, 12);
+  indefinite(residual, x);
+  residual -= b;
+  check("residual", residual.l2_norm() / b.l2_norm(), 1e-7);
 }
