@@ -138,7 +138,7 @@ namespace greville
              "Remove the line: the exponent of Tait's equation is 7."},
             {"Smoother/", "", constants},
             {"Implicit smoother/", "", constants},
-            {"Implicit p-multigrid/Coarse preconditioner", "", constants},
+            {"Implicit p-multigrid/", "", constants},
             {"Implicit solver/Preconditioner", "", constants},
             {"Implicit solver/Reuse", "", constants},
             {"Implicit solver/Maximum iterations", "", constants}};

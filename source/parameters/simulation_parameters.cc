@@ -60,11 +60,6 @@ namespace greville
     declare_section(prm, "Solver", solver);
     declare_section(prm, "p-multigrid", multigrid, smoother_names(), "");
     declare_section(prm, "Implicit solver", implicit_solver);
-    declare_section(prm,
-                    "Implicit p-multigrid",
-                    implicit_solver.multigrid,
-                    "auto|" + smoother_names(),
-                    "");
     ElementTestParameters::declare_section(prm);
     for (auto &body : bodies)
       {
