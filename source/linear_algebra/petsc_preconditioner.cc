@@ -9,10 +9,8 @@ namespace greville
 {
   using namespace dealii;
 
-  PetscPreconditioner::PetscPreconditioner(
-    const Mat                      matrix,
-    const std::string             &options,
-    const std::function<void(PC)> &prepare)
+  PetscPreconditioner::PetscPreconditioner(const Mat          matrix,
+                                           const std::string &options)
   {
     const MPI_Comm comm =
       PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
@@ -39,9 +37,6 @@ namespace greville
     pc.reset(handle);
     check_petsc(PCSetOptionsPrefix(handle, prefix.c_str()));
     check_petsc(PCSetOperators(handle, matrix, matrix));
-    if (prepare)
-      prepare(handle);
-
     check_petsc(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
     PetscErrorCode error = PCSetFromOptions(handle);
     if (error == 0)

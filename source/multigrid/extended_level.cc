@@ -28,40 +28,98 @@ namespace greville
 
 
     /**
-     * A preconditioner of PETSc for vectors of unknowns, applied to vectors of
-     * a level.
+     * Attach translations and rotations to a matrix of @p dim components as
+     * near-null space: the coefficients of a linear field are its values at the
+     * Greville points of the functions of the rows.
      */
     template <int dim>
-    class UnknownsPreconditioner : public Preconditioner
+    void
+    set_rigid_body_modes(const Mat                        matrix,
+                         const SplineSpace<dim>          &space,
+                         const std::vector<unsigned int> &functions)
+    {
+      Vec coordinates;
+      check_petsc(MatCreateVecs(matrix, &coordinates, nullptr));
+      const PetscVector owner(coordinates);
+      check_petsc(VecSetBlockSize(coordinates, dim));
+      PetscScalar *values;
+      check_petsc(VecGetArray(coordinates, &values));
+      for (unsigned int u = 0; u < functions.size(); ++u)
+        {
+          const Point<dim> x = space.greville_point(functions[u]);
+          for (unsigned int d = 0; d < dim; ++d)
+            values[u * dim + d] = x[d];
+        }
+      check_petsc(VecRestoreArray(coordinates, &values));
+      MatNullSpace modes;
+      check_petsc(MatNullSpaceCreateRigidBody(coordinates, &modes));
+      check_petsc(MatSetNearNullSpace(matrix, modes));
+      check_petsc(MatNullSpaceDestroy(&modes));
+    }
+
+
+
+    /// A preconditioner of PETSc on the entries of a level.
+    template <int dim>
+    class EntriesPreconditioner : public Preconditioner
     {
     public:
-      UnknownsPreconditioner(const ExtendedLevel<dim> &level,
-                             PetscMatrix               given_matrix,
-                             const std::string        &options)
-        : level(level)
-        , matrix(std::move(given_matrix))
-        , petsc(matrix.get(), options)
+      EntriesPreconditioner(const ExtendedLevel<dim>   &level,
+                            const ExtendedLattice<dim> &lattice,
+                            const std::string          &options)
+        : n(level.n_components())
       {
+        const LatticeMatrix<dim> entries(lattice, false);
+        const auto               positions = lattice.unknown_positions();
+        const unsigned int       n_owned   = entries.layout().n_owned();
+        functions.resize(n_owned);
+        constrained = entries.constrained_unknowns();
+        for (unsigned int u = 0; u < positions.size(); ++u)
+          {
+            const int row = entries.unknowns().find(positions[u]);
+            if (row >= 0)
+              functions[row] = lattice.unknown_functions()[u];
+          }
         for (VectorType *vector : {&to, &from})
-          level.extended().unknowns().initialize_vector(*vector,
-                                                        level.n_components());
+          vector->reinit(entries.layout().partitioner(n));
+        matrix = entries.petsc_matrix(lattice.unit());
+        if (n == dim)
+          set_rigid_body_modes(matrix.get(), level.space(), functions);
+        petsc = std::make_unique<PetscPreconditioner>(matrix.get(), options);
       }
 
       void
       vmult(VectorType &dst, const VectorType &src) const override
       {
-        const unsigned int n = level.n_components();
-        level.extended().unknowns().read(from, src, n);
-        petsc.vmult(to, from);
-        level.extended().unknowns().zero_constrained_unknowns(to, n);
-        level.extended().unknowns().write(dst, to, n);
+        for_each([&](const unsigned int row, const unsigned int i, bool free) {
+          from.local_element(row) = free ? src.local_element(i) : 0.;
+        });
+        petsc->vmult(to, from);
+        dst = 0.;
+        for_each([&](const unsigned int row, const unsigned int i, bool free) {
+          dst.local_element(i) = free ? to.local_element(row) : 0.;
+        });
       }
 
     private:
-      const ExtendedLevel<dim> &level;
-      const PetscMatrix         matrix;
-      const PetscPreconditioner petsc;
-      mutable VectorType        to, from;
+      /// Call visit(row, entry of a vector of the level, whether it is free).
+      template <typename Visit>
+      void
+      for_each(const Visit &visit) const
+      {
+        for (unsigned int u = 0; u < functions.size(); ++u)
+          for (unsigned int c = 0; c < n; ++c)
+            visit(u * n + c,
+                  functions[u] * n + c,
+                  ((constrained[u] >> c) & 1) == 0);
+      }
+
+      const unsigned int                   n;
+      std::vector<unsigned int>            functions; // by row
+      std::vector<unsigned char>           constrained;
+      PetscMatrix                          matrix;
+      std::unique_ptr<PetscPreconditioner> petsc;
+      mutable VectorType                   to, from;
     };
   } // namespace
 
@@ -284,11 +342,9 @@ namespace greville
   std::unique_ptr<Preconditioner>
   ExtendedLevel<dim>::petsc_preconditioner(const std::string &options) const
   {
-    PetscMatrix matrix = petsc_matrix();
-    set_modes(matrix);
-    return std::make_unique<UnknownsPreconditioner<dim>>(*this,
-                                                         std::move(matrix),
-                                                         options);
+    return std::make_unique<EntriesPreconditioner<dim>>(*this,
+                                                        *make_lattice(),
+                                                        options);
   }
 
 

@@ -65,6 +65,7 @@ namespace greville
     {
       Position          lowest, highest; // offsets
       std::vector<Term> list;
+      unsigned char     constrained = 0; // components (bits) without terms
     };
 
     /// A column of a fine row: its block and its coarse functions.
@@ -240,7 +241,8 @@ namespace greville
       const Box box = find_columns(i, row);
       if (columns.empty())
         return;
-      const int w = box.n_of_line();
+      const int    w   = box.n_of_line();
+      const Terms &own = terms_of(i, own_terms.back());
       sum_of_columns.assign(box.size(), 0.);
       for (const Column &column : columns)
         for (const Term &term : column.terms->list)
@@ -250,10 +252,13 @@ namespace greville
             const double weight = scale * term.weight;
             for (int c = 0; c < nc; ++c)
               for (int d = 0; d < nc; ++d)
-                to[c * w + d] += weight * column.block[c * line_size + d];
+                if (!(((own.constrained >> c) |
+                       (column.terms->constrained >> d)) &
+                      1))
+                  to[c * w + d] += weight * column.block[c * line_size + d];
           }
       const Position own_first = first_coarse(i);
-      for (const Term &term : terms_of(i, own_terms.back()).list)
+      for (const Term &term : own.list)
         {
           const Position I = sum(own_first, term.offset);
           add_to_row(I, term.weight, sum_of_columns.data(), box);
@@ -498,6 +503,18 @@ namespace greville
         all.emplace_back(i, extended.size());
         extended.push_back(insert(i, terms, lattice));
       });
+      std::sort(all.begin(), all.end());
+      for (const auto &[i, bits] : fine.constrained_functions())
+        {
+          const auto found = std::lower_bound(all.begin(),
+                                              all.end(),
+                                              std::make_pair(i, 0u),
+                                              [](const auto &a, const auto &b) {
+                                                return a.first < b.first;
+                                              });
+          if (found != all.end() && found->first == i)
+            extended[found->second].constrained = bits;
+        }
       add_periodic_images(lattice, reach, all);
       extended_box.fit(all, reach);
       extended_at.assign(extended_box.size(), none);

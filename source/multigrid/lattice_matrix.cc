@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/index_limits.h>
 #include <greville/base/with_width.h>
 #include <greville/multigrid/lattice_matrix.h>
 
@@ -36,13 +37,14 @@ namespace greville
 
 
   template <int dim>
-  LatticeMatrix<dim>::LatticeMatrix(const LatticeLevel<dim> &fine)
-    : places(fine)
+  LatticeMatrix<dim>::LatticeMatrix(const LatticeLevel<dim> &fine,
+                                    const bool               coarsen)
+    : places(fine, coarsen)
   {
     // Coarse functions at the edge of a body can be linearly dependent. This
     // part of the diagonal keeps matrices of single precision positive
     // definite.
-    constexpr double regularization = 1e-6;
+    const double regularization = coarsen ? 1e-6 : 0.;
     with_sizes([&](const auto nc, const auto n) {
       using Product =
         GalerkinProduct<dim, decltype(nc)::value, decltype(n)::value>;
@@ -301,6 +303,53 @@ namespace greville
               }
     });
     Utilities::MPI::sum(result, layout().communicator(), result);
+    return result;
+  }
+
+
+
+  template <int dim>
+  PetscMatrix
+  LatticeMatrix<dim>::petsc_matrix(const double unit) const
+  {
+    const unsigned int       nc = n_components();
+    std::vector<PetscInt>    rows, columns;
+    std::vector<PetscScalar> values;
+    const auto               add = [&](const unsigned int u,
+                         const unsigned int c,
+                         const unsigned int v,
+                         const unsigned int d,
+                         const double       value) {
+      rows.push_back(layout().global_number(u) * nc + c);
+      columns.push_back(layout().global_number(v) * nc + d);
+      values.push_back(unit * value);
+    };
+    for_each_block([&](const unsigned int u,
+                       const unsigned int v,
+                       const double      *block,
+                       const int          stride) {
+      for (unsigned int c = 0; c < nc; ++c)
+        for (unsigned int d = 0; d < nc; ++d)
+          {
+            add(u, c, v, d, block[c * stride + d]);
+            add(v, d, u, c, block[c * stride + d]);
+          }
+    });
+    for (unsigned int u = 0; u < layout().n_owned(); ++u)
+      for (unsigned int c = 0; c < nc; ++c)
+        if (places.is_constrained(u, c))
+          add(u, c, u, c, 1.);
+    const PetscInt n =
+      checked_index<PetscInt>(layout().n_owned() * nc, "rows of a matrix");
+    Mat mat;
+    check_petsc(MatCreate(layout().communicator(), &mat));
+    PetscMatrix result(mat);
+    check_petsc(MatSetSizes(mat, n, n, PETSC_DETERMINE, PETSC_DETERMINE));
+    check_petsc(MatSetBlockSize(mat, nc));
+    check_petsc(MatSetType(mat, MATAIJ));
+    check_petsc(
+      MatSetPreallocationCOO(mat, rows.size(), rows.data(), columns.data()));
+    check_petsc(MatSetValuesCOO(mat, values.data(), INSERT_VALUES));
     return result;
   }
 

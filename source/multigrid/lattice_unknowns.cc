@@ -9,12 +9,13 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
-  LatticeUnknowns<dim>::LatticeUnknowns(const LatticeLevel<dim> &fine)
+  LatticeUnknowns<dim>::LatticeUnknowns(const LatticeLevel<dim> &fine,
+                                        const bool               coarsen)
     : components(fine.n_components())
   {
     const Lattice fine_knots = fine.lattice();
     for (unsigned int d = 0; d < 3; ++d)
-      knots[d] = fine_knots[d].coarser();
+      knots[d] = coarsen ? fine_knots[d].coarser() : fine_knots[d];
     for (unsigned int d = 0; d < 3; ++d)
       {
         const int n = fine_knots[d].n_functions();

@@ -2,7 +2,6 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
-#include <greville/base/index_limits.h>
 #include <greville/water/pressure_level.h>
 
 #include <algorithm>
@@ -76,49 +75,6 @@ namespace greville
     this->multiply_unknowns(dst, src, [&]() {
       matrix.vmult(this->result, this->source, 1);
     });
-  }
-
-
-
-  template <int dim>
-  PetscMatrix
-  PressureLevel<dim>::petsc_matrix() const
-  {
-    const InterleavedLayout &layout = *matrix.unknowns().unknown_layout();
-    const MPI_Comm           comm   = this->space().communicator();
-    checked_index<PetscInt>(Utilities::MPI::sum<std::uint64_t>(layout.n_owned(),
-                                                               comm),
-                            "rows of a matrix");
-    std::vector<PetscInt>    rows, columns;
-    std::vector<PetscScalar> values;
-    for (unsigned int u = 0; u < entries.size(); ++u)
-      for (std::size_t e = entries.row_begin[u]; e < entries.row_begin[u + 1];
-           ++e)
-        {
-          const PetscInt i = layout.global_number(u);
-          const PetscInt j = layout.global_number(entries.columns[e]);
-          rows.push_back(i);
-          columns.push_back(j);
-          values.push_back(entries.values[e]);
-          if (i == j)
-            continue;
-          rows.push_back(j);
-          columns.push_back(i);
-          values.push_back(entries.values[e]);
-        }
-    Mat mat;
-    check_petsc(MatCreate(comm, &mat));
-    PetscMatrix result(mat);
-    check_petsc(MatSetSizes(mat,
-                            layout.n_owned(),
-                            layout.n_owned(),
-                            PETSC_DETERMINE,
-                            PETSC_DETERMINE));
-    check_petsc(MatSetType(mat, MATAIJ));
-    check_petsc(
-      MatSetPreallocationCOO(mat, rows.size(), rows.data(), columns.data()));
-    check_petsc(MatSetValuesCOO(mat, values.data(), INSERT_VALUES));
-    return result;
   }
 
 

@@ -22,13 +22,10 @@ namespace greville
   {
   public:
     /**
-     * Collective. The preconditioner is passed to @p prepare before the
-     * options. Throws dealii::ExcMessage if PETSc does not use one of the
+     * Collective. Throws dealii::ExcMessage if PETSc does not use one of the
      * options or cannot make the preconditioner.
      */
-    PetscPreconditioner(const Mat                      matrix,
-                        const std::string             &options,
-                        const std::function<void(PC)> &prepare = {});
+    PetscPreconditioner(const Mat matrix, const std::string &options);
 
     void
     vmult(VectorType &dst, const VectorType &src) const override;

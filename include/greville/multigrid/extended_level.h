@@ -162,15 +162,6 @@ namespace greville
     virtual std::unique_ptr<ExtendedLattice<dim>>
     make_lattice() const = 0;
 
-    /// Collective. Return A as a matrix of PETSc.
-    virtual PetscMatrix
-    petsc_matrix() const = 0;
-
-    /// Attach to a matrix the modes that its coarse levels must represent.
-    virtual void
-    set_modes(const PetscMatrix &) const
-    {}
-
     const SplineSpace<dim>          &spline_space;
     const unsigned int               components;
     const std::vector<unsigned char> constrained;

@@ -3,6 +3,7 @@
 #ifndef greville_multigrid_lattice_matrix_h
 #define greville_multigrid_lattice_matrix_h
 
+#include <greville/base/petsc.h>
 #include <greville/multigrid/lattice_unknowns.h>
 
 namespace greville
@@ -22,9 +23,11 @@ namespace greville
     using FarBlock = typename LatticeLevel<dim>::FarBlock;
 
     /**
-     * Collective. @p fine is used by this call only.
+     * Collective. @p fine is used by this call only. Without @p coarsen, the
+     * product is that of the same lattice, E^T B E.
      */
-    explicit LatticeMatrix(const LatticeLevel<dim> &fine);
+    explicit LatticeMatrix(const LatticeLevel<dim> &fine,
+                           const bool               coarsen = true);
 
     /// Return whether any direction is coarser than on the finer level.
     static bool
@@ -52,6 +55,11 @@ namespace greville
                                     const AddEntry    &add)>;
     std::vector<double>
     reduced_entries(const unsigned int n, const Rows &rows_of_Q) const;
+
+    /// Collective. Return @p unit times the entries, with a diagonal of @p unit
+    /// of constrained components.
+    PetscMatrix
+    petsc_matrix(const double unit) const;
 
     Lattice
     lattice() const override

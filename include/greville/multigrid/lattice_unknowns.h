@@ -108,8 +108,9 @@ namespace greville
     using Lattice  = typename LatticeLevel<dim>::Lattice;
     using Position = typename LatticeLevel<dim>::Position;
 
-    /// Collective. @p fine is used by this call only.
-    explicit LatticeUnknowns(const LatticeLevel<dim> &fine);
+    /// Collective. @p fine is used by this call only. Without @p coarsen, the
+    /// lattice is the same, and P = E.
+    LatticeUnknowns(const LatticeLevel<dim> &fine, const bool coarsen);
 
     const Lattice &
     lattice() const

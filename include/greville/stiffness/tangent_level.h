@@ -108,13 +108,6 @@ namespace greville
     std::unique_ptr<ExtendedLattice<dim>>
     make_lattice() const override;
 
-    PetscMatrix
-    petsc_matrix() const override;
-
-    /// The modes are translations and rotations.
-    void
-    set_modes(const PetscMatrix &matrix) const override;
-
     void
     multiply_at_places(
       VectorType                                            &dst,

@@ -60,9 +60,6 @@ namespace greville
                                                     this->largest_diagonal());
     }
 
-    PetscMatrix
-    petsc_matrix() const override;
-
     ExtendedMass<dim> matrix; // with the unknowns of the mass
     UpperTriangle     entries;
   };
