@@ -239,8 +239,8 @@ namespace
     // A formula of a name may ask for a motion that no step can follow.
     if (c.section == "Formulas" && message.compare(0, 5, "Step ") == 0)
       return "";
-    // That nothing bears a weight is found out by the run alone.
-    if (c.name == "Density" &&
+    // That nothing bears a weight or a load is found out by the run alone.
+    if ((c.name == "Density" || c.section == "Walls") &&
         message.find("no equilibrium has been found") != std::string::npos)
       return "";
     return "it does not name the parameter";
