@@ -179,8 +179,9 @@ namespace StepGreville
     // preconditioner for any Krylov solver of deal.II. Its parts are chosen by
     // name: a Chebyshev polynomial of IC(0) as smoother, $M_k^{-1} P$ with the
     // mixed mass matrix $P$ of two orders as prolongation, its transpose as
-    // restriction. An algebraic method is applied to the system of order 1 once
-    // per cycle, because the tolerance is 1.
+    // restriction. A cycle on coarser and coarser lattices is applied to the
+    // system of order 1 once per cycle, because the tolerance is 1. (The
+    // coarsening "lattice" needs no levels but the finest one.)
     unsigned int
     solve(VectorType &x, const VectorType &b, const double mass_factor)
     {
