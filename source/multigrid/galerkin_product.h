@@ -68,12 +68,11 @@ namespace greville
       unsigned char     constrained = 0; // components (bits) without terms
     };
 
-    /// A column of a fine row: its block and its coarse functions.
+    /// A column of a function that depends on others.
     struct Column
     {
-      const double *block;
-      Position      first;
-      const Terms  *terms;
+      Position     first;
+      const Terms *terms;
     };
 
     /// A box of coarse functions, for each of which a row has a block: entry
@@ -165,12 +164,49 @@ namespace greville
     void
     add(const Position &i, const double *row)
     {
+      const Terms *own = nullptr; // if the function depends on others
+      columns.clear();
       if (touches_extended(i))
         {
-          add_with_extended(i, row);
+          own = extended_terms(i);
+          take_extended_columns(i, row, own ? own->constrained : 0);
+          row = plain_row;
+        }
+      const Box box = box_of_columns(i);
+      add_rows(i, own, sum_columns(i, row, box), box, own != nullptr);
+      if (columns.empty())
+        return;
+      const Box far_box = box_of_extended_columns();
+      add_rows(i, own, sum_extended_columns(far_box), far_box, true);
+    }
+
+    /// Add P_i^T times the blocks of a box, which can exceed rows.
+    void
+    add_rows(const Position &i,
+             const Terms    *own,
+             const double   *blocks,
+             const Box      &box,
+             const bool      can_exceed)
+    {
+      const auto add = [&](const Position &I, const double weight) {
+        add_to_row(I, weight, blocks, box);
+        if (can_exceed)
+          add_beyond_row(I, weight, blocks, box);
+      };
+      if (!own)
+        {
+          for_each_term(i, add);
           return;
         }
-      const Box box    = box_of_columns(i);
+      const Position first = first_coarse(i);
+      for (const Term &term : own->list)
+        add(sum(first, term.offset), term.weight);
+    }
+
+    /// Return the sum of B_ij P_j over columns j that do not depend on others.
+    const double *
+    sum_columns(const Position &i, const double *row, const Box &box)
+    {
       const int w      = box.n_of_line();
       const int w_line = nc * w, w_layer = box.count[1] * w_line;
 
@@ -219,9 +255,7 @@ namespace greville
                                w_layer);
               }
         }
-      for_each_term(i, [&](const Position &I, const double weight) {
-        add_to_row(I, weight, dim == 3 ? in_z : in_y, box);
-      });
+      return dim == 3 ? in_z : in_y;
     }
 
     void
@@ -234,73 +268,90 @@ namespace greville
       });
     }
 
-    /// The same as add() if the function or a column depends on others.
+    /// Copy a row to plain_row, without the columns of functions that depend on
+    /// others, which are listed in columns, and without the components @p
+    /// constrained (bits) of the row.
     void
-    add_with_extended(const Position &i, const double *row)
+    take_extended_columns(const Position     &i,
+                          const double       *row,
+                          const unsigned char constrained)
     {
-      const Box box = find_columns(i, row);
-      if (columns.empty())
-        return;
-      const int    w   = box.n_of_line();
-      const Terms &own = terms_of(i, own_terms.back());
-      sum_of_columns.assign(box.size(), 0.);
-      for (const Column &column : columns)
-        for (const Term &term : column.terms->list)
-          {
-            double *to = sum_of_columns.data() +
-                         box.offset(sum(column.first, term.offset));
-            const double weight = scale * term.weight;
-            for (int c = 0; c < nc; ++c)
-              for (int d = 0; d < nc; ++d)
-                if (!(((own.constrained >> c) |
-                       (column.terms->constrained >> d)) &
-                      1))
-                  to[c * w + d] += weight * column.block[c * line_size + d];
-          }
-      const Position own_first = first_coarse(i);
-      for (const Term &term : own.list)
-        {
-          const Position I = sum(own_first, term.offset);
-          add_to_row(I, term.weight, sum_of_columns.data(), box);
-          add_beyond_row(I, term.weight, sum_of_columns.data(), box);
-        }
-    }
-
-    /// Set the columns that are not zero, and return their coarse functions.
-    Box
-    find_columns(const Position &i, const double *row)
-    {
-      columns.clear();
-      own_terms.resize(n_lines * length + 1);
-      Box      result;
-      Position last;
-      result.first.fill(std::numeric_limits<int>::max());
-      last.fill(-std::numeric_limits<int>::max());
+      std::copy_n(row, Half::row_size, plain_row);
+      for (int line = 0; line < n_lines; ++line)
+        for (int c = 0; c < nc; ++c)
+          if ((constrained >> c) & 1)
+            std::fill_n(plain_row + (line * nc + c) * line_size, line_size, 0.);
+      extended_blocks.clear();
       for (int dz = 0, line = 0; dz <= reach[2]; ++dz)
         for (int dy = dz == 0 ? 0 : -p; dy <= p; ++dy, ++line)
           for (int x = line == 0 ? p : 0; x < length; ++x)
             {
-              const double *block   = row + line * nc * line_size + x * nc;
-              bool          is_zero = true;
+              const Position j     = sum(i, {{x - p, dy, dz}});
+              const Terms   *terms = extended_terms(j);
+              if (!terms)
+                continue;
+              double *block   = plain_row + line * nc * line_size + x * nc;
+              bool    is_zero = true;
               for (int c = 0; c < nc; ++c)
                 for (int d = 0; d < nc; ++d)
-                  is_zero = is_zero && block[c * line_size + d] == 0.;
+                  {
+                    double      &entry = block[c * line_size + d];
+                    const double value =
+                      (terms->constrained >> d) & 1 ? 0. : entry;
+                    is_zero = is_zero && value == 0.;
+                    extended_blocks.push_back(value);
+                    entry = 0.;
+                  }
               if (is_zero)
-                continue;
-              const Position j     = sum(i, {{x - p, dy, dz}});
-              const Terms   &terms = terms_of(j, own_terms[line * length + x]);
-              columns.push_back({block, first_coarse(j), &terms});
-              for (unsigned int d = 0; d < 3; ++d)
-                {
-                  const int first = columns.back().first[d];
-                  result.first[d] =
-                    std::min(result.first[d], first + terms.lowest[d]);
-                  last[d] = std::max(last[d], first + terms.highest[d]);
-                }
+                extended_blocks.resize(extended_blocks.size() - nc * nc);
+              else
+                columns.push_back({first_coarse(j), terms});
             }
+    }
+
+    /// Return the coarse functions of the listed columns.
+    Box
+    box_of_extended_columns() const
+    {
+      Box      result;
+      Position last;
+      result.first.fill(std::numeric_limits<int>::max());
+      last.fill(-std::numeric_limits<int>::max());
+      for (const Column &column : columns)
+        for (unsigned int d = 0; d < 3; ++d)
+          {
+            result.first[d] =
+              std::min(result.first[d],
+                       column.first[d] + column.terms->lowest[d]);
+            last[d] =
+              std::max(last[d], column.first[d] + column.terms->highest[d]);
+          }
       for (unsigned int d = 0; d < 3; ++d)
-        result.count[d] = last[d] - result.first[d] + 1;
+        result.count[d] = std::max(0, last[d] - result.first[d] + 1);
       return result;
+    }
+
+    /// Return the sum of B_ij P_j over the listed columns.
+    const double *
+    sum_extended_columns(const Box &box)
+    {
+      const int w = box.n_of_line();
+      sum_of_columns.assign(box.size(), 0.);
+      const double *block = extended_blocks.data();
+      for (const Column &column : columns)
+        {
+          for (const Term &term : column.terms->list)
+            {
+              double *to = sum_of_columns.data() +
+                           box.offset(sum(column.first, term.offset));
+              const double weight = scale * term.weight;
+              for (int c = 0; c < nc; ++c)
+                for (int d = 0; d < nc; ++d)
+                  to[c * w + d] += weight * block[c * nc + d];
+            }
+          block += nc * nc;
+        }
+      return sum_of_columns.data();
     }
 
     /// Add a multiple of the blocks of a box to the row of a coarse function,
@@ -579,29 +630,15 @@ namespace greville
       return extended_box.contains(i) && is_near[extended_box.place(i)];
     }
 
-    /// Return the coarse functions of a function, in @p own if it does not
-    /// depend on others.
-    const Terms &
-    terms_of(const Position &i, Terms &own) const
+    /// Return the coarse functions of a function that depends on others, or
+    /// null.
+    const Terms *
+    extended_terms(const Position &i) const
     {
-      if (extended_box.contains(i))
-        {
-          const unsigned int e = extended_at[extended_box.place(i)];
-          if (e != none)
-            return extended[e];
-        }
-      own.list.clear();
-      const Position first = first_coarse(i);
-      for (unsigned int d = 0; d < 3; ++d)
-        {
-          own.lowest[d]  = 0;
-          own.highest[d] = int(coarse.insertion(d, i[d]).weights.size()) - 1;
-        }
-      for_each_term(i, [&](const Position &I, const double weight) {
-        own.list.push_back(
-          {{{I[0] - first[0], I[1] - first[1], I[2] - first[2]}}, weight});
-      });
-      return own;
+      if (!extended_box.contains(i))
+        return nullptr;
+      const unsigned int e = extended_at[extended_box.place(i)];
+      return e != none ? &extended[e] : nullptr;
     }
 
     const LatticeUnknowns<dim> &coarse;
@@ -615,10 +652,11 @@ namespace greville
     LatticeBox                    extended_box;
     std::vector<unsigned int>     extended_at;
     std::vector<bool>             is_near;
-    std::vector<Terms>            own_terms;
     std::vector<Column>           columns;
+    std::vector<double>           extended_blocks; // of the columns
     std::vector<double>           sum_of_columns;
 
+    double plain_row[Half::row_size];
     double in_x[n_lines * nc * most * nc];
     double in_y[(dim == 3 ? n : 1) * most * nc * most * nc];
     double in_z[dim == 3 ? most * most * nc * most * nc : 1];
