@@ -88,13 +88,13 @@ namespace greville
   template <int dim>
   void
   ExtendedLattice<dim>::for_each_row(
-    const std::function<void(const Position &, const double *)> &visit) const
+    const std::function<void(const Position &, const float *)> &visit) const
   {
     const StencilMatrix<dim> &stencil = matrix.matrix();
     with_order(stencil.space().degree(), [&](const auto n) {
-      using Half = HalfStencil<dim, 1, decltype(n)::value, double>;
+      using Half = HalfStencil<dim, 1, decltype(n)::value, float>;
       std::vector<double> full((2 * Half::n_lines - 1) * Half::length);
-      double              row[Half::row_size] = {};
+      float               row[Half::row_size] = {};
       for_each_place([&](const Position &i, const unsigned int place) {
         stencil.get_row(place, full.data());
         for (int k = 0; k < Half::n_lines; ++k)

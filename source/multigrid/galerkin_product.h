@@ -21,24 +21,24 @@ namespace greville
   class GalerkinProduct
   {
   public:
-    using Half     = HalfStencil<dim, nc, n, double>;
+    using Half     = HalfStencil<dim, nc, n, float>;
     using Position = typename LatticeLevel<dim>::Position;
     using FarBlock = typename LatticeLevel<dim>::FarBlock;
 
     /// Set the half rows of the local unknowns, and the blocks beyond them.
     GalerkinProduct(const LatticeUnknowns<dim> &coarse,
                     const LatticeLevel<dim>    &fine,
-                    std::vector<double>        &rows,
+                    std::vector<float>         &rows,
                     std::vector<FarBlock>      &far_blocks)
       : coarse(coarse)
       , scale(1. / fine.unit())
       , rows(rows)
       , far_blocks(far_blocks)
     {
-      rows.assign(coarse.positions().size() * Half::row_size, 0.);
+      rows.assign(coarse.positions().size() * Half::row_size, 0.f);
       set_extended(fine);
       fine.for_each_row(
-        [&](const Position &i, const double *row) { add(i, row); });
+        [&](const Position &i, const float *row) { add(i, row); });
       fine.for_each_far_block([&](const FarBlock &block) { add(block); });
       merge_far_blocks();
       leave_out_other_functions();
@@ -58,7 +58,7 @@ namespace greville
     struct Term
     {
       Position offset;
-      double   weight;
+      float    weight;
     };
 
     struct Terms
@@ -104,10 +104,7 @@ namespace greville
     };
 
     static void
-    add_multiple(double       *to,
-                 const double  factor,
-                 const double *from,
-                 const int     k)
+    add_multiple(float *to, const float factor, const float *from, const int k)
     {
       for (int e = 0; e < k; ++e)
         to[e] += factor * from[e];
@@ -162,7 +159,7 @@ namespace greville
     }
 
     void
-    add(const Position &i, const double *row)
+    add(const Position &i, const float *row)
     {
       const Terms *own = nullptr; // if the function depends on others
       columns.clear();
@@ -184,11 +181,11 @@ namespace greville
     void
     add_rows(const Position &i,
              const Terms    *own,
-             const double   *blocks,
+             const float    *blocks,
              const Box      &box,
              const bool      can_exceed)
     {
-      const auto add = [&](const Position &I, const double weight) {
+      const auto add = [&](const Position &I, const float weight) {
         add_to_row(I, weight, blocks, box);
         if (can_exceed)
           add_beyond_row(I, weight, blocks, box);
@@ -204,23 +201,23 @@ namespace greville
     }
 
     /// Return the sum of B_ij P_j over columns j that do not depend on others.
-    const double *
-    sum_columns(const Position &i, const double *row, const Box &box)
+    const float *
+    sum_columns(const Position &i, const float *row, const Box &box)
     {
       const int w      = box.n_of_line();
       const int w_line = nc * w, w_layer = box.count[1] * w_line;
 
       // Entry (line, c, X, d).
-      std::fill_n(in_x, n_lines * w_line, 0.);
+      std::fill_n(in_x, n_lines * w_line, 0.f);
       for (int x = 0; x < length; ++x)
         if (coarse.has_insertion(0, i[0] + x - p))
           {
             const NestedKnots::Row &r    = coarse.insertion(0, i[0] + x - p);
-            const double           *from = row + x * nc;
+            const float            *from = row + x * nc;
             for (unsigned int k = 0; k < r.weights.size(); ++k)
               {
-                const double weight = scale * r.weights[k];
-                double      *to     = in_x + (r.first - box.first[0] + k) * nc;
+                const float weight = scale * r.weights[k];
+                float      *to     = in_x + (r.first - box.first[0] + k) * nc;
                 for (int l = 0; l < n_lines * nc; ++l)
                   for (int d = 0; d < nc; ++d)
                     to[l * w + d] += weight * from[l * line_size + d];
@@ -228,7 +225,7 @@ namespace greville
           }
 
       // Entry (z, Y, c, X, d).
-      std::fill_n(in_y, (reach[2] + 1) * w_layer, 0.);
+      std::fill_n(in_y, (reach[2] + 1) * w_layer, 0.f);
       for (int dz = 0, line = 0; dz <= reach[2]; ++dz)
         for (int dy = dz == 0 ? 0 : -p; dy <= p; ++dy, ++line)
           if (coarse.has_insertion(1, i[1] + dy))
@@ -243,7 +240,7 @@ namespace greville
             }
       if constexpr (dim == 3)
         {
-          std::fill_n(in_z, box.count[2] * w_layer, 0.);
+          std::fill_n(in_z, box.count[2] * w_layer, 0.f);
           for (int dz = 0; dz <= reach[2]; ++dz)
             if (coarse.has_insertion(2, i[2] + dz))
               {
@@ -261,8 +258,8 @@ namespace greville
     void
     add(const FarBlock &fine)
     {
-      for_each_term(fine.i, [&](const Position &I, const double of_i) {
-        for_each_term(fine.j, [&](const Position &J, const double of_j) {
+      for_each_term(fine.i, [&](const Position &I, const float of_i) {
+        for_each_term(fine.j, [&](const Position &J, const float of_j) {
           add_block(I, J, of_i * of_j, fine.block, nc);
         });
       });
@@ -273,14 +270,16 @@ namespace greville
     /// constrained (bits) of the row.
     void
     take_extended_columns(const Position     &i,
-                          const double       *row,
+                          const float        *row,
                           const unsigned char constrained)
     {
       std::copy_n(row, Half::row_size, plain_row);
       for (int line = 0; line < n_lines; ++line)
         for (int c = 0; c < nc; ++c)
           if ((constrained >> c) & 1)
-            std::fill_n(plain_row + (line * nc + c) * line_size, line_size, 0.);
+            std::fill_n(plain_row + (line * nc + c) * line_size,
+                        line_size,
+                        0.f);
       extended_blocks.clear();
       for (int dz = 0, line = 0; dz <= reach[2]; ++dz)
         for (int dy = dz == 0 ? 0 : -p; dy <= p; ++dy, ++line)
@@ -290,17 +289,17 @@ namespace greville
               const Terms   *terms = extended_terms(j);
               if (!terms)
                 continue;
-              double *block   = plain_row + line * nc * line_size + x * nc;
-              bool    is_zero = true;
+              float *block   = plain_row + line * nc * line_size + x * nc;
+              bool   is_zero = true;
               for (int c = 0; c < nc; ++c)
                 for (int d = 0; d < nc; ++d)
                   {
-                    double      &entry = block[c * line_size + d];
-                    const double value =
-                      (terms->constrained >> d) & 1 ? 0. : entry;
-                    is_zero = is_zero && value == 0.;
+                    float      &entry = block[c * line_size + d];
+                    const float value =
+                      (terms->constrained >> d) & 1 ? 0.f : entry;
+                    is_zero = is_zero && value == 0.f;
                     extended_blocks.push_back(value);
-                    entry = 0.;
+                    entry = 0.f;
                   }
               if (is_zero)
                 extended_blocks.resize(extended_blocks.size() - nc * nc);
@@ -332,19 +331,19 @@ namespace greville
     }
 
     /// Return the sum of B_ij P_j over the listed columns.
-    const double *
+    const float *
     sum_extended_columns(const Box &box)
     {
       const int w = box.n_of_line();
-      sum_of_columns.assign(box.size(), 0.);
-      const double *block = extended_blocks.data();
+      sum_of_columns.assign(box.size(), 0.f);
+      const float *block = extended_blocks.data();
       for (const Column &column : columns)
         {
           for (const Term &term : column.terms->list)
             {
-              double *to = sum_of_columns.data() +
-                           box.offset(sum(column.first, term.offset));
-              const double weight = scale * term.weight;
+              float *to = sum_of_columns.data() +
+                          box.offset(sum(column.first, term.offset));
+              const float weight = scale * term.weight;
               for (int c = 0; c < nc; ++c)
                 for (int d = 0; d < nc; ++d)
                   to[c * w + d] += weight * block[c * nc + d];
@@ -358,8 +357,8 @@ namespace greville
     /// as far as it reaches.
     void
     add_to_row(const Position &I,
-               const double    weight,
-               const double   *blocks,
+               const float     weight,
+               const float    *blocks,
                const Box      &box)
     {
       const int u = coarse.find(coarse.wrapped(I));
@@ -378,10 +377,10 @@ namespace greville
           {
             const int line = (Z - I[2]) * length + Y - I[1];
             // Blocks of functions before I belong to the rows of those.
-            const int     own  = line > 0    ? begin[0]
-                                 : line == 0 ? std::max(begin[0], I[0])
-                                             : end[0];
-            const double *from = blocks + box.offset({{begin[0], Y, Z}});
+            const int    own  = line > 0    ? begin[0]
+                                : line == 0 ? std::max(begin[0], I[0])
+                                            : end[0];
+            const float *from = blocks + box.offset({{begin[0], Y, Z}});
             for (int X = begin[0]; X < std::min(own, end[0]); ++X)
               add_to_earlier_row(u,
                                  line,
@@ -402,8 +401,8 @@ namespace greville
     /// List the blocks of a box beyond the row of a coarse function.
     void
     add_beyond_row(const Position &I,
-                   const double    weight,
-                   const double   *blocks,
+                   const float     weight,
+                   const float    *blocks,
                    const Box      &box)
     {
       bool exceeds = false;
@@ -443,8 +442,8 @@ namespace greville
     void
     add_block(const Position &I,
               const Position &J,
-              const double    weight,
-              const double   *block,
+              const float     weight,
+              const float    *block,
               const int       stride)
     {
       const int u = coarse.find(coarse.wrapped(I)),
@@ -474,13 +473,13 @@ namespace greville
           if (!coarse.is_constrained(u, c) && !coarse.is_constrained(v, d))
             {
               entry.block[c * nc + d] = weight * block[c * stride + d];
-              is_zero = is_zero && entry.block[c * nc + d] == 0.;
+              is_zero = is_zero && entry.block[c * nc + d] == 0.f;
             }
       if (!is_zero)
         far_blocks.push_back(entry);
     }
 
-    double *
+    float *
     half_row(const unsigned int u)
     {
       return rows.data() + u * Half::row_size;
@@ -492,14 +491,14 @@ namespace greville
     add_to_earlier_row(const unsigned int u,
                        const int          line,
                        const int          x,
-                       const double       weight,
-                       const double      *block,
+                       const float        weight,
+                       const float       *block,
                        const int          stride)
     {
       const int v = coarse.unknown_in_line(u, line, x - p);
       if (v < 0)
         return;
-      double *to = half_row(v) - line * nc * line_size + (length - 1 - x) * nc;
+      float *to = half_row(v) - line * nc * line_size + (length - 1 - x) * nc;
       for (int c = 0; c < nc; ++c)
         for (int d = 0; d < nc; ++d)
           to[d * line_size + c] += weight * block[c * stride + d];
@@ -535,12 +534,12 @@ namespace greville
           for (int x = line == 0 ? p : 0; x < length; ++x)
             {
               const int v     = coarse.unknown_in_line(u, line, x - p);
-              double   *block = half_row(u) + line * nc * line_size + x * nc;
+              float    *block = half_row(u) + line * nc * line_size + x * nc;
               for (int c = 0; c < nc; ++c)
                 for (int d = 0; d < nc; ++d)
                   if (v < 0 || coarse.is_constrained(u, c) ||
                       coarse.is_constrained(v, d))
-                    block[c * line_size + d] = 0.;
+                    block[c * line_size + d] = 0.f;
             }
     }
 
@@ -586,7 +585,7 @@ namespace greville
            const typename LatticeLevel<dim>::Terms   &terms,
            const typename LatticeLevel<dim>::Lattice &lattice) const
     {
-      std::map<Position, double> sums;
+      std::map<Position, float> sums;
       for (const auto &[given, weight] : terms)
         {
           // The image next to the function.
@@ -600,15 +599,15 @@ namespace greville
                 else if (2 * (i[d] - u[d]) > period)
                   u[d] += period;
               }
-          for_each_term(u, [&](const Position &I, const double of_u) {
+          for_each_term(u, [&](const Position &I, const float of_u) {
             sums[I] += weight * of_u;
           });
         }
       Terms result;
       result.lowest.fill(std::numeric_limits<int>::max());
       result.highest.fill(-std::numeric_limits<int>::max());
-      const Position   first      = first_coarse(i);
-      constexpr double negligible = 1e-5;
+      const Position  first      = first_coarse(i);
+      constexpr float negligible = 1e-5f;
       for (const auto &[I, weight] : sums)
         if (std::abs(weight) > negligible)
           {
@@ -642,8 +641,8 @@ namespace greville
     }
 
     const LatticeUnknowns<dim> &coarse;
-    const double                scale;
-    std::vector<double>        &rows;
+    const float                 scale;
+    std::vector<float>         &rows;
     std::vector<FarBlock>      &far_blocks;
 
     // The extended functions of the finer level, and a box around them.
@@ -653,13 +652,13 @@ namespace greville
     std::vector<unsigned int>     extended_at;
     std::vector<bool>             is_near;
     std::vector<Column>           columns;
-    std::vector<double>           extended_blocks; // of the columns
-    std::vector<double>           sum_of_columns;
+    std::vector<float>            extended_blocks; // of the columns
+    std::vector<float>            sum_of_columns;
 
-    double plain_row[Half::row_size];
-    double in_x[n_lines * nc * most * nc];
-    double in_y[(dim == 3 ? n : 1) * most * nc * most * nc];
-    double in_z[dim == 3 ? most * most * nc * most * nc : 1];
+    float plain_row[Half::row_size];
+    float in_x[n_lines * nc * most * nc];
+    float in_y[(dim == 3 ? n : 1) * most * nc * most * nc];
+    float in_z[dim == 3 ? most * most * nc * most * nc : 1];
   };
 } // namespace greville
 

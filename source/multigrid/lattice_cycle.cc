@@ -67,8 +67,6 @@ namespace greville
           make_direct_matrix();
         if (!is_last || parameters.lowers_order || direct_matrix.m() == 0)
           make_smoother(level);
-        if (l > 0)
-          coarse[l - 1]->finish();
         if (!level.factors.empty())
           estimate_eigenvalue(level);
       }

@@ -67,16 +67,6 @@ namespace greville
 
 
   template <int dim>
-  void
-  LatticeMatrix<dim>::finish()
-  {
-    single_rows.assign(rows.begin(), rows.end());
-    rows = std::vector<double>();
-  }
-
-
-
-  template <int dim>
   std::vector<std::pair<typename LatticeMatrix<dim>::Position, unsigned char>>
   LatticeMatrix<dim>::constrained_functions() const
   {
@@ -92,7 +82,7 @@ namespace greville
   template <int dim>
   void
   LatticeMatrix<dim>::for_each_row(
-    const std::function<void(const Position &, const double *)> &visit) const
+    const std::function<void(const Position &, const float *)> &visit) const
   {
     for (unsigned int u = 0; u < places.positions().size(); ++u)
       visit(places.positions()[u], rows.data() + u * row_size);
@@ -121,7 +111,7 @@ namespace greville
           place_x[std::size_t(place) * nc + c] = from[u * nc + c];
       std::fill(place_y.begin(), place_y.end(), 0.f);
       for (std::size_t u = 0; u < at.size(); ++u)
-        Half::multiply(single_rows.data() + u * row_size,
+        Half::multiply(rows.data() + u * row_size,
                        place_x.data() + std::size_t(at[u]) * nc,
                        place_y.data() + std::size_t(at[u]) * nc,
                        of_lines);
@@ -157,7 +147,7 @@ namespace greville
   {
     with_sizes([&](const auto width, const auto n) {
       constexpr int nc = decltype(width)::value;
-      using Half       = HalfStencil<dim, nc, decltype(n)::value, double>;
+      using Half       = HalfStencil<dim, nc, decltype(n)::value, float>;
       constexpr int p  = decltype(n)::value - 1;
       for (unsigned int u = 0; u < places.positions().size(); ++u)
         for (int line = 0; line < Half::n_lines; ++line)
@@ -206,7 +196,7 @@ namespace greville
     std::vector<std::size_t> next(begin);
     for_each_block([&](const unsigned int u,
                        const unsigned int v,
-                       const double      *block,
+                       const float       *block,
                        const int          stride) {
       double sum = 0.;
       for (unsigned int c = 0; c < components; ++c)
@@ -287,7 +277,7 @@ namespace greville
     std::vector<double> result(std::size_t(n) * n, 0.);
     for_each_block([&](const unsigned int u,
                        const unsigned int v,
-                       const double      *block,
+                       const float       *block,
                        const int          stride) {
       for (unsigned int c = 0; c < nc; ++c)
         for (unsigned int d = 0; d < nc; ++d)
@@ -326,7 +316,7 @@ namespace greville
     };
     for_each_block([&](const unsigned int u,
                        const unsigned int v,
-                       const double      *block,
+                       const float       *block,
                        const int          stride) {
       for (unsigned int c = 0; c < nc; ++c)
         for (unsigned int d = 0; d < nc; ++d)

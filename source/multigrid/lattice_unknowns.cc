@@ -66,7 +66,7 @@ namespace greville
     if (Utilities::MPI::n_mpi_processes(fine.layout().communicator()) > 1)
       {
         fine.for_each_row(
-          [&](const Position &f, const double *) { all.emplace_back(f, 0); });
+          [&](const Position &f, const float *) { all.emplace_back(f, 0); });
         fine.for_each_extended([&](const Position &, const auto &terms) {
           for (const auto &term : terms)
             all.emplace_back(term.first, 0);

@@ -119,13 +119,11 @@ namespace greville
       }
 
       void
-      for_each_row(const std::function<void(const Position &, const double *)>
+      for_each_row(const std::function<void(const Position &, const float *)>
                      &visit) const override
       {
-        std::vector<double> row(level.blocks.size_of_row());
         this->for_each_place([&](const Position &i, const unsigned int place) {
-          std::copy_n(level.blocks.row(place), row.size(), row.begin());
-          visit(i, row.data());
+          visit(i, level.blocks.row(place));
         });
       }
 

@@ -106,8 +106,6 @@ namespace
         lattices.push_back(std::make_unique<LatticeMatrix<dim>>(*last));
         last = lattices.back().get();
       }
-    for (auto &lattice : lattices)
-      lattice->finish();
     last = &finest;
     for (unsigned int l = 0; l < lattices.size(); ++l)
       {

@@ -72,7 +72,7 @@ namespace greville
                         &visit) const override;
 
     void
-    for_each_row(const std::function<void(const Position &, const double *)>
+    for_each_row(const std::function<void(const Position &, const float *)>
                    &visit) const override;
 
     double

@@ -62,7 +62,7 @@ namespace greville
     /// Call visit(position, row) for the rows of this process, in the memory of
     /// a HalfStencil.
     virtual void
-    for_each_row(const std::function<void(const Position &, const double *)>
+    for_each_row(const std::function<void(const Position &, const float *)>
                    &visit) const = 0;
 
     /// A block of functions i, j beyond the size of a HalfStencil, whose
@@ -70,7 +70,7 @@ namespace greville
     struct FarBlock
     {
       Position i, j;
-      double   block[dim * dim];
+      float    block[dim * dim];
     };
 
     /// Call visit(block) for the blocks of this process beyond its rows.

@@ -12,7 +12,7 @@ namespace greville
    * The Galerkin product @f$ P^T A P @f$ of a level on the lattice of twice the
    * size. Splines are nested, so that rows keep the size of a HalfStencil;
    * extended functions of the finer level add a few blocks beyond it, which are
-   * listed. The entries have double precision until finish().
+   * listed.
    */
   template <int dim>
   class LatticeMatrix : public LatticeLevel<dim>
@@ -39,10 +39,6 @@ namespace greville
     {
       return places;
     }
-
-    /// Keep the entries in single precision only, for products.
-    void
-    finish();
 
     /**
      * Collective. Return @f$ Q^T A Q @f$, row by row, with @p n columns in Q.
@@ -97,7 +93,7 @@ namespace greville
     constrained_functions() const override;
 
     void
-    for_each_row(const std::function<void(const Position &, const double *)>
+    for_each_row(const std::function<void(const Position &, const float *)>
                    &visit) const override;
 
     void
@@ -141,8 +137,7 @@ namespace greville
 
     const LatticeUnknowns<dim> places;
     std::size_t                row_size = 0;
-    std::vector<double>        rows;
-    std::vector<float>         single_rows;
+    std::vector<float>         rows;
 
     std::vector<FarBlock>                              far_blocks;
     std::vector<std::pair<unsigned int, unsigned int>> far_unknowns;

@@ -71,12 +71,6 @@ namespace greville
     void
     multiply(Number *y, const Number *x) const;
 
-    std::size_t
-    size_of_row() const
-    {
-      return row_size;
-    }
-
     /// Return the row of a place, in the memory of a HalfStencil.
     const Number *
     row(const unsigned int place) const
