@@ -3,10 +3,7 @@
 #ifndef greville_multigrid_galerkin_product_h
 #define greville_multigrid_galerkin_product_h
 
-#include <greville/multigrid/lattice_unknowns.h>
-
-#include <algorithm>
-#include <map>
+#include "extended_terms.h"
 #include <tuple>
 
 namespace greville
@@ -24,6 +21,8 @@ namespace greville
     using Half     = HalfStencil<dim, nc, n, float>;
     using Position = typename LatticeLevel<dim>::Position;
     using FarBlock = typename LatticeLevel<dim>::FarBlock;
+    using Terms    = typename ExtendedTerms<dim>::Terms;
+    using Term     = typename ExtendedTerms<dim>::Term;
 
     /// Set the half rows of the local unknowns, and the blocks beyond them.
     GalerkinProduct(const LatticeUnknowns<dim> &coarse,
@@ -34,9 +33,9 @@ namespace greville
       , scale(1. / fine.unit())
       , rows(rows)
       , far_blocks(far_blocks)
+      , extended(coarse, fine)
     {
       rows.assign(coarse.positions().size() * Half::row_size, 0.f);
-      set_extended(fine);
       fine.for_each_row(
         [&](const Position &i, const float *row) { add(i, row); });
       fine.for_each_far_block([&](const FarBlock &block) { add(block); });
@@ -52,21 +51,6 @@ namespace greville
     static constexpr int      n_lines   = Half::n_lines;
     // The largest number of coarse functions of the columns in a direction.
     static constexpr int most = 2 * n + 1;
-
-    /// A coarse function of a fine one, counted from the first function of its
-    /// insertion.
-    struct Term
-    {
-      Position offset;
-      float    weight;
-    };
-
-    struct Terms
-    {
-      Position          lowest, highest; // offsets
-      std::vector<Term> list;
-      unsigned char     constrained = 0; // components (bits) without terms
-    };
 
     /// A column of a function that depends on others.
     struct Column
@@ -110,33 +94,6 @@ namespace greville
         to[e] += factor * from[e];
     }
 
-    /// Call visit(I, weight) for the coarse functions of an unknown, not
-    /// wrapped.
-    template <typename Visit>
-    void
-    for_each_term(const Position &u, const Visit &visit) const
-    {
-      const NestedKnots::Row &x = coarse.insertion(0, u[0]),
-                             &y = coarse.insertion(1, u[1]),
-                             &z = coarse.insertion(2, u[2]);
-      for (unsigned int kz = 0; kz < z.weights.size(); ++kz)
-        for (unsigned int ky = 0; ky < y.weights.size(); ++ky)
-          for (unsigned int kx = 0; kx < x.weights.size(); ++kx)
-            visit(Position{{x.first + int(kx),
-                            y.first + int(ky),
-                            z.first + int(kz)}},
-                  x.weights[kx] * y.weights[ky] * z.weights[kz]);
-    }
-
-    Position
-    first_coarse(const Position &i) const
-    {
-      Position result;
-      for (unsigned int d = 0; d < 3; ++d)
-        result[d] = coarse.insertion(d, i[d]).first;
-      return result;
-    }
-
     /// Return the coarse functions of the columns of a row.
     Box
     box_of_columns(const Position &i) const
@@ -163,9 +120,9 @@ namespace greville
     {
       const Terms *own = nullptr; // if the function depends on others
       columns.clear();
-      if (touches_extended(i))
+      if (extended.touches(i))
         {
-          own = extended_terms(i);
+          own = extended.find(i);
           take_extended_columns(i, row, own ? own->constrained : 0);
           row = plain_row;
         }
@@ -192,10 +149,10 @@ namespace greville
       };
       if (!own)
         {
-          for_each_term(i, add);
+          coarse.for_each_coarse(i, add);
           return;
         }
-      const Position first = first_coarse(i);
+      const Position first = coarse.first_coarse(i);
       for (const Term &term : own->list)
         add(sum(first, term.offset), term.weight);
     }
@@ -258,10 +215,11 @@ namespace greville
     void
     add(const FarBlock &fine)
     {
-      for_each_term(fine.i, [&](const Position &I, const float of_i) {
-        for_each_term(fine.j, [&](const Position &J, const float of_j) {
-          add_block(I, J, of_i * of_j, fine.block, nc);
-        });
+      coarse.for_each_coarse(fine.i, [&](const Position &I, const float of_i) {
+        coarse.for_each_coarse(fine.j,
+                               [&](const Position &J, const float of_j) {
+                                 add_block(I, J, of_i * of_j, fine.block, nc);
+                               });
       });
     }
 
@@ -286,7 +244,7 @@ namespace greville
           for (int x = line == 0 ? p : 0; x < length; ++x)
             {
               const Position j     = sum(i, {{x - p, dy, dz}});
-              const Terms   *terms = extended_terms(j);
+              const Terms   *terms = extended.find(j);
               if (!terms)
                 continue;
               float *block   = plain_row + line * nc * line_size + x * nc;
@@ -304,7 +262,7 @@ namespace greville
               if (is_zero)
                 extended_blocks.resize(extended_blocks.size() - nc * nc);
               else
-                columns.push_back({first_coarse(j), terms});
+                columns.push_back({coarse.first_coarse(j), terms});
             }
     }
 
@@ -543,117 +501,15 @@ namespace greville
             }
     }
 
-    /// Find the coarse functions of the extended functions of the finer level.
-    void
-    set_extended(const LatticeLevel<dim> &fine)
-    {
-      const auto                                     lattice = fine.lattice();
-      std::vector<std::pair<Position, unsigned int>> all;
-      fine.for_each_extended([&](const Position &i, const auto &terms) {
-        all.emplace_back(i, extended.size());
-        extended.push_back(insert(i, terms, lattice));
-      });
-      std::sort(all.begin(), all.end());
-      for (const auto &[i, bits] : fine.constrained_functions())
-        {
-          const auto found = std::lower_bound(all.begin(),
-                                              all.end(),
-                                              std::make_pair(i, 0u),
-                                              [](const auto &a, const auto &b) {
-                                                return a.first < b.first;
-                                              });
-          if (found != all.end() && found->first == i)
-            extended[found->second].constrained = bits;
-        }
-      add_periodic_images(lattice, reach, all);
-      extended_box.fit(all, reach);
-      extended_at.assign(extended_box.size(), none);
-      is_near.assign(extended_box.size(), false);
-      for (const auto &[i, e] : all)
-        {
-          extended_at[extended_box.place(i)] = e;
-          for (int dz = -reach[2]; dz <= reach[2]; ++dz)
-            for (int dy = -p; dy <= p; ++dy)
-              for (int dx = -p; dx <= p; ++dx)
-                is_near[extended_box.place(sum(i, {{dx, dy, dz}}))] = true;
-        }
-    }
-
-    /// Return the coarse functions of an extended function.
-    Terms
-    insert(const Position                            &i,
-           const typename LatticeLevel<dim>::Terms   &terms,
-           const typename LatticeLevel<dim>::Lattice &lattice) const
-    {
-      std::map<Position, float> sums;
-      for (const auto &[given, weight] : terms)
-        {
-          // The image next to the function.
-          Position u = given;
-          for (unsigned int d = 0; d < 3; ++d)
-            if (lattice[d].is_periodic())
-              {
-                const int period = lattice[d].n_functions();
-                if (2 * (u[d] - i[d]) > period)
-                  u[d] -= period;
-                else if (2 * (i[d] - u[d]) > period)
-                  u[d] += period;
-              }
-          for_each_term(u, [&](const Position &I, const float of_u) {
-            sums[I] += weight * of_u;
-          });
-        }
-      Terms result;
-      result.lowest.fill(std::numeric_limits<int>::max());
-      result.highest.fill(-std::numeric_limits<int>::max());
-      const Position  first      = first_coarse(i);
-      constexpr float negligible = 1e-5f;
-      for (const auto &[I, weight] : sums)
-        if (std::abs(weight) > negligible)
-          {
-            Term term{I, weight};
-            for (unsigned int d = 0; d < 3; ++d)
-              {
-                term.offset[d] -= first[d];
-                result.lowest[d]  = std::min(result.lowest[d], term.offset[d]);
-                result.highest[d] = std::max(result.highest[d], term.offset[d]);
-              }
-            result.list.push_back(term);
-          }
-      return result;
-    }
-
-    bool
-    touches_extended(const Position &i) const
-    {
-      return extended_box.contains(i) && is_near[extended_box.place(i)];
-    }
-
-    /// Return the coarse functions of a function that depends on others, or
-    /// null.
-    const Terms *
-    extended_terms(const Position &i) const
-    {
-      if (!extended_box.contains(i))
-        return nullptr;
-      const unsigned int e = extended_at[extended_box.place(i)];
-      return e != none ? &extended[e] : nullptr;
-    }
-
     const LatticeUnknowns<dim> &coarse;
     const float                 scale;
     std::vector<float>         &rows;
     std::vector<FarBlock>      &far_blocks;
 
-    // The extended functions of the finer level, and a box around them.
-    static constexpr unsigned int none = static_cast<unsigned int>(-1);
-    std::vector<Terms>            extended;
-    LatticeBox                    extended_box;
-    std::vector<unsigned int>     extended_at;
-    std::vector<bool>             is_near;
-    std::vector<Column>           columns;
-    std::vector<float>            extended_blocks; // of the columns
-    std::vector<float>            sum_of_columns;
+    const ExtendedTerms<dim> extended;
+    std::vector<Column>      columns;
+    std::vector<float>       extended_blocks; // of the columns
+    std::vector<float>       sum_of_columns;
 
     float plain_row[Half::row_size];
     float in_x[n_lines * nc * most * nc];

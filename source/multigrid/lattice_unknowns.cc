@@ -33,26 +33,6 @@ namespace greville
 
 
   template <int dim>
-  template <typename Visit>
-  void
-  LatticeUnknowns<dim>::for_each_coarse(const Position &fine,
-                                        const Visit    &visit) const
-  {
-    const NestedKnots::Row &x = insertion(0, fine[0]),
-                           &y = insertion(1, fine[1]),
-                           &z = insertion(2, fine[2]);
-    for (unsigned int kz = 0; kz < z.weights.size(); ++kz)
-      for (unsigned int ky = 0; ky < y.weights.size(); ++ky)
-        for (unsigned int kx = 0; kx < x.weights.size(); ++kx)
-          visit(Position{{wrap(0, x.first + kx),
-                          wrap(1, y.first + ky),
-                          wrap(2, z.first + kz)}},
-                x.weights[kx] * y.weights[ky] * z.weights[kz]);
-  }
-
-
-
-  template <int dim>
   typename LatticeUnknowns<dim>::Wanted
   LatticeUnknowns<dim>::find_wanted(const LatticeLevel<dim> &fine) const
   {
@@ -98,7 +78,7 @@ namespace greville
     for (unsigned int k = 0; k < all.size(); ++k)
       if (all[k].second != 0 || k >= fine_positions.size())
         for_each_coarse(all[k].first, [&](const Position &i, const float) {
-          const std::size_t place = result.box.place(i);
+          const std::size_t place = result.box.place(wrapped(i));
           result.needed[place] |= all[k].second;
           result.is_listed[place] = 1;
         });
@@ -206,8 +186,8 @@ namespace greville
         for (const auto &[f, bits] : constrained_of_finer)
           if ((bits >> c) & 1)
             for_each_coarse(f, [&](const Position &i, const float) {
-              if (wanted.box.contains(i))
-                states[wanted.box.place(i)] = is_fixed;
+              if (wanted.box.contains(wrapped(i)))
+                states[wanted.box.place(wrapped(i))] = is_fixed;
             });
         const auto values = combine(0.,
                                     VectorOperation::max,
@@ -260,7 +240,7 @@ namespace greville
     for (const Position &f : fine.unknown_positions())
       {
         for_each_coarse(f, [&](const Position &i, const float weight) {
-          const int u = find(i);
+          const int u = find(wrapped(i));
           if (u >= 0)
             transfer.push_back({unsigned(u), weight});
         });

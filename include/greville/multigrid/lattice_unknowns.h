@@ -3,97 +3,13 @@
 #ifndef greville_multigrid_lattice_unknowns_h
 #define greville_multigrid_lattice_unknowns_h
 
+#include <greville/multigrid/lattice_box.h>
 #include <greville/multigrid/lattice_level.h>
 
-#include <algorithm>
-#include <limits>
 #include <memory>
 
 namespace greville
 {
-  /// A box of positions, numbered in lexicographic order.
-  struct LatticeBox
-  {
-    using Position = std::array<int, 3>;
-
-    /// Be the smallest box around the first members of pairs, with a margin.
-    template <typename Pairs>
-    void
-    fit(const Pairs &pairs, const Position &margin)
-    {
-      Position high;
-      low.fill(std::numeric_limits<int>::max());
-      high.fill(-std::numeric_limits<int>::max());
-      for (const auto &pair : pairs)
-        for (unsigned int d = 0; d < 3; ++d)
-          {
-            low[d]  = std::min(low[d], pair.first[d] - margin[d]);
-            high[d] = std::max(high[d], pair.first[d] + margin[d]);
-          }
-      for (unsigned int d = 0; d < 3; ++d)
-        extents[d] = pairs.empty() ? 0 : high[d] + 1 - low[d];
-    }
-
-    std::size_t
-    size() const
-    {
-      return std::size_t(extents[0]) * extents[1] * extents[2];
-    }
-
-    bool
-    contains(const Position &i) const
-    {
-      for (unsigned int d = 0; d < 3; ++d)
-        if (i[d] < low[d] || i[d] >= low[d] + extents[d])
-          return false;
-      return true;
-    }
-
-    std::size_t
-    place(const Position &i) const
-    {
-      return (std::size_t(i[2] - low[2]) * extents[1] + (i[1] - low[1])) *
-               extents[0] +
-             (i[0] - low[0]);
-    }
-
-    Position
-    position(const std::size_t place) const
-    {
-      return {{low[0] + int(place % extents[0]),
-               low[1] + int(place / extents[0] % extents[1]),
-               low[2] + int(place / extents[0] / extents[1])}};
-    }
-
-    Position low{}, extents{};
-  };
-
-
-
-  /// Append the images in periodic directions, up to a margin, of the first
-  /// members of pairs.
-  template <typename Pairs>
-  void
-  add_periodic_images(const std::array<NestedKnots, 3> &lattice,
-                      const std::array<int, 3>         &margin,
-                      Pairs                            &pairs)
-  {
-    for (unsigned int d = 0; d < 3; ++d)
-      if (lattice[d].is_periodic())
-        for (std::size_t k = 0, n_before = pairs.size(); k < n_before; ++k)
-          for (const int sign : {-1, 1})
-            {
-              const int n     = lattice[d].n_functions();
-              auto      image = pairs[k];
-              image.first[d] += sign * n;
-              if (image.first[d] >= -margin[d] &&
-                  image.first[d] < n + margin[d])
-                pairs.push_back(image);
-            }
-  }
-
-
-
   /**
    * The unknowns on the lattice of twice the size below a level, and the knot
    * insertion P from them, which is multilinear for order 1. They are all
@@ -164,6 +80,33 @@ namespace greville
     insertion(const unsigned int d, const int i) const
     {
       return insertions[d][i + margin()];
+    }
+
+    /// Return the first coarse functions, direction by direction, of a function
+    /// of the finer level.
+    Position
+    first_coarse(const Position &i) const
+    {
+      return {{insertion(0, i[0]).first,
+               insertion(1, i[1]).first,
+               insertion(2, i[2]).first}};
+    }
+
+    /// Call visit(I, weight) for the coarse functions I of a function of the
+    /// finer level, not wrapped.
+    template <typename Visit>
+    void
+    for_each_coarse(const Position &i, const Visit &visit) const
+    {
+      const NestedKnots::Row &x = insertion(0, i[0]), &y = insertion(1, i[1]),
+                             &z = insertion(2, i[2]);
+      for (unsigned int kz = 0; kz < z.weights.size(); ++kz)
+        for (unsigned int ky = 0; ky < y.weights.size(); ++ky)
+          for (unsigned int kx = 0; kx < x.weights.size(); ++kx)
+            visit(Position{{x.first + int(kx),
+                            y.first + int(ky),
+                            z.first + int(kz)}},
+                  x.weights[kx] * y.weights[ky] * z.weights[kz]);
     }
 
     Position
@@ -253,12 +196,6 @@ namespace greville
                knots[0].n_functions() +
              i[0];
     }
-
-    /// Call visit(position, weight) for the coarse functions of a fine one,
-    /// wrapped.
-    template <typename Visit>
-    void
-    for_each_coarse(const Position &fine, const Visit &visit) const;
 
     Wanted
     find_wanted(const LatticeLevel<dim> &fine) const;

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#ifndef greville_multigrid_extended_terms_h
+#define greville_multigrid_extended_terms_h
+
+#include <greville/multigrid/lattice_unknowns.h>
+
+#include <algorithm>
+#include <map>
+
+namespace greville
+{
+  /**
+   * The coarse functions of the functions of a level that depend on others (on
+   * unknowns), the rows of E P.
+   */
+  template <int dim>
+  class ExtendedTerms
+  {
+  public:
+    using Position = typename LatticeLevel<dim>::Position;
+
+    /// A coarse function, counted from LatticeUnknowns::first_coarse().
+    struct Term
+    {
+      Position offset;
+      float    weight;
+    };
+
+    struct Terms
+    {
+      Position          lowest, highest; // offsets
+      std::vector<Term> list;
+      unsigned char     constrained = 0; // components (bits) without terms
+    };
+
+    ExtendedTerms(const LatticeUnknowns<dim> &coarse,
+                  const LatticeLevel<dim>    &fine);
+
+    /// Return whether the row of a function has columns that depend on others,
+    /// or it does itself.
+    bool
+    touches(const Position &i) const
+    {
+      return box.contains(i) && is_near[box.place(i)];
+    }
+
+    /// Return the coarse functions of a function that depends on others, or
+    /// null.
+    const Terms *
+    find(const Position &i) const
+    {
+      if (!box.contains(i))
+        return nullptr;
+      const unsigned int e = number_at[box.place(i)];
+      return e != none ? &rows[e] : nullptr;
+    }
+
+  private:
+    static constexpr unsigned int none = static_cast<unsigned int>(-1);
+
+    Terms
+    insert(const Position                            &i,
+           const typename LatticeLevel<dim>::Terms   &terms,
+           const typename LatticeLevel<dim>::Lattice &lattice) const;
+
+    const LatticeUnknowns<dim> &coarse;
+    std::vector<Terms>          rows;
+    LatticeBox                  box;
+    std::vector<unsigned int>   number_at;
+    std::vector<bool>           is_near;
+  };
+
+
+
+  template <int dim>
+  ExtendedTerms<dim>::ExtendedTerms(const LatticeUnknowns<dim> &coarse,
+                                    const LatticeLevel<dim>    &fine)
+    : coarse(coarse)
+  {
+    const auto     lattice = fine.lattice();
+    const int      p       = lattice[0].degree();
+    const Position reach{{p, p, dim == 3 ? p : 0}};
+    std::vector<std::pair<Position, unsigned int>> all;
+    fine.for_each_extended([&](const Position &i, const auto &terms) {
+      all.emplace_back(i, rows.size());
+      rows.push_back(insert(i, terms, lattice));
+    });
+    std::sort(all.begin(), all.end());
+    for (const auto &[i, bits] : fine.constrained_functions())
+      {
+        const auto found =
+          std::lower_bound(all.begin(), all.end(), std::make_pair(i, 0u));
+        if (found != all.end() && found->first == i)
+          rows[found->second].constrained = bits;
+      }
+    add_periodic_images(lattice, reach, all);
+    box.fit(all, reach);
+    number_at.assign(box.size(), none);
+    is_near.assign(box.size(), false);
+    for (const auto &[i, e] : all)
+      {
+        number_at[box.place(i)] = e;
+        for (int z = -reach[2]; z <= reach[2]; ++z)
+          for (int y = -p; y <= p; ++y)
+            for (int x = -p; x <= p; ++x)
+              is_near[box.place({{i[0] + x, i[1] + y, i[2] + z}})] = true;
+      }
+  }
+
+
+
+  template <int dim>
+  typename ExtendedTerms<dim>::Terms
+  ExtendedTerms<dim>::insert(
+    const Position                            &i,
+    const typename LatticeLevel<dim>::Terms   &terms,
+    const typename LatticeLevel<dim>::Lattice &lattice) const
+  {
+    std::map<Position, float> sums;
+    for (const auto &[given, weight] : terms)
+      {
+        // The image next to the function.
+        Position u = given;
+        for (unsigned int d = 0; d < 3; ++d)
+          if (lattice[d].is_periodic())
+            {
+              const int period = lattice[d].n_functions();
+              if (2 * (u[d] - i[d]) > period)
+                u[d] -= period;
+              else if (2 * (i[d] - u[d]) > period)
+                u[d] += period;
+            }
+        coarse.for_each_coarse(u, [&](const Position &I, const float of_u) {
+          sums[I] += weight * of_u;
+        });
+      }
+    Terms result;
+    result.lowest.fill(std::numeric_limits<int>::max());
+    result.highest.fill(-std::numeric_limits<int>::max());
+    const Position  first      = coarse.first_coarse(i);
+    constexpr float negligible = 1e-5f;
+    for (const auto &[I, weight] : sums)
+      if (std::abs(weight) > negligible)
+        {
+          Term term{I, weight};
+          for (unsigned int d = 0; d < 3; ++d)
+            {
+              term.offset[d] -= first[d];
+              result.lowest[d]  = std::min(result.lowest[d], term.offset[d]);
+              result.highest[d] = std::max(result.highest[d], term.offset[d]);
+            }
+          result.list.push_back(term);
+        }
+    return result;
+  }
+} // namespace greville
+
+#endif
