@@ -140,6 +140,16 @@ test_main()
             std::stod(row.at("unknowns_per_s")) > 0. &&
             row.at("error").empty() && std::stoi(row.at("extended")) > 0);
 
+  // Levels, where extended functions couple functions of a coarse lattice
+  // beyond stencils.
+  rows = run("  set Operators = elasticity\n  set Dimensions = 3\n"
+             "  set Orders = 2\n  set Cells = 13\n"
+             "  set Solvers = cg-p-multigrid\n  set Poisson ratios = 0.49\n"
+             "  set Coarsenings = lattice, hp, direct\n",
+             "  set Points = column\n  set Points per direction = 3\n");
+  check_range("rows of levels", rows.size(), 3, 3);
+  check_iterations("levels", rows, {{"cg-p-multigrid", {4, 12}}});
+
   // The box by Gauss quadrature: B-splines are not extended. Poisson's ratio
   // and the Courant number change the operator.
   rows = run("  set Operators = mass and elasticity\n  set Orders = 2\n"
