@@ -561,6 +561,11 @@ namespace greville
                                      layout.is_total_lagrangian(),
                                      layout.is_axisymmetric(),
                                      space);
+        std::vector<unsigned int> n_in_cell(space.owned_cells().size());
+        std::size_t               n_groups = 0;
+        for (const PlacedPoint<dim> &point : file.points)
+          n_groups += n_in_cell[point.cell]++ % body.points.width == 0;
+        body.points.reserve(n_groups);
         const InitialPoints<dim> initial{
           body, file, section, gravity, layers, table};
         std::vector<double> values(layout.size);

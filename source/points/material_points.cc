@@ -2,6 +2,9 @@
 
 #include <greville/points/material_points.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace greville
 {
   using namespace dealii;
@@ -126,6 +129,22 @@ namespace greville
 
 
   template <int dim>
+  void
+  MaterialPoints<dim>::reserve(const std::size_t n_groups)
+  {
+    const std::size_t size = std::size_t(point_layout.size) * width;
+    if (data.size() >= n_groups * size)
+      return;
+    // AlignedVector would double its memory.
+    dealii::AlignedVector<double> larger;
+    larger.resize_fast(n_groups * size);
+    std::copy_n(data.begin(), links.size() * size, larger.begin());
+    data.swap(larger);
+  }
+
+
+
+  template <int dim>
   unsigned int
   MaterialPoints<dim>::new_group()
   {
@@ -135,16 +154,9 @@ namespace greville
         free_groups          = links[g];
         return g;
       }
-    const std::size_t size = std::size_t(point_layout.size) * width;
-    const std::size_t used = links.size() * size;
-    if (data.size() < used + size)
-      {
-        // AlignedVector would double its memory.
-        dealii::AlignedVector<double> larger;
-        larger.resize_fast(used + std::max(size, used / 8 / size * size));
-        std::copy_n(data.begin(), used, larger.begin());
-        data.swap(larger);
-      }
+    const std::size_t used = links.size();
+    if (data.size() < (used + 1) * point_layout.size * width)
+      reserve(used + std::max<std::size_t>(1, used / 8));
     links.push_back(none);
     return links.size() - 1;
   }
@@ -258,29 +270,60 @@ namespace greville
   void
   MaterialPoints<dim>::defragment()
   {
-    const std::size_t             size = std::size_t(point_layout.size) * width;
-    dealii::AlignedVector<double> new_data;
-    std::vector<unsigned int>     new_links;
-    std::size_t                   n_groups = 0;
-    for (const unsigned int count : counts)
-      n_groups += (count + width - 1) / width;
-    new_data.resize_fast(n_groups * size);
-    new_links.reserve(n_groups);
+    // The old numbers of the groups in their new order, and new links.
+    std::vector<unsigned int> old, new_links;
+    std::vector<bool>         is_used(links.size(), false);
+    old.reserve(links.size());
+    new_links.reserve(links.size());
     for (const unsigned int cell : cells())
       {
         unsigned int g = heads[cell];
-        heads[cell]    = new_links.size();
+        heads[cell]    = old.size();
         for (; g != none; g = links[g])
           {
-            std::copy_n(group(g),
-                        size,
-                        new_data.data() + new_links.size() * size);
-            new_links.push_back(links[g] == none ? none : new_links.size() + 1);
+            old.push_back(g);
+            new_links.push_back(links[g] == none ? none : old.size());
+            is_used[g] = true;
           }
       }
-    data.swap(new_data);
     links.swap(new_links);
     free_groups = none;
+
+    std::vector<double> numbers(std::size_t(point_layout.size) * width);
+    // Fill the place of a group that is not needed there any more, then the
+    // place of the group that has moved, and so on, until @p last is to move.
+    const auto fill = [&](unsigned int place, const unsigned int last) {
+      while (place < old.size() && old[place] != none)
+        {
+          const unsigned int g = std::exchange(old[place], none);
+          if (g == last)
+            break;
+          std::copy_n(group(g), numbers.size(), group(place));
+          place = g;
+        }
+      return place;
+    };
+    for (unsigned int place = 0; place < old.size(); ++place)
+      if (!is_used[place])
+        fill(place, none);
+    // The others form cycles.
+    for (unsigned int place = 0; place < old.size(); ++place)
+      if (old[place] != none && old[place] != place)
+        {
+          std::copy_n(group(place), numbers.size(), numbers.begin());
+          std::copy_n(numbers.begin(),
+                      numbers.size(),
+                      group(fill(place, place)));
+        }
+
+    // Release more spare room than new_group() makes.
+    if (data.size() / 9 * 8 > old.size() * numbers.size())
+      {
+        dealii::AlignedVector<double> smaller;
+        smaller.resize_fast(old.size() * numbers.size());
+        std::copy_n(data.begin(), smaller.size(), smaller.begin());
+        data.swap(smaller);
+      }
   }
 
 

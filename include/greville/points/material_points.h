@@ -161,6 +161,10 @@ namespace greville
       return ConstPointRef<dim>(group(g) + lane, width);
     }
 
+    /// Make room for a number of groups.
+    void
+    reserve(const std::size_t n_groups);
+
     /**
      * Add a point with layout().size numbers to a cell.
      */
@@ -181,7 +185,7 @@ namespace greville
     void
     clean(const unsigned int cell);
 
-    /// Sort the groups in the order of the cells.
+    /// Sort the groups in the order of the cells, in place.
     void
     defragment();
 
