@@ -2,12 +2,18 @@
 
 #include <greville/points/points_copy.h>
 
+#include <cmath>
+
 namespace greville
 {
   using namespace dealii;
 
   namespace
   {
+    constexpr double two_32 = 4294967296.;
+
+
+
     template <int dim>
     bool
     is_exact(const unsigned int k)
@@ -52,10 +58,11 @@ namespace greville
     const unsigned int size = layout.size;
     cells                   = points.cells();
     counts.clear();
-    exact.clear();
+    runs.clear();
+    ids.clear();
     rounded.clear();
     // Reserve exactly the required memory.
-    exact.reserve(points.n_points() * 3);
+    ids.reserve(points.n_points());
     rounded.reserve(points.n_points() * (size - 3));
     std::vector<double> offset;
     unsigned int        last_cell = MaterialPoints<dim>::none;
@@ -66,9 +73,15 @@ namespace greville
           counts.push_back(points.n_points(cell));
           last_cell = cell;
         }
+      const double high_id = std::floor(p.id() / two_32);
+      if (runs.empty() || runs.back().mass != p.mass() ||
+          runs.back().volume0 != p.volume0() || runs.back().high_id != high_id)
+        runs.push_back({p.mass(), p.volume0(), high_id, 0});
+      ++runs.back().n;
+      ids.push_back(std::uint32_t(p.id() - two_32 * high_id));
       for (unsigned int k = 0; k < size; ++k)
         if (is_exact<dim>(k))
-          exact.push_back(p[k]);
+          continue;
         else if (k >= Layout::reference && k < Layout::reference + dim)
           rounded.push_back(p[k] - p.position(k - Layout::reference));
         else
@@ -85,16 +98,33 @@ namespace greville
     using Layout                  = PointLayout<dim>;
     const SplineSpace<dim> &space = points.space();
     std::vector<double>     p(layout.size);
-    const double           *e = exact.data();
-    const float            *r = rounded.data();
+    const PointRef<dim>     target(p.data());
+    const float            *r   = rounded.data();
+    auto                    id  = ids.begin();
+    auto                    run = runs.begin();
+    std::size_t             n   = 0; // of the run
     points.reinit(space, layout);
+    std::size_t n_groups = 0;
+    for (const unsigned int count : counts)
+      n_groups += (count + points.width - 1) / points.width;
+    points.reserve(n_groups);
     for (unsigned int c = 0; c < cells.size(); ++c)
       {
         const std::vector<double> offset = offsets(points, cells[c]);
         for (unsigned int i = 0; i < counts[c]; ++i)
           {
             for (unsigned int k = 0; k < layout.size; ++k)
-              p[k] = is_exact<dim>(k) ? *e++ : *r++ + offset[k];
+              if (!is_exact<dim>(k))
+                p[k] = *r++ + offset[k];
+            if (n == run->n)
+              {
+                ++run;
+                n = 0;
+              }
+            ++n;
+            target.mass()    = run->mass;
+            target.volume0() = run->volume0;
+            target.id()      = two_32 * run->high_id + *id++;
             for (unsigned int d = 0; d < dim; ++d)
               p[Layout::reference + d] += p[Layout::position + d];
             points.insert(cells[c], make_array_view(p));
@@ -110,7 +140,8 @@ namespace greville
   PointsCopy<dim>::memory_consumption() const
   {
     return (cells.capacity() + counts.capacity()) * sizeof(unsigned int) +
-           exact.capacity() * sizeof(double) +
+           runs.capacity() * sizeof(Run) +
+           ids.capacity() * sizeof(std::uint32_t) +
            rounded.capacity() * sizeof(float);
   }
 

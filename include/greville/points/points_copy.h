@@ -8,12 +8,13 @@
 namespace greville
 {
   /**
-   * A copy of the material points of one body on this process, in about half of
-   * their memory: it restores an earlier state for inspection, not for an exact
-   * continuation.
+   * A copy of the material points of one body on this process, in less than
+   * half of their memory: it restores an earlier state for inspection, not for
+   * an exact continuation.
    *
-   * Mass, stress-free volume and id are stored exactly, all other numbers in
-   * single precision: the position relative to the centre of its cell (to 1e-7
+   * Mass, stress-free volume and id are stored exactly, the first two once for
+   * consecutive points that share them. All other numbers have single
+   * precision: the position relative to the centre of its cell (to 1e-7
    * of a cell), the initial position relative to the current one, J, its
    * projection and the diagonal of F less 1, others relative to their own size.
    * Lanes without a point are not stored.
@@ -37,10 +38,18 @@ namespace greville
     memory_consumption() const;
 
   private:
-    PointLayout<dim>          layout;
-    std::vector<unsigned int> cells, counts; // cells with points, their points
-    std::vector<double>       exact;
-    std::vector<float>        rounded;
+    /// Consecutive points with the same numbers.
+    struct Run
+    {
+      double      mass, volume0, high_id; // id / 2^32, rounded down
+      std::size_t n;
+    };
+
+    PointLayout<dim>           layout;
+    std::vector<unsigned int>  cells, counts; // cells with points, their points
+    std::vector<Run>           runs;
+    std::vector<std::uint32_t> ids; // modulo 2^32
+    std::vector<float>         rounded;
   };
 } // namespace greville
 
