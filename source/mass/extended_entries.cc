@@ -183,8 +183,7 @@ namespace greville
     {
       UpperTriangle     result;
       const std::size_t n_entries =
-        std::size_t(n) *
-        (Utilities::fixed_power<dim>(2 * M.space().degree() + 1) / 2 + 1);
+        std::size_t(n) * (Utilities::fixed_power<dim>(2 * reach + 1) / 2 + 1);
       result.row_begin.reserve(n + 1);
       result.columns.reserve(n_entries);
       result.values.reserve(n_entries);

@@ -204,6 +204,7 @@ namespace greville
     if (force)
       for (unsigned int d = 0; d < dim; ++d)
         write_number(first_force + d, (*force)[d]);
+    numbers.clear();
   }
 
 

@@ -375,6 +375,7 @@ namespace greville
         same ? run(Pass<false, true, false, false>())
              : run(Pass<false, true, true, false>());
     });
+    numbers.clear();
     return report;
   }
 

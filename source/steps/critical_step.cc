@@ -122,7 +122,7 @@ namespace greville
   {
     const SplineSpace<dim> &space  = mass.space();
     const VectorType       &lumped = mass.lumped();
-    for (auto *field : {&source, &target, &product, &extended})
+    for (auto *field : {&source, &target})
       for (VectorType &component : *field)
         space.initialize_vector(component);
 
@@ -312,6 +312,9 @@ namespace greville
 
     const MPI_Comm comm = mass.space().communicator();
     choose_unknowns(mass, mode);
+    if (!mass.is_exact() || !surfaces.empty())
+      for (VectorType &component : product)
+        mass.space().initialize_vector(component);
     const double       factor = mass.is_diagonal() ? 1. + scheme.damping
                                                    : std::pow(1. + scheme.damping, 2);
     const LinearAction B      = [&](std::vector<double>       &x,

@@ -143,13 +143,13 @@ namespace greville
     const double    last  = estimates.last.empty() ? 0. : estimates.last.back();
     GridField<dim> &field = discretization.field();
     field.mass->release();
-    double estimate = critical_step.estimate(*field.mass,
-                                             discretization.transfer(),
-                                             state.bodies,
-                                             state.surfaces,
-                                             field.points,
-                                             scheme,
-                                             state.field.mode);
+    double estimate = CriticalStep<dim>().estimate(*field.mass,
+                                                   discretization.transfer(),
+                                                   state.bodies,
+                                                   state.surfaces,
+                                                   field.points,
+                                                   scheme,
+                                                   state.field.mode);
 
     // With derivatives averaged over domains, the highest frequency depends
     // more on the positions of points in their cells than a few estimates show.

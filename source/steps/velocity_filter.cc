@@ -186,10 +186,8 @@ namespace greville
       }
 
     inverse_mass = ZeroedArray<double>(n_places);
-    crossings    = ZeroedArray<double>(n_places);
     for (unsigned int d = 0; d < dim; ++d)
-      for (auto *values : {&run_mass[d], &velocities[d], &results[d]})
-        *values = ZeroedArray<double>(n_places);
+      run_mass[d] = ZeroedArray<double>(n_places);
     jumps.resize(all[0]);
     strengths.resize(all[0]);
   }
@@ -261,9 +259,9 @@ namespace greville
   void
   VelocityFilter<dim>::set_mass(const VectorType &lumped)
   {
-    const int length = space->degree() + 2;
-    to_places(crossings, lumped);
-    const ZeroedArray<double> &mass = crossings;
+    const int                 length = space->degree() + 2;
+    const ZeroedArray<double> mass(n_places);
+    to_places(mass, lumped);
     for (unsigned int l = 0; l < lines.size(); ++l)
       {
         Line &line = lines[l];
@@ -316,22 +314,19 @@ namespace greville
                              const double                       strength,
                              const double                       dt) const
   {
-    const int p = space->degree(), length = p + 2;
-    for (const Line &line : lines)
-      std::fill(crossings.data() + line.place + line.begin,
-                crossings.data() + line.place + line.end,
-                0.);
+    const int                            p = space->degree(), length = p + 2;
+    const ZeroedArray<double>            crossings(n_places);
+    std::array<ZeroedArray<double>, dim> velocities, results;
     for (unsigned int c = 0; c < dim; ++c)
       {
+        velocities[c] = ZeroedArray<double>(n_places);
+        results[c]    = ZeroedArray<double>(n_places);
         to_places(velocities[c], velocity[c]);
         const double factor =
           (p == 1 ? more_if_linear : 1.) * strength * dt / space->cell_size(c);
         for (const Line &line : lines)
           for (int i = line.place + line.begin; i < line.place + line.end; ++i)
-            {
-              crossings[i] += factor * std::abs(velocities[c][i]);
-              results[c][i] = 0.;
-            }
+            crossings[i] += factor * std::abs(velocities[c][i]);
       }
 
     for (unsigned int d = 0; d < dim; ++d)

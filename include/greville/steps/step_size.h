@@ -118,7 +118,6 @@ namespace greville
     Discretization<dim>      &discretization;
     StepLog                  &log;
     std::optional<Expression> formula;
-    CriticalStep<dim>         critical_step;
   };
 } // namespace greville
 

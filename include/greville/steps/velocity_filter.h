@@ -134,10 +134,8 @@ namespace greville
 
     ZeroedArray<double>                  inverse_mass;
     std::array<ZeroedArray<double>, dim> run_mass; // w, at the first place
-    ZeroedArray<double>                  crossings;
-    mutable std::array<ZeroedArray<double>, dim> velocities, results;
-    mutable std::vector<double>                  jumps, strengths; // of a line
-    mutable VectorType                           exchanged;
+    mutable std::vector<double>          jumps, strengths; // of a line
+    mutable VectorType                   exchanged;
   };
 } // namespace greville
 
