@@ -149,30 +149,35 @@ namespace greville
 
 
   void
-  write_together(const std::string &file,
-                 const std::string &own,
-                 const MPI_Comm     comm)
+  write_together(const std::string              &file,
+                 const std::vector<std::string> &own,
+                 const MPI_Comm                  comm)
   {
-    const std::uint64_t begin = sum_before(own.size(), comm);
-    const std::uint64_t size =
-      Utilities::MPI::sum(std::uint64_t(own.size()), comm);
+    std::uint64_t own_size = 0;
+    for (const std::string &text : own)
+      own_size += text.size();
+    const std::uint64_t begin = sum_before(own_size, comm);
+    const std::uint64_t size  = Utilities::MPI::sum(own_size, comm);
     run_on_first([&]() { make_file(file, size); }, comm);
     run_on_all(
       [&]() {
-        if (own.empty())
+        if (own_size == 0)
           return;
         errno = 0;
         // A network file system may not know yet that the file is there.
         const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT, 0666);
         AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
-        std::size_t done = 0;
-        for (ssize_t n = 1; n > 0 && done < own.size(); done += n)
-          n = std::max<ssize_t>(0,
-                                pwrite(descriptor,
-                                       own.data() + done,
-                                       own.size() - done,
-                                       off_t(begin + done)));
-        std::string message = done < own.size() ? write_error(file) : "";
+        std::uint64_t done = 0;
+        ssize_t       n    = 1;
+        for (const std::string &text : own)
+          for (std::size_t at = 0; n > 0 && at < text.size();
+               at += n, done += n)
+            n = std::max<ssize_t>(0,
+                                  pwrite(descriptor,
+                                         text.data() + at,
+                                         text.size() - at,
+                                         off_t(begin + done)));
+        std::string message = done < own_size ? write_error(file) : "";
         if (close(descriptor) != 0 && message.empty())
           message = write_error(file);
         AssertThrow(message.empty(), ExcMessage(message));

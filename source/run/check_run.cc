@@ -156,8 +156,13 @@ namespace greville
           },
           comm);
         FieldOutput<dim> output(folder, parameters.output);
-        write_bodies(
-          output, simulations, loaded_states(simulations), parameters, comm);
+        output.hold();
+        for (unsigned int k = 0; k < simulations.n_parts(); ++k)
+          {
+            simulations.part(k).loaded_surfaces();
+            write_bodies(output, simulations, k, parameters, comm);
+          }
+        output.write_held(comm);
         out << "  initial points: " << folder << '/'
             << FieldOutput<dim>::series_name << '\n';
       }

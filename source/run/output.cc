@@ -40,24 +40,26 @@ namespace greville
     {
     public:
       /**
-       * Write the patches of this process as a piece of a file, even without
+       * Return the patches of this process as a piece of a file, even without
        * patches.
        */
-      void
-      write_piece(std::ostream &out) const
+      std::string
+      piece() const
       {
+        std::ostringstream out;
         DataOutBase::write_vtu_main(patches, names, ranges, flags, out);
+        return out.str();
       }
 
       /**
-       * Write as many pieces as needed. Without patches write none, because
+       * Append as many pieces as needed. Without patches append none, because
        * ParaView might take the fields of the whole file from it.
        */
       void
-      write_pieces(std::ostream &out) const
+      append_pieces(std::vector<std::string> &pieces) const
       {
         if (!patches.empty())
-          write_piece(out);
+          pieces.push_back(piece());
       }
 
       DataOutBase::VtkFlags flags = fast_compression();
@@ -106,9 +108,13 @@ namespace greville
     {
     public:
       PointsOut(const BodyList<dim>                 &bodies,
-                const std::vector<OutputField<dim>> &given)
+                const std::vector<OutputField<dim>> &given,
+                const unsigned int                   first,
+                const unsigned int                   end)
         : bodies(bodies)
         , fields(given)
+        , first(first)
+        , end(end)
       {
         for (const OutputField<dim> &field : fields)
           if (field.is_vector)
@@ -120,16 +126,15 @@ namespace greville
       }
 
       void
-      write_pieces(std::ostream &out)
+      append_pieces(std::vector<std::string> &pieces)
       {
         constexpr unsigned int size        = 1 << 12;
         const auto             write_block = [&]() {
-          if (!this->patches.empty())
-            this->write_piece(out);
+          PatchesOut<0, dim>::append_pieces(pieces);
           this->patches.clear();
         };
         std::vector<double> values(this->names.size());
-        for (unsigned int b = 0; b < bodies.size(); ++b)
+        for (unsigned int b = first; b < end; ++b)
           bodies[b].points.for_each(
             [&](const unsigned int, ConstPointRef<dim> p) {
               double *value = values.data();
@@ -148,6 +153,7 @@ namespace greville
     private:
       const BodyList<dim>                &bodies;
       const std::vector<OutputField<dim>> fields;
+      const unsigned int                  first, end; // bodies
     };
 
 
@@ -387,32 +393,70 @@ namespace greville
                                DataOutType       &data,
                                const MPI_Comm     comm)
   {
-    auto             &written = times_and_names[name];
-    const std::string file    = std::string(file_folder) + "/" + name + "_" +
-                             Utilities::int_to_string(written.size(), 4) +
-                             ".vtu";
-    const unsigned int process   = Utilities::MPI::this_mpi_process(comm),
-                       processes = Utilities::MPI::n_mpi_processes(comm);
+    const auto is_same = [&](const File &file) { return file.name == name; };
+    auto       file    = std::find_if(held.begin(), held.end(), is_same);
+    if (file == held.end())
+      {
+        file       = held.emplace(held.end());
+        file->name = name;
+        file->time = time;
+        std::ostringstream header;
+        DataOutBase::write_vtu_header(header, data.flags);
+        file->header = header.str();
+      }
     // write_vtu_in_parallel() of deal.II needs all patches in memory, and
     // leaves processes waiting if another one cannot write.
-    std::ostringstream own;
-    if (process == 0)
-      DataOutBase::write_vtu_header(own, data.flags);
-    const auto begin = own.tellp();
-    run_on_all([&]() { data.write_pieces(own); }, comm);
-    const unsigned int has_pieces = own.tellp() != begin;
+    run_on_all([&]() { data.append_pieces(file->pieces); }, comm);
+    if (file->pieces.empty())
+      file->empty_piece = data.piece();
+    if (!holds)
+      write_held(comm);
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write_held(const MPI_Comm comm)
+  {
+    // The files are lost if one cannot be written.
+    auto files = std::move(held);
+    drop_held();
+    for (File &file : files)
+      {
+        write_file(file, comm);
+        file = File();
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  FieldOutput<dim>::write_file(File &file, const MPI_Comm comm)
+  {
+    const unsigned int process   = Utilities::MPI::this_mpi_process(comm),
+                       processes = Utilities::MPI::n_mpi_processes(comm);
+    auto             &written    = times_and_names[file.name];
+    const std::string path = std::string(file_folder) + "/" + file.name + "_" +
+                             Utilities::int_to_string(written.size(), 4) +
+                             ".vtu";
     // A file needs at least one piece.
-    if (Utilities::MPI::max(has_pieces, comm) == 0 && process == 0)
-      data.write_piece(own);
+    if (!Utilities::MPI::logical_or(!file.pieces.empty(), comm) && process == 0)
+      file.pieces.push_back(file.empty_piece);
+    if (process == 0)
+      file.pieces.insert(file.pieces.begin(), file.header);
+    std::ostringstream footer;
+    DataOutBase::write_vtu_footer(footer);
     if (process + 1 == processes)
-      DataOutBase::write_vtu_footer(own);
+      file.pieces.push_back(footer.str());
     run_on_first(
       [&]() {
         create_folder(directory + "/" + file_folder, "Output/Directory");
       },
       comm);
-    write_together(directory + "/" + file, own.str(), comm);
-    written.emplace_back(time, file);
+    write_together(directory + "/" + path, file.pieces, comm);
+    written.emplace_back(file.time, path);
     run_on_first(
       [&]() {
         write_atomically(directory + "/" + series_name,
@@ -491,12 +535,16 @@ namespace greville
   void
   FieldOutput<dim>::write_points(const double         time,
                                  const BodyList<dim> &bodies,
-                                 const MPI_Comm       comm)
+                                 const MPI_Comm       comm,
+                                 const unsigned int   first,
+                                 const unsigned int   n)
   {
-    const auto     given = point_fields(parameters.fields,
+    const auto         given = point_fields(parameters.fields,
                                     bodies,
                                     Utilities::MPI::this_mpi_process(comm));
-    PointsOut<dim> points(bodies, given);
+    const unsigned int end =
+      first + std::min<unsigned int>(n, bodies.size() - first);
+    PointsOut<dim> points(bodies, given, first, end);
     write_next("points", time, points, comm);
   }
 

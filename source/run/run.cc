@@ -230,10 +230,10 @@ namespace greville
         write_due(false);
       }
     if (simulations.is_finished() || ends)
-      at_end_of_step([&]() {
+      simulations.show_finished([&]() {
         if (late_row)
           write_statistics();
-        if (!late_fields.empty())
+        if (late_fields)
           write_fields();
       });
     while (!simulations.is_finished() && !ends)
@@ -248,7 +248,8 @@ namespace greville
         catch (const StepGivenUp &error)
           {
             late_row.reset();
-            late_fields.clear();
+            late_fields.reset();
+            fields.drop_held();
             notes.write(simulations.take_newton());
             if (is_terminal)
               out << "\r\033[K" << std::flush;

@@ -299,7 +299,7 @@ namespace greville
             largest_runout,
             largest_runout_99,
             late_row.has_value(),
-            !late_fields.empty(),
+            late_fields.has_value(),
             fields.record(),
             late_row ? late_row->intervals : simulations.contact_intervals()};
   }
@@ -357,8 +357,8 @@ namespace greville
       }
     simulations.set_from_tables(write_checkpoint(now));
     simulations.set_contact_intervals(now.intervals);
-    if (late_row || !late_fields.empty())
-      ask_for_late(late_row.has_value(), !late_fields.empty());
+    if (late_row || late_fields)
+      ask_for_late(late_row.has_value(), late_fields.has_value());
     mark            = now;
     last_checkpoint = std::chrono::steady_clock::now();
   }
@@ -380,7 +380,7 @@ namespace greville
         // Rows of later steps may exist.
         const bool is_row_due = last_written_statistics < step;
         if (is_new || is_row_due)
-          at_end_of_step([&]() {
+          simulations.show_finished([&]() {
             if (is_new)
               {
                 fields.write_points(common().time, simulations.bodies(), comm);

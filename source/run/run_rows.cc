@@ -74,7 +74,8 @@ namespace greville
         ask_for_late(is_row_due, are_fields_due);
         return;
       }
-    at_end_of_step([&]() {
+    // Solvers begin anew at the start of a stage and the end of the run.
+    simulations.show_finished([&]() {
       // The run may have gone back to a state whose row exists.
       if (is_row_due && !(ends && last_written_statistics == common().n_steps))
         write_statistics();
@@ -83,21 +84,6 @@ namespace greville
           !(ends && last_written_fields == common().n_steps))
         write_fields();
     });
-  }
-
-
-
-  template <int dim>
-  void
-  SimulationRun<dim>::at_end_of_step(const std::function<void()> &write)
-  {
-    std::vector<State<dim>> kept;
-    if (simulations.rows_are_late())
-      kept = simulations.state();
-    simulations.finish();
-    write();
-    if (!kept.empty())
-      simulations.set_state(kept);
   }
 
 
@@ -116,9 +102,10 @@ namespace greville
   SimulationRun<dim>::grid_fields(Simulation<dim> &part) const
   {
     GridFields<dim> grid;
-    if (!parameters.output.grid_fields)
-      return grid;
-    grid.mass = part.mass().lumped();
+    grid.velocity = part.state().field.velocity;
+    grid.mass     = part.mass().lumped();
+    if (wants("acceleration"))
+      grid.acceleration = part.state().field.acceleration;
     if (wants("force"))
       grid.force = part.grid_force();
     if (wants("cell_class"))
@@ -133,34 +120,31 @@ namespace greville
   void
   SimulationRun<dim>::write_fields()
   {
-    std::vector<GridFields<dim>> grids;
+    late_fields.reset();
+    fields.drop_held();
     for (unsigned int k = 0; k < simulations.n_parts(); ++k)
-      grids.push_back(grid_fields(simulations.part(k)));
-    write_fields(loaded_states(simulations), grids);
-    late_fields.clear();
+      {
+        simulations.part(k).loaded_surfaces();
+        hold_fields(k);
+      }
+    fields.write_held(comm);
+    last_written_fields = common().n_steps;
   }
 
 
 
   template <int dim>
   void
-  SimulationRun<dim>::write_fields(
-    const std::vector<const State<dim> *> &states,
-    std::vector<GridFields<dim>>          &grids)
+  SimulationRun<dim>::hold_fields(const unsigned int k)
   {
-    last_written_fields = states[0]->n_steps;
-    write_bodies(fields, simulations, states, parameters, comm);
-    for (unsigned int k = 0; parameters.output.grid_fields && k < states.size();
-         ++k)
-      {
-        grids[k].velocity = states[k]->field.velocity;
-        if (wants("acceleration"))
-          grids[k].acceleration = states[k]->field.acceleration;
-        fields.write_grid(states[k]->time,
-                          simulations.part(k).space(),
-                          grids[k],
-                          name_of_part(simulations, k));
-      }
+    Simulation<dim> &part = simulations.part(k);
+    fields.hold();
+    if (parameters.output.grid_fields)
+      fields.write_grid(part.state().time,
+                        part.space(),
+                        grid_fields(part),
+                        name_of_part(simulations, k));
+    write_bodies(fields, simulations, k, parameters, comm);
   }
 
 
@@ -287,14 +271,21 @@ namespace greville
         late_row = begin_row_to_write();
         probes.forget();
       }
-    late_fields.resize(for_fields ? simulations.n_parts() : 0);
-    if (for_fields || !probes.empty())
-      simulations.ask_for_row(
-        [this](const unsigned int part,
-               const double       weight,
-               const bool is_kicked) { watch(part, weight, is_kicked); });
-    else
-      simulations.ask_for_row();
+    late_fields.reset();
+    fields.drop_held();
+    if (for_fields)
+      late_fields = common().n_steps;
+    std::function<void(unsigned int, double, bool)> watch_part;
+    std::function<void(unsigned int)>               show_part;
+    if (late_row && !probes.empty())
+      watch_part = [this](const unsigned int part,
+                          const double       weight,
+                          const bool         is_kicked) {
+        watch(part, weight, is_kicked);
+      };
+    if (for_fields)
+      show_part = [this](const unsigned int part) { hold_fields(part); };
+    simulations.ask_for_row(watch_part, show_part);
   }
 
 
@@ -305,21 +296,10 @@ namespace greville
                             const double       weight,
                             const bool         is_kicked)
   {
-    Simulation<dim>  &part  = simulations.part(k);
-    const State<dim> &state = part.state();
-    if (late_row)
-      {
-        unsigned int first_body = 0;
-        for (unsigned int j = 0; j < k; ++j)
-          first_body += simulations.part(j).state().bodies.size();
-        probes.take(first_body, state.bodies, weight, is_kicked);
-      }
-    if (late_fields.empty())
-      return;
-    auto &[late, grid] = late_fields[k];
-    if (!is_kicked)
-      grid = grid_fields(part);
-    late.take(state, part.grid().field(), weight, is_kicked);
+    probes.take(first_body_of_part(simulations, k),
+                simulations.part(k).state().bodies,
+                weight,
+                is_kicked);
   }
 
 
@@ -331,17 +311,11 @@ namespace greville
     if (late_row)
       write_row(*late_row, simulations.late_statistics());
     late_row.reset();
-    if (late_fields.empty())
+    if (!late_fields)
       return;
-    std::vector<const State<dim> *> states;
-    std::vector<GridFields<dim>>    grids;
-    for (const auto &[late, grid] : late_fields)
-      {
-        states.push_back(&late.state);
-        grids.push_back(grid);
-      }
-    write_fields(states, grids);
-    late_fields.clear();
+    fields.write_held(comm);
+    last_written_fields = *late_fields;
+    late_fields.reset();
   }
 
 

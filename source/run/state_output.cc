@@ -78,47 +78,45 @@ namespace greville
 
 
   template <int dim>
-  std::vector<const State<dim> *>
-  loaded_states(CoupledSimulations<dim> &simulations)
+  unsigned int
+  first_body_of_part(const CoupledSimulations<dim> &simulations,
+                     const unsigned int             part)
   {
-    std::vector<const State<dim> *> states;
-    for (unsigned int k = 0; k < simulations.n_parts(); ++k)
-      {
-        simulations.part(k).loaded_surfaces();
-        states.push_back(&simulations.part(k).state());
-      }
-    return states;
+    unsigned int first = 0;
+    for (unsigned int k = 0; k < part; ++k)
+      first += simulations.part(k).state().bodies.size();
+    return first;
   }
 
 
 
   template <int dim>
   void
-  write_bodies(FieldOutput<dim>                      &output,
-               const CoupledSimulations<dim>         &simulations,
-               const std::vector<const State<dim> *> &states,
-               const SimulationParameters            &parameters,
-               const MPI_Comm                         comm)
+  write_bodies(FieldOutput<dim>              &output,
+               const CoupledSimulations<dim> &simulations,
+               const unsigned int             part,
+               const SimulationParameters    &parameters,
+               const MPI_Comm                 comm)
   {
-    const double  time = states[0]->time;
-    BodyList<dim> bodies;
-    for (const State<dim> *state : states)
-      bodies.add(state->bodies);
-    output.write_points(time, bodies, comm);
-    for (unsigned int k = 0; k < states.size(); ++k)
-      output.write_surfaces(time,
-                            states[k]->surfaces,
-                            numbers_of_surfaces(*states[k], parameters),
-                            comm,
-                            name_of_part(simulations, k));
-    if (simulations.rigid_bodies().empty())
+    const State<dim> &state = simulations.part(part).state();
+    output.write_points(state.time,
+                        simulations.bodies(),
+                        comm,
+                        first_body_of_part(simulations, part),
+                        state.bodies.size());
+    output.write_surfaces(state.time,
+                          state.surfaces,
+                          numbers_of_surfaces(state, parameters),
+                          comm,
+                          name_of_part(simulations, part));
+    if (simulations.rigid_bodies().empty() || part > 0)
       return;
     const BoundingBox<dim> region =
       region_of_rigid_bodies(simulations, parameters.grid);
     for (unsigned int k = 0; k < simulations.rigid_bodies().size(); ++k)
-      output.write_rigid_body(time,
+      output.write_rigid_body(state.time,
                               simulations.rigid_bodies()[k],
-                              states[0]->rigid_bodies[k].now,
+                              state.rigid_bodies[k].now,
                               region,
                               comm);
   }
@@ -128,8 +126,8 @@ namespace greville
   template decltype(name_of_part<2>) name_of_part<2>;
   template decltype(name_of_part<3>) name_of_part<3>;
 
-  template decltype(loaded_states<2>) loaded_states<2>;
-  template decltype(loaded_states<3>) loaded_states<3>;
+  template decltype(first_body_of_part<2>) first_body_of_part<2>;
+  template decltype(first_body_of_part<3>) first_body_of_part<3>;
 
   template decltype(write_bodies<2>) write_bodies<2>;
   template decltype(write_bodies<3>) write_bodies<3>;

@@ -46,8 +46,7 @@ namespace greville
     for (auto *values : {&field.velocity,
                          &field.acceleration,
                          &field.new_velocity,
-                         &work_field,
-                         &surface_velocity})
+                         &work_field})
       discretization.initialize(*values);
     if (parameters.general.pore_water)
       water = std::make_unique<FractionalStep<dim>>(discretization, parameters);

@@ -270,22 +270,38 @@ namespace greville
 
   template <int dim>
   void
+  CoupledSimulations<dim>::show_finished(const std::function<void()> &show)
+  {
+    find_contact();
+    std::function<void()> all = show;
+    for (const auto &part : parts)
+      all = [&part = *part, all]() { part.show_finished(all); };
+    all();
+  }
+
+
+
+  template <int dim>
+  void
   CoupledSimulations<dim>::ask_for_row(
     const std::function<void(const unsigned int, const double, const bool)>
-      &watch)
+                                                  &watch,
+    const std::function<void(const unsigned int)> &show)
   {
     const double outer_mass =
       1.01 * mass_beyond_runout *
       sum([](const Simulation<dim> &part) { return part.state().mass; });
+    using namespace std::placeholders;
     for (unsigned int k = 0; k < parts.size(); ++k)
-      if (watch)
-        parts[k]->ask_for_row(outer_mass,
-                              [watch, k](const double weight,
-                                         const bool   is_kicked) {
-                                watch(k, weight, is_kicked);
-                              });
-      else
-        parts[k]->ask_for_row(outer_mass);
+      {
+        decltype(LateRow<dim>::watch) watch_part;
+        decltype(LateRow<dim>::show)  show_part;
+        if (watch)
+          watch_part = std::bind(watch, k, _1, _2);
+        if (show)
+          show_part = std::bind(show, k);
+        parts[k]->ask_for_row(outer_mass, watch_part, show_part);
+      }
   }
 
 

@@ -34,7 +34,9 @@ namespace greville
     update.acceleration = kick ? &(field.*kick) : nullptr;
     update.velocity     = velocity ? &(field.*velocity) : nullptr;
     update.deformation  = deformation ? &(field.*deformation) : nullptr;
-    PointMotion motion  = update_points(state.bodies,
+    if (row && kick && row->show)
+      show(state, update);
+    PointMotion motion = update_points(state.bodies,
                                        discretization.transfer(),
                                        update,
                                        state.time + (move ? trial.step : 0.),
@@ -45,6 +47,39 @@ namespace greville
     motion.merge(trial.motion);
     trial.motion = std::move(motion);
     state.points_have_changed();
+  }
+
+
+
+  template <int dim>
+  void
+  CentralDifferences<dim>::show(State<dim> &state, PointUpdate<dim> kick)
+  {
+    const KickedNumbers<dim> before(state.bodies);
+    kick.deformation = nullptr;
+    kick.move        = false;
+    update_points(state.bodies, discretization.transfer(), kick, state.time);
+    before.restore(state.bodies, 1. - row->fraction);
+    // The end of the step replaces these fields.
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        VectorType &v = state.field.velocity[d],
+                   &a = state.field.acceleration[d];
+        v             = field.velocity[d];
+        a             = field.new_velocity[d];
+        a -= v;
+        v.add(row->fraction, a);
+        a *= 1. / trial.velocity_step;
+      }
+    const auto   rigid_bodies  = state.rigid_bodies;
+    const double velocity_time = state.velocity_time;
+    for (RigidBodyState<dim> &body : state.rigid_bodies)
+      body.now = body.before;
+    state.velocity_time = state.time;
+    row->show();
+    state.velocity_time = velocity_time;
+    state.rigid_bodies  = rigid_bodies;
+    before.restore(state.bodies);
   }
 
 
@@ -226,7 +261,8 @@ namespace greville
       discretization.sum(state);
     for (unsigned int d = 0; d < dim; ++d)
       {
-        sum[d].equ(1. - flip, field.new_velocity[d]);
+        sum[d] = field.new_velocity[d];
+        sum[d] *= 1. - flip;
         sum[d].add(flip * dt, field.acceleration[d]);
         if (apic)
           {

@@ -6,53 +6,58 @@ namespace greville
 {
   using namespace dealii;
 
-  template <int dim>
-  void
-  LateState<dim>::take(const State<dim>     &now,
-                       const GridField<dim> &field,
-                       const double          weight,
-                       const bool            is_kicked)
+  namespace
   {
-    FieldState<dim> &kept = state.field;
-    if (is_kicked)
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          // (v' - v) / dt', without the momentum that walls take from points.
-          VectorType &a = kept.acceleration[d], &v = kept.velocity[d];
-          a = field.new_velocity[d];
-          a -= v;
-          v.add(weight, a);
-          a *= weight / (now.time - now.velocity_time);
-        }
-    else
+    template <typename Points, typename Action>
+    void
+    for_each_kicked(Points &points, const Action &action)
+    {
+      const auto        &layout = points.layout();
+      const unsigned int others = layout.n_fixed + layout.n_state;
+      points.for_each([&](const unsigned int, const auto p) {
+        for (unsigned int k = layout.velocity; k < layout.mass; ++k)
+          action(p[k]);
+        for (unsigned int k = others; k < layout.size; ++k)
+          action(p[k]);
+      });
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  KickedNumbers<dim>::KickedNumbers(const std::vector<Body<dim>> &bodies)
+  {
+    std::size_t n = 0;
+    for (const Body<dim> &body : bodies)
       {
-        state               = now;
-        state.velocity_time = now.time;
-        kept.velocity       = field.velocity;
-        // Undo the motion of rigid bodies in this step.
-        for (RigidBodyState<dim> &body : state.rigid_bodies)
-          body.now = body.before;
+        const PointLayout<dim> &layout = body.points.layout();
+        n += body.points.n_points() *
+             (dim + layout.size - layout.n_fixed - layout.n_state);
       }
-    // The points of both states are in the same order.
-    for (unsigned int b = 0; b < now.bodies.size(); ++b)
-      {
-        std::vector<double> velocities;
-        now.bodies[b].points.for_each(
-          [&](const unsigned int, ConstPointRef<dim> p) {
-            for (unsigned int d = 0; d < dim; ++d)
-              velocities.push_back(weight * p.velocity(d));
-          });
-        const double *v = velocities.data();
-        state.bodies[b].points.for_each(
-          [&](const unsigned int, PointRef<dim> p) {
-            for (unsigned int d = 0; d < dim; ++d)
-              p.velocity(d) = (is_kicked ? p.velocity(d) : 0.) + *v++;
-          });
-      }
+    numbers.reserve(n);
+    for (const Body<dim> &body : bodies)
+      for_each_kicked(body.points,
+                      [&](const double x) { numbers.push_back(x); });
   }
 
 
 
-  template struct LateState<2>;
-  template struct LateState<3>;
+  template <int dim>
+  void
+  KickedNumbers<dim>::restore(std::vector<Body<dim>> &bodies,
+                              const double            weight) const
+  {
+    auto number = numbers.begin();
+    for (Body<dim> &body : bodies)
+      for_each_kicked(body.points, [&](double &x) {
+        x = weight == 1. ? *number : weight * *number + (1. - weight) * x;
+        ++number;
+      });
+  }
+
+
+
+  template class KickedNumbers<2>;
+  template class KickedNumbers<3>;
 } // namespace greville

@@ -134,7 +134,6 @@ namespace greville
         discretization.repartition(state.partition);
       }
     current           = state;
-    requested_row     = {};
     current.partition = discretization.partition();
     // The state may refer to another simulation, which may end before this one.
     for (Body<dim> &body : current.bodies)
@@ -150,6 +149,16 @@ namespace greville
       });
     else
       enter_stage(state.stage);
+    begin_anew();
+  }
+
+
+
+  template <int dim>
+  void
+  Simulation<dim>::begin_anew()
+  {
+    requested_row = {};
     discretization.field().mass->forget();
     integrator->forget();
     guard.weigh(current);
@@ -271,6 +280,32 @@ namespace greville
 
 
   template <int dim>
+  void
+  Simulation<dim>::show_finished(const std::function<void()> &show)
+  {
+    if (!rows_are_late())
+      {
+        show();
+        return;
+      }
+    // Only estimates of the critical step change the mode.
+    HighestMode<dim>                mode     = std::move(current.field.mode);
+    const StateWithoutBodies<dim>   rest     = current;
+    const std::vector<Surface<dim>> surfaces = current.surfaces;
+    const KickedNumbers<dim>        numbers(current.bodies);
+    finish();
+    show();
+    static_cast<StateWithoutBodies<dim> &>(current) = rest;
+    current.field.mode                              = std::move(mode);
+    current.surfaces                                = surfaces;
+    numbers.restore(current.bodies);
+    current.points_have_changed();
+    begin_anew();
+  }
+
+
+
+  template <int dim>
   EnergyTotals
   Simulation<dim>::energy_totals()
   {
@@ -318,11 +353,13 @@ namespace greville
   template <int dim>
   void
   Simulation<dim>::ask_for_row(const double                         outer_mass,
-                               const decltype(LateRow<dim>::watch) &watch)
+                               const decltype(LateRow<dim>::watch) &watch,
+                               const std::function<void()>         &show)
   {
     requested_row           = begin_row(outer_mass);
     requested_row.is_wanted = true;
     requested_row.watch     = watch;
+    requested_row.show      = show;
   }
 
 

@@ -129,15 +129,15 @@ namespace
       run->step();
     const State<2> before = run->state();
     check(name + ": velocities lag", before.velocity_time < before.time - 1e-3);
-    LateState<2> late;
-    VectorType   mass;
-    run->ask_for_row(0., [&](const double weight, const bool is_kicked) {
+    State<2>   late;
+    VectorType mass;
+    run->ask_for_row(0., {}, [&]() {
       mass = run->mass().lumped();
-      late.take(run->state(), run->grid().field(), weight, is_kicked);
+      late = run->state();
     });
     run->step();
-    check(name + ": late fields, time", late.state.time == before.time);
-    check_velocities(name + ", late", late.state, mass);
+    check(name + ": late fields, time", late.time == before.time);
+    check_velocities(name + ", late", late, mass);
     run->set_state(before);
     run->finish();
     check_velocities(name, run->state(), run->mass().lumped());
@@ -255,25 +255,18 @@ namespace
                 simulations.step();
                 continue;
               }
-            std::vector<LateState<2>> late(simulations.n_parts());
-            simulations.ask_for_row([&](const unsigned int part,
-                                        const double       weight,
-                                        const bool         is_kicked) {
-              auto &of_part = simulations.part(part);
-              if (is_kicked && part == 0)
-                changes = true;
-              late[part].take(of_part.state(),
-                              of_part.grid().field(),
-                              weight,
-                              is_kicked);
+            std::vector<State<2>> late(simulations.n_parts());
+            simulations.ask_for_row({}, [&](const unsigned int part) {
+              changes    = true;
+              late[part] = simulations.part(part).state();
             });
             const auto before = simulations.state();
             simulations.step();
             for (unsigned int part = 0; part < late.size(); ++part)
               // Cells that are shared anew have points in another order.
-              same = same && (late[part].state.n_partitions !=
-                                before[part].n_partitions ||
-                              same_positions(late[part].state, before[part]));
+              same =
+                same && (late[part].n_partitions != before[part].n_partitions ||
+                         same_positions(late[part], before[part]));
           }
         // Output finds the contact of the next step, too.
         simulations.find_contact();

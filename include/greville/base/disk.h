@@ -40,13 +40,13 @@ namespace greville
 
   /**
    * Collective. Write a file of the texts of all processes, in the order of
-   * the processes, which write at the same time. Throws dealii::ExcMessage on
-   * all of them if it cannot be written.
+   * the processes, which write at the same time. Throws
+   * dealii::ExcMessage on all of them if it cannot be written.
    */
   void
-  write_together(const std::string &file,
-                 const std::string &own,
-                 const MPI_Comm     comm);
+  write_together(const std::string              &file,
+                 const std::vector<std::string> &own,
+                 const MPI_Comm                  comm);
 
   /**
    * Collective. Return the range of @p n items for this process: the first item

@@ -67,12 +67,14 @@ namespace greville
 
     /**
      * Collective. Write the points with the fields that the parameters name,
-     * see point_fields().
+     * see point_fields(), or of @p n bodies only.
      */
     void
     write_points(const double         time,
                  const BodyList<dim> &bodies,
-                 const MPI_Comm       comm);
+                 const MPI_Comm       comm,
+                 const unsigned int   first = 0,
+                 const unsigned int n = dealii::numbers::invalid_unsigned_int);
 
     /**
      * Collective. Write the fields of the grid cells with mass, as Lagrange
@@ -112,6 +114,27 @@ namespace greville
                      const MPI_Comm                  comm);
 
     /**
+     * From now on hold the text of files in memory. Calls for the same name add
+     * to the same file.
+     */
+    void
+    hold()
+    {
+      holds = true;
+    }
+
+    /// Collective. Write the held files, and hold no more.
+    void
+    write_held(const MPI_Comm comm);
+
+    void
+    drop_held()
+    {
+      held.clear();
+      holds = false;
+    }
+
+    /**
      * Return a line for each file so far: name, time and file, separated by
      * tabs.
      */
@@ -133,9 +156,18 @@ namespace greville
     resume(const std::string &record, const MPI_Comm comm);
 
   private:
+    /// The text of a file by this process.
+    struct File
+    {
+      std::string              name;
+      double                   time = 0.;
+      std::string              header, empty_piece;
+      std::vector<std::string> pieces;
+    };
+
     /**
      * Collective. Write the @p data of all processes as the next file of
-     * @p name.
+     * @p name, or hold it.
      */
     template <typename DataOutType>
     void
@@ -144,11 +176,16 @@ namespace greville
                DataOutType       &data,
                const MPI_Comm     comm);
 
+    void
+    write_file(File &file, const MPI_Comm comm);
+
     const std::string       directory;
     const OutputParameters &parameters;
     // Files with their folder, by name: "points", "grid", "surface".
     std::map<std::string, std::vector<std::pair<double, std::string>>>
-      times_and_names;
+                      times_and_names;
+    std::vector<File> held;
+    bool              holds = false;
   };
 } // namespace greville
 

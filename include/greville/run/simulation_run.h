@@ -175,12 +175,6 @@ namespace greville
     void
     write_late();
 
-    /// Call @p write on states with velocities at their time, then restore the
-    /// states. For the start of a stage and the end of the run, where solvers
-    /// begin anew.
-    void
-    at_end_of_step(const std::function<void()> &write);
-
     /// Write the row, or the fields, of the current state.
     void
     write_statistics();
@@ -188,15 +182,14 @@ namespace greville
     void
     write_fields();
 
+    /// Hold the files of a part.
     void
-    write_fields(const std::vector<const State<dim> *> &states,
-                 std::vector<GridFields<dim>>          &grids);
+    hold_fields(const unsigned int part);
 
     /// Return whether 'Output/Fields' names a field.
     bool
     wants(const std::string &field) const;
 
-    /// Return the fields of a grid besides velocity and acceleration.
     GridFields<dim>
     grid_fields(Simulation<dim> &part) const;
 
@@ -256,11 +249,11 @@ namespace greville
     std::optional<RampResult>     ramp_result;
     std::vector<double>           last_row;
     double                        next_fields = 0., next_statistics = 0.;
-    // Row, and fields of each part, that the next step completes.
-    std::optional<Row>                                      late_row;
-    std::vector<std::pair<LateState<dim>, GridFields<dim>>> late_fields;
-    Largest       largest_runout, largest_runout_99;
-    std::uint64_t n_points = 0;
+    // Row, and the step of fields, that the next step completes.
+    std::optional<Row>          late_row;
+    std::optional<unsigned int> late_fields;
+    Largest                     largest_runout, largest_runout_99;
+    std::uint64_t               n_points = 0;
 
     std::chrono::steady_clock::time_point begin, last_shown, last_checkpoint;
     double                                last_shown_time = 0.;

@@ -18,25 +18,26 @@ namespace greville
                const unsigned int             part);
 
   /**
-   * Collective. Return the current states of the parts, with the loads of
-   * surfaces.
+   * Return the number of the first body of a part in
+   * CoupledSimulations::bodies().
    */
   template <int dim>
-  std::vector<const State<dim> *>
-  loaded_states(CoupledSimulations<dim> &simulations);
+  unsigned int
+  first_body_of_part(const CoupledSimulations<dim> &simulations,
+                     const unsigned int             part);
 
   /**
-   * Collective. Write the points, the surfaces that carry loads or are in
-   * contact, and the rigid bodies of the @p simulations with these @p states.
-   * Throws dealii::ExcMessage if a file cannot be written.
+   * Collective. Write the points of a part, the surfaces that carry loads or
+   * are in contact, and with the first part the rigid bodies. The @p output
+   * must hold its files, because parts share one for their points.
    */
   template <int dim>
   void
-  write_bodies(FieldOutput<dim>                      &output,
-               const CoupledSimulations<dim>         &simulations,
-               const std::vector<const State<dim> *> &states,
-               const SimulationParameters            &parameters,
-               const MPI_Comm                         comm);
+  write_bodies(FieldOutput<dim>              &output,
+               const CoupledSimulations<dim> &simulations,
+               const unsigned int             part,
+               const SimulationParameters    &parameters,
+               const MPI_Comm                 comm);
 } // namespace greville
 
 #endif

@@ -241,6 +241,11 @@ namespace greville
     double
     energy_swing(const State<dim> &state) const;
 
+    /// Call LateRow::show with the state at the begin of the step, at whose end
+    /// points take a @p kick.
+    void
+    show(State<dim> &state, PointUpdate<dim> kick);
+
     /// Begin the late row, if requested, before the step, or end it.
     void
     begin_row(const State<dim> &state);

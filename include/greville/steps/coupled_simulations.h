@@ -187,14 +187,20 @@ namespace greville
     void
     finish();
 
+    /// Collective. See Simulation::show_finished().
+    void
+    show_finished(const std::function<void()> &show);
+
     /**
      * Collective. Request the row of the current state of all parts from the
-     * next step, see Simulation; @p watch also gets the number of the part.
+     * next step, see Simulation; @p watch and @p show also get the number of
+     * the part.
      */
     void
     ask_for_row(const std::function<void(const unsigned int part,
                                          const double       weight,
-                                         const bool is_kicked)> &watch = {});
+                                         const bool is_kicked)>    &watch = {},
+                const std::function<void(const unsigned int part)> &show  = {});
 
     /// Collective. Return the row that the last step has summed up.
     Statistics<dim>

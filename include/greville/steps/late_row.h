@@ -46,6 +46,10 @@ namespace greville
     /// before they go to other cells, with the weights of their velocities.
     std::function<void(const double weight, const bool is_kicked)> watch;
 
+    /// A function called while the state is at t_n, with the velocities v_n of
+    /// points and grid.
+    std::function<void()> show;
+
     /**
      * Return the part of a kick's work that is done until t_n. With its impulse
      * I, @p before is I v(n - 1/2), and @p after is I v(n + 1/2); unit: J (2D:
@@ -62,23 +66,22 @@ namespace greville
 
 
   /**
-   * A copy of the state at the time t_n of a LateRow, with the velocities v_n:
-   * two calls from LateRow::watch complete it.
+   * A copy of the numbers of points that a kick changes: velocities, and the
+   * fields behind the history variables.
    */
   template <int dim>
-  struct LateState
+  class KickedNumbers
   {
-    State<dim> state;
+  public:
+    explicit KickedNumbers(const std::vector<Body<dim>> &bodies);
 
-    /**
-     * Take the state @p now, within the step that sums up the row, and its grid
-     * @p field.
-     */
+    /// Set the numbers of the points, which have not moved since, to @p weight
+    /// times the copy plus 1 - @p weight times their values.
     void
-    take(const State<dim>     &now,
-         const GridField<dim> &field,
-         const double          weight,
-         const bool            is_kicked);
+    restore(std::vector<Body<dim>> &bodies, const double weight = 1.) const;
+
+  private:
+    std::vector<double> numbers;
   };
 } // namespace greville
 

@@ -129,13 +129,20 @@ namespace greville
     void
     finish();
 
+    /// Collective. Call @p show with the state after finish(), then continue
+    /// from the state before it as after set_state().
+    void
+    show_finished(const std::function<void()> &show);
+
     /// Collective. Request the row of the current state from the next step, see
     /// LateRow; late_row() returns it after the step. @p outer_mass is the mass
-    /// of the outermost points that may determine the run-out, @p watch is as
-    /// in LateRow. set_state() and a failed step cancel the request.
+    /// of the outermost points that may determine the run-out, @p watch and @p
+    /// show are as in LateRow. set_state() and a failed step cancel the
+    /// request.
     void
     ask_for_row(const double                         outer_mass,
-                const decltype(LateRow<dim>::watch) &watch = {});
+                const decltype(LateRow<dim>::watch) &watch = {},
+                const std::function<void()>         &show  = {});
 
     const LateRow<dim> &
     late_row() const
@@ -257,6 +264,10 @@ namespace greville
     // Call share_cells() if it is due before this step. Returns whether it was.
     bool
     balance_load();
+
+    // Let solvers, guard and snapshot begin anew with the current state.
+    void
+    begin_anew();
 
     // Do the tasks before a step: copy the state, and begin the next stage if
     // due.
