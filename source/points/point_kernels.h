@@ -292,6 +292,39 @@ namespace greville
 
 
 
+    /// Compute the inverse of matrices, and return their determinants.
+    template <int dim>
+    inline Simd
+    invert(const Simd (&A)[dim][dim], Simd (&inverse)[dim][dim])
+    {
+      // Compute the transposed cofactors.
+      if constexpr (dim == 2)
+        {
+          inverse[0][0] = A[1][1];
+          inverse[0][1] = -A[0][1];
+          inverse[1][0] = -A[1][0];
+          inverse[1][1] = A[0][0];
+        }
+      else
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            {
+              const int a = (i + 1) % 3, b = (i + 2) % 3;
+              const int c = (j + 1) % 3, d = (j + 2) % 3;
+              inverse[j][i] = A[a][c] * A[b][d] - A[a][d] * A[b][c];
+            }
+      Simd det = 0.;
+      for (int j = 0; j < dim; ++j)
+        det += A[0][j] * inverse[j][0];
+      const Simd factor = 1. / det;
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          inverse[i][j] *= factor;
+      return det;
+    }
+
+
+
     /**
      * Compute the inverse deformation gradients (in 2D in the plane) of a group
      * since the initial configuration, which map gradients with respect to
@@ -307,29 +340,7 @@ namespace greville
       Simd F[dim][dim];
       for (int i = 0; i < dim; ++i)
         load_numbers<dim>(group, PointLayout<dim>::F + i * dim, F[i]);
-      // Compute the transposed cofactors.
-      Simd det = 0.;
-      if constexpr (dim == 2)
-        {
-          inverse[0][0] = F[1][1];
-          inverse[0][1] = -F[0][1];
-          inverse[1][0] = -F[1][0];
-          inverse[1][1] = F[0][0];
-        }
-      else
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j)
-            {
-              const int a = (i + 1) % 3, b = (i + 2) % 3;
-              const int c = (j + 1) % 3, d = (j + 2) % 3;
-              inverse[j][i] = F[a][c] * F[b][d] - F[a][d] * F[b][c];
-            }
-      for (int j = 0; j < dim; ++j)
-        det += F[0][j] * inverse[j][0];
-      const Simd factor = 1. / det;
-      for (int i = 0; i < dim; ++i)
-        for (int j = 0; j < dim; ++j)
-          inverse[i][j] *= factor;
+      invert<dim>(F, inverse);
       if (initial_F != 0)
         {
           Simd initial[dim][dim], F_inverse[dim][dim];

@@ -23,52 +23,6 @@ namespace greville
     {
       return symmetric ? r * n - r * (r - 1) / 2 + s - r : r * n + s;
     }
-
-
-
-    /// Compute V dP_iJ / df_kL, with the pair of f_zz last.
-    template <int dim>
-    void
-    pull_back(const TrialPoint<dim> &point,
-              double (&C)[dim * dim + 1][dim * dim + 1])
-    {
-      if (point.hoop.radius > 0.)
-        {
-          const auto          &hoop   = point.hoop;
-          const double         factor = point.volume / hoop.radius;
-          const Tensor<2, dim> of     = factor * hoop.of * transpose(point.map);
-          const Tensor<2, dim> by     = factor * hoop.by * transpose(point.map);
-          for (int i = 0; i < dim; ++i)
-            for (int j = 0; j < dim; ++j)
-              {
-                C[dim * dim][i * dim + j] = of[i][j];
-                C[i * dim + j][dim * dim] = by[i][j];
-              }
-          C[dim * dim][dim * dim] = factor / hoop.radius * hoop.A;
-        }
-
-      // [i][j][k][L], then [i][J][k][L].
-      double B[dim][dim][dim][dim];
-      for (int i = 0; i < dim; ++i)
-        for (int j = 0; j < dim; ++j)
-          for (int k = 0; k < dim; ++k)
-            for (int L = 0; L < dim; ++L)
-              {
-                double sum = 0.;
-                for (int l = 0; l < dim; ++l)
-                  sum += point.A[i][j][k][l] * point.map[L][l];
-                B[i][j][k][L] = point.volume * sum;
-              }
-      for (int i = 0; i < dim; ++i)
-        for (int J = 0; J < dim; ++J)
-          {
-            double *row = C[i * dim + J];
-            std::fill_n(row, dim * dim, 0.);
-            for (int j = 0; j < dim; ++j)
-              for (int s = 0; s < dim * dim; ++s)
-                row[s] += point.map[J][j] * (&B[i][j][0][0])[s];
-          }
-    }
   } // namespace
 
 
@@ -91,7 +45,7 @@ namespace greville
     symmetric    = are_symmetric;
     axisymmetric = are_axisymmetric;
     cells.clear();
-    numbers.clear();
+    n_used = 0;
   }
 
 
@@ -100,43 +54,22 @@ namespace greville
   void
   PointTangents<dim>::reserve(const std::size_t n_groups)
   {
-    numbers.reserve(n_groups * n_numbers() * simd_width);
+    if (n_groups * group_size() > numbers.size())
+      numbers.resize_fast(n_groups * group_size());
   }
 
 
 
   template <int dim>
-  void
-  PointTangents<dim>::add(const unsigned int                  cell,
-                          const std::vector<TrialPoint<dim>> &points)
+  double *
+  PointTangents<dim>::add_cell(const unsigned int cell,
+                               const unsigned int n_points)
   {
-    const std::size_t  first    = numbers.size();
-    const unsigned int n_groups = (points.size() + simd_width - 1) / simd_width;
-    const std::size_t  size     = std::size_t(n_numbers()) * simd_width;
-    cells.push_back({cell, static_cast<unsigned int>(points.size()), first});
-    numbers.resize(first + n_groups * size, 0.);
-    for (unsigned int q = 0; q < points.size(); ++q)
-      {
-        double *to =
-          numbers.data() + first + q / simd_width * size + q % simd_width;
-        const auto put = [&](const double value) {
-          *to = value;
-          to += simd_width;
-        };
-        for (int d = 0; d < dim; ++d)
-          put(points[q].x[d]);
-        double C[dim * dim + 1][dim * dim + 1];
-        pull_back<dim>(points[q], C);
-        const int n = dim * dim + (axisymmetric ? 1 : 0);
-        for (int r = 0; r < n; ++r)
-          for (int s = symmetric ? r : 0; s < n; ++s)
-            put(C[r][s]);
-      }
-    // Lanes without a point have zero C, and a position in the cell.
-    for (unsigned int q = points.size(); q < n_groups * simd_width; ++q)
-      for (int d = 0; d < dim; ++d)
-        numbers[first + (n_groups - 1) * size + d * simd_width +
-                q % simd_width] = points[0].x[d];
+    const std::size_t first = n_used;
+    cells.push_back({cell, n_points, first});
+    n_used += (n_points + simd_width - 1) / simd_width * group_size();
+    AssertThrow(n_used <= numbers.size(), ExcInternalError());
+    return numbers.data() + first;
   }
 
 
@@ -146,10 +79,9 @@ namespace greville
     /// Compute T = C H.
     template <int n, bool symmetric>
     inline __attribute__((always_inline)) void
-    apply(const double *C, const Simd (&H)[n], Simd (&T)[n])
+    apply(const double *C, const Simd *H, Simd *T)
     {
-      for (Simd &entry : T)
-        entry = 0.;
+      std::fill_n(T, n, Simd(0.));
 #pragma GCC unroll 9
       for (int r = 0; r < n; ++r)
 #pragma GCC unroll 9
@@ -167,16 +99,33 @@ namespace greville
 
 
   template <int dim>
+  void
+  PointTangents<dim>::multiply(const double *C, const Lanes *H, Lanes *T) const
+  {
+    const auto apply_to = [&](const auto n) {
+      if (symmetric)
+        apply<decltype(n)::value, true>(C, H, T);
+      else
+        apply<decltype(n)::value, false>(C, H, T);
+    };
+    if (dim == 2 && axisymmetric)
+      apply_to(std::integral_constant<int, 5>());
+    else
+      apply_to(std::integral_constant<int, dim * dim>());
+  }
+
+
+
+  template <int dim>
   template <int n, bool with_hoop>
   void
-  PointTangents<dim>::multiply(double                   *y,
-                               const double             *x,
-                               const StencilMatrix<dim> &stencil) const
+  PointTangents<dim>::add_product_of_order(
+    double *y, const double *x, const StencilMatrix<dim> &stencil) const
   {
     constexpr int     n_lines  = dim == 3 ? n * n : n;
     constexpr int     n_values = n_lines * n * dim;
     constexpr int     n_padded = (n_values + 3) / 4 * 4;
-    const std::size_t size     = std::size_t(n_numbers()) * simd_width;
+    const std::size_t size     = group_size();
     for (const CellPoints &points : cells)
       {
         const CellGeometry<dim, n> geometry(tables, points.cell);
@@ -229,10 +178,10 @@ namespace greville
       if constexpr (dim == 2)
         if (axisymmetric)
           {
-            multiply<n, true>(y, x, stencil);
+            add_product_of_order<n, true>(y, x, stencil);
             return;
           }
-      multiply<n, false>(y, x, stencil);
+      add_product_of_order<n, false>(y, x, stencil);
     });
   }
 
@@ -400,7 +349,7 @@ namespace greville
   PointTangents<dim>::for_each_cell(const SpacePolynomials<dim> &of_space,
                                     const CellAction<Number>    &action) const
   {
-    const std::size_t size  = std::size_t(n_numbers()) * simd_width;
+    const std::size_t size  = group_size();
     const auto        visit = [&](const auto order, const auto hoop) {
       using Stiffness   = CellStiffness<dim,
                                       decltype(order)::value,

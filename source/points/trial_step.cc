@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/points/point_material.h>
+#include <greville/points/point_tangents.h>
 #include <greville/points/trial_step.h>
 
 #include "domains.h"
-#include "gradients.h"
+#include "group_gradients.h"
+#include "group_lanes.h"
 #include <cmath>
 #include <optional>
 #include <sstream>
@@ -16,92 +17,171 @@ namespace greville
 
   namespace
   {
-    /// Return the part of a 3D tensor in the plane of a 2D problem.
-    template <int dim, typename Full>
-    Tensor<2, dim>
-    in_plane(const Full &A)
+    /// The arguments of TrialStep::evaluate() that all points share.
+    template <int dim>
+    struct TrialArguments
     {
-      Tensor<2, dim> result;
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          result[i][j] = A[i][j];
-      return result;
-    }
+      const MaterialPoints<dim> &points;
+      const Material            &material;
+      double                     dt, time, strength_reduction;
+      StepStress                 stress;
+      PointTangents<dim>        *tangents;
+    };
 
 
 
     /**
-     * Set P and its derivative from the material's results at the end of a
-     * step.
+     * A group of points in a trial step. Tensors are in the plane of 2D
+     * problems, followed by the entries zz of axisymmetric points.
      */
     template <int dim>
-    void
-    set_end_stress(TrialPoint<dim>       &trial,
-                   const Tensor<2, dim>  &f,
-                   const MaterialPoint   &end,
-                   const MaterialTangent *D)
+    struct GroupTrial
     {
-      auto                &hoop    = trial.hoop;
-      const double         det     = determinant(f) * hoop.f;
-      const Tensor<2, dim> inverse = invert(f);
-      const Tensor<2, dim> sigma   = det * in_plane<dim>(end.stress);
-      trial.P                      = sigma * transpose(inverse);
-      hoop.P                       = det * end.stress[2][2] / hoop.f;
-      if (!D)
-        return;
-      if (hoop.radius > 0.)
+      static constexpr int n_pairs = TrialGroup<dim>::n_pairs;
+
+      unsigned int number, count;
+      Simd         volume;
+      /// f, its inverse and its determinant with f_zz.
+      Simd f[dim][dim], inverse[dim][dim], f_zz = 1., theta;
+      /// The radius to which f_zz is relative, 1 in plane strain.
+      Simd radius = 1.;
+      /// Before the step: the Cauchy stress, and the energy per volume.
+      Simd stress_before[dim][dim], stress_before_zz, energy_before;
+      /// The change of this energy in the step.
+      Simd change_of_energy;
+      /// P and its derivative dP_iJ / df_kL = map_Jj A_ijkl map_Ll.
+      Simd P[dim][dim], P_zz;
+      Simd A[n_pairs][n_pairs], map[dim][dim];
+      /// The number of pairs in use.
+      int n_used;
+    };
+
+
+
+    /**
+     * Replace A by dP / df: multiply it by the map on both sides, and the pair
+     * zz by @p factor_zz. Of symmetric matrices, only the upper half is used.
+     */
+    template <int dim>
+    inline __attribute__((always_inline)) void
+    map_tangent(GroupTrial<dim> &trial,
+                const Simd      &factor_zz,
+                const Simd      &volume,
+                const bool       symmetric)
+    {
+      auto &A = trial.A;
+      Simd  left[dim][dim];
+      for (int J = 0; J < dim; ++J)
+        for (int j = 0; j < dim; ++j)
+          left[J][j] = volume * trial.map[J][j];
+#pragma GCC unroll 3
+      for (int i = 0; i < dim; ++i)
         {
-          const double factor = det / hoop.f;
-          hoop.A              = factor / hoop.f * (*D)[2][2][2][2];
-          for (unsigned int i = 0; i < dim; ++i)
-            for (unsigned int j = 0; j < dim; ++j)
+          const int first = symmetric ? i : 0;
+          for (int r = i * dim; r < (i + 1) * dim; ++r)
+            for (int k = first; k < dim; ++k)
               {
-                const double diagonal = i == j ? end.stress[2][2] : 0.;
-                hoop.of[i][j]         = factor * ((*D)[2][2][i][j] + diagonal);
-                hoop.by[i][j] = factor * ((*D)[i][j][2][2] + end.stress[i][j]);
+                Simd *const row = A[r] + k * dim;
+                Simd        old[dim];
+                std::copy_n(row, dim, old);
+#pragma GCC unroll 3
+                for (int L = 0; L < dim; ++L)
+                  {
+                    row[L] = old[0] * trial.map[L][0];
+#pragma GCC unroll 2
+                    for (int l = 1; l < dim; ++l)
+                      row[L] += old[l] * trial.map[L][l];
+                  }
               }
-        }
-      trial.map = inverse;
-      if constexpr (dim == 3)
-        {
-          const double *from = &(*D)[0][0][0][0];
-          double       *to   = &trial.A[0][0][0][0];
-          for (unsigned int e = 0; e < Tensor<4, dim>::n_independent_components;
-               ++e)
-            to[e] = det * from[e];
-        }
-      else
-        for (unsigned int i = 0; i < dim; ++i)
-          for (unsigned int j = 0; j < dim; ++j)
-            for (unsigned int k = 0; k < dim; ++k)
-              for (unsigned int l = 0; l < dim; ++l)
-                trial.A[i][j][k][l] = det * (*D)[i][j][k][l];
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          for (unsigned int k = 0; k < dim; ++k)
+          for (int s = first * dim; s < dim * dim; ++s)
             {
-              trial.A[i][j][k][k] += sigma[i][j];
-              trial.A[i][j][j][k] -= sigma[i][k];
+              Simd old[dim];
+#pragma GCC unroll 3
+              for (int j = 0; j < dim; ++j)
+                old[j] = A[i * dim + j][s];
+#pragma GCC unroll 3
+              for (int J = 0; J < dim; ++J)
+                {
+                  Simd sum = left[J][0] * old[0];
+#pragma GCC unroll 2
+                  for (int j = 1; j < dim; ++j)
+                    sum += left[J][j] * old[j];
+                  A[i * dim + J][s] = sum;
+                }
             }
+        }
+      if constexpr (dim == 2)
+        if (trial.n_used > dim * dim)
+          {
+            Simd by[dim * dim], of[dim * dim];
+            for (int i = 0; i < dim; ++i)
+              for (int J = 0; J < dim; ++J)
+                {
+                  const int r = i * dim + J;
+                  by[r]       = factor_zz * (left[J][0] * A[i * dim][4] +
+                                       left[J][1] * A[i * dim + 1][4]);
+                  of[r]       = factor_zz * (left[J][0] * A[4][i * dim] +
+                                       left[J][1] * A[4][i * dim + 1]);
+                }
+            for (int r = 0; r < dim * dim; ++r)
+              {
+                A[r][4] = by[r];
+                A[4][r] = of[r];
+              }
+            A[4][4] *= factor_zz * factor_zz * volume;
+          }
     }
 
 
 
-    /// Return dP_iJ / df_kL.
+    /// Set P and A at the end of a step from the material's results.
     template <int dim>
-    Tensor<4, dim>
-    derivative(const TrialPoint<dim> &trial)
+    inline __attribute__((always_inline)) void
+    set_end_stress(GroupTrial<dim>            &trial,
+                   const std::array<Lanes, 6> &stress,
+                   const TangentLanes         *D,
+                   const bool                  symmetric)
     {
-      Tensor<4, dim> B, dP;
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int J = 0; J < dim; ++J)
-          for (unsigned int j = 0; j < dim; ++j)
-            B[i][J] += trial.map[J][j] * trial.A[i][j];
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int J = 0; J < dim; ++J)
-          for (unsigned int k = 0; k < dim; ++k)
-            dP[i][J][k] = trial.map * B[i][J][k];
-      return dP;
+      Simd tau[dim][dim];
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          tau[i][j] = trial.theta * stress[number_of_entry[i][j]];
+      multiply_transposed<dim>(tau, trial.inverse, trial.P);
+      trial.P_zz = trial.theta * stress[2] / trial.f_zz;
+      std::copy_n(trial.inverse[0], dim * dim, trial.map[0]);
+      if (!D)
+        return;
+#pragma GCC unroll 3
+      for (int i = 0; i < dim; ++i)
+#pragma GCC unroll 3
+        for (int j = 0; j < dim; ++j)
+          {
+            const auto &row = (*D)[number_of_entry[i][j]];
+            for (int k = symmetric ? i : 0; k < dim; ++k)
+              for (int l = 0; l < dim; ++l)
+                {
+                  Simd entry = trial.theta * row[3 * k + l];
+                  if (k == l)
+                    entry += tau[i][j];
+                  if (j == k)
+                    entry -= tau[i][l];
+                  trial.A[i * dim + j][k * dim + l] = entry;
+                }
+          }
+      if constexpr (dim == 2)
+        if (trial.n_used > dim * dim)
+          {
+            const Simd factor = trial.theta / trial.f_zz;
+            for (int i = 0; i < dim; ++i)
+              for (int j = 0; j < dim; ++j)
+                {
+                  const int  r = i * dim + j, e = number_of_entry[i][j];
+                  const Simd diagonal = i == j ? stress[2] : Simd(0.);
+                  trial.A[4][r] = factor * ((*D)[2][3 * i + j] + diagonal);
+                  trial.A[r][4] = factor * ((*D)[e][8] + stress[e]);
+                }
+            trial.A[4][4] = factor / trial.f_zz * (*D)[2][8];
+          }
     }
 
 
@@ -112,168 +192,446 @@ namespace greville
      */
     template <int dim>
     void
-    make_energy_consistent(TrialPoint<dim>      &trial,
-                           const Tensor<2, dim> &f,
-                           const Tensor<2, dim> &stress_before,
-                           const double          hoop_stress_before,
-                           const double          change_of_energy,
-                           const bool            with_tangent)
+    make_energy_consistent(GroupTrial<dim> &trial, const bool with_tangent)
     {
-      const Tensor<2, dim> one     = unit_symmetric_tensor<dim>();
-      const Tensor<2, dim> inverse = invert(f);
-      const Tensor<2, dim> middle  = 0.5 * (one + f);
-      const Tensor<2, dim> end     = inverse * trial.P;
-      const Tensor<2, dim> grad    = f - one;
-      const Tensor<2, dim> strain =
-        0.5 * (grad + transpose(grad) + transpose(grad) * grad);
-      Tensor<2, dim> S = 0.5 * (stress_before + end);
+      Simd middle[dim][dim], end[dim][dim], strain[dim][dim], S[dim][dim];
+      multiply<dim>(trial.inverse, trial.P, end);
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          {
+            const double one = i == j ? 1. : 0.;
+            middle[i][j]     = 0.5 * (one + trial.f[i][j]);
+            Simd sum         = trial.f[i][j] + trial.f[j][i] - 2. * one;
+            for (int k = 0; k < dim; ++k)
+              sum += (trial.f[k][i] - (k == i ? 1. : 0.)) *
+                     (trial.f[k][j] - (k == j ? 1. : 0.));
+            strain[i][j] = 0.5 * sum;
+            S[i][j]      = 0.5 * (trial.stress_before[i][j] + end[i][j]);
+          }
       // The zz entries of an axisymmetric point.
-      auto        &hoop        = trial.hoop;
-      const double hoop_strain = 0.5 * (hoop.f * hoop.f - 1.);
-      const double hoop_end    = hoop.P / hoop.f;
-      const double hoop_middle = 0.5 * (1. + hoop.f);
-      double       hoop_S      = 0.5 * (hoop_stress_before + hoop_end);
-      const double square =
-        scalar_product(strain, strain) + hoop_strain * hoop_strain;
+      const Simd f_zz      = trial.f_zz;
+      const Simd strain_zz = 0.5 * (f_zz * f_zz - 1.);
+      const Simd end_zz = trial.P_zz / f_zz, middle_zz = 0.5 * (1. + f_zz);
+      Simd       S_zz   = 0.5 * (trial.stress_before_zz + end_zz);
+      Simd       square = strain_zz * strain_zz, work = S_zz * strain_zz;
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          {
+            square += strain[i][j] * strain[i][j];
+            work += S[i][j] * strain[i][j];
+          }
       // The correction is of the order of the square of the strain, and of
       // round-off of the energy over the strain: it is omitted for smaller
       // strains.
       constexpr double smallest = 6e-6; // the third root of round-off
-      if (square > smallest * smallest)
-        {
-          const double factor = (change_of_energy - scalar_product(S, strain) -
-                                 hoop_S * hoop_strain) /
-                                square;
-          S += factor * strain;
-          hoop_S += factor * hoop_strain;
-        }
+      const auto       is_large = square > smallest * smallest;
+      const Simd       factor =
+        choose(is_large,
+               (trial.change_of_energy - work) / choose(is_large, square, 1.),
+               0.);
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          S[i][j] += factor * strain[i][j];
+      S_zz += factor * strain_zz;
       if (with_tangent)
         {
           // dP = df S / 2 + middle dS, dS = f^-1 (dP_end - df S_end) / 2.
-          const Tensor<4, dim> dP_end = derivative(trial);
-          const Tensor<2, dim> map    = 0.5 * middle * inverse;
-          for (unsigned int i = 0; i < dim; ++i)
-            for (unsigned int J = 0; J < dim; ++J)
-              for (unsigned int k = 0; k < dim; ++k)
-                for (unsigned int L = 0; L < dim; ++L)
+          map_tangent(trial, 1., 1., false);
+          Simd map[dim][dim];
+          multiply<dim>(middle, trial.inverse, map);
+          for (int J = 0; J < dim; ++J)
+            for (int s = 0; s < trial.n_used; ++s)
+              {
+                Simd old[dim];
+                for (int m = 0; m < dim; ++m)
+                  old[m] = trial.A[m * dim + J][s];
+                const int k = s / dim, L = s % dim;
+                for (int i = 0; i < dim; ++i)
                   {
-                    double sum =
-                      (i == k ? 0.5 * S[L][J] : 0.) - map[i][k] * end[L][J];
-                    for (unsigned int m = 0; m < dim; ++m)
-                      sum += map[i][m] * dP_end[m][J][k][L];
-                    trial.A[i][J][k][L] = sum;
+                    Simd sum = 0.;
+                    for (int m = 0; m < dim; ++m)
+                      sum += map[i][m] * old[m];
+                    if (s < dim * dim)
+                      sum +=
+                        (i == k ? S[L][J] : Simd(0.)) - map[i][k] * end[L][J];
+                    trial.A[i * dim + J][s] = 0.5 * sum;
                   }
-          if (hoop.radius > 0.)
+              }
+          if constexpr (dim == 2)
             {
-              const double hoop_map = 0.5 * hoop_middle / hoop.f;
-              hoop.A  = 0.5 * hoop_S + hoop_map * (hoop.A - hoop_end);
-              hoop.of = hoop_map * (hoop.of * transpose(trial.map));
-              hoop.by = map * (hoop.by * transpose(trial.map));
+              const Simd map_zz = 0.5 * middle_zz / f_zz;
+              for (int s = 0; s < dim * dim; ++s)
+                trial.A[4][s] *= map_zz;
+              trial.A[4][4] = 0.5 * S_zz + map_zz * (trial.A[4][4] - end_zz);
             }
-          trial.map = one;
+          for (int i = 0; i < dim; ++i)
+            for (int j = 0; j < dim; ++j)
+              trial.map[i][j] = i == j ? 1. : 0.;
         }
-      trial.P = middle * S;
-      hoop.P  = hoop_middle * hoop_S;
+      multiply<dim>(middle, S, trial.P);
+      trial.P_zz = middle_zz * S_zz;
     }
 
 
 
-    /**
-     * Transform P, and its derivative by f, from gradients with respect to x_n
-     * to gradients with respect to X.
-     */
+    /// The groups of points of a body in a trial step, and their material.
     template <int dim>
-    void
-    pull_back(TrialPoint<dim>      &trial,
-              const Tensor<2, dim> &inverse,
-              const bool            with_tangent)
+    class TrialPoints
     {
-      trial.P = trial.P * transpose(inverse);
-      if (with_tangent)
-        trial.map = inverse * trial.map;
-    }
+    public:
+      TrialPoints(const TrialArguments<dim> &arguments,
+                  const double              *J_hat,
+                  PointReport               &report)
+        : arguments(arguments)
+        , points(arguments.points)
+        , layout(points.layout())
+        , lanes_law(dynamic_cast<const LanesMaterial *>(&arguments.material))
+        , symmetric(arguments.tangents && arguments.tangents->is_symmetric())
+        , lanes(make_material_lanes<dim>(layout))
+        , J_hat(J_hat)
+        , report(report)
+      {}
 
+      /**
+       * Evaluate group number @p g with the gradient H of the displacement and,
+       * in axisymmetry, the radial displacement. @p result has the positions.
+       */
+      void
+      evaluate(const unsigned int g,
+               const unsigned int count,
+               const Simd (&H)[dim][dim],
+               const Simd      &radial,
+               TrialGroup<dim> &result)
+      {
+        const bool is_energy_consistent =
+          arguments.stress == StepStress::energy_consistent;
+        GroupTrial<dim> trial;
+        trial.number = g;
+        trial.count  = count;
+        trial.n_used = dim * dim + (layout.is_axisymmetric() ? 1 : 0);
+        set_deformation(trial, H, radial);
+        load_material_lanes<dim>(layout, points.group(g), count, lanes);
+        if (is_energy_consistent)
+          keep_start(trial);
+        deform(trial);
+        update_material(trial);
+        set_end_stress(trial,
+                       lanes.stress,
+                       arguments.tangents ? &D : nullptr,
+                       symmetric);
+        if (is_energy_consistent)
+          {
+            trial.change_of_energy =
+              (energy() - trial.energy_before) /
+              load(points.group(g) + PointLayout<dim>::J * simd_width);
+            make_energy_consistent(trial, arguments.tangents);
+          }
+        write(trial, result);
+      }
 
+    private:
+      /// Set f and the volume.
+      inline __attribute__((always_inline)) void
+      set_deformation(GroupTrial<dim> &trial,
+                      const Simd (&H)[dim][dim],
+                      const Simd &radial) const
+      {
+        using Layout        = PointLayout<dim>;
+        const double *group = points.group(trial.number);
+        const auto    at    = [&](const unsigned int number) {
+          return load(group + number * simd_width);
+        };
+        const Simd is_used(
+          [&](const auto lane) { return lane < trial.count ? 1. : 0.; });
+        for (int i = 0; i < dim; ++i)
+          for (int j = 0; j < dim; ++j)
+            trial.f[i][j] = is_used * H[i][j];
+        if (layout.is_total_lagrangian())
+          {
+            Simd gradient[dim][dim];
+            std::copy_n(trial.f[0], dim * dim, gradient[0]);
+            load_inverse_F<dim>(group, layout.initial_F, reference_map);
+            multiply<dim>(gradient, reference_map, trial.f);
+          }
+        for (int i = 0; i < dim; ++i)
+          trial.f[i][i] += 1.;
+        trial.theta  = invert<dim>(trial.f, trial.inverse);
+        trial.volume = at(Layout::volume0) * at(Layout::J);
+        if (layout.is_axisymmetric())
+          {
+            trial.radius =
+              at(layout.radius0) * at(Layout::F + Layout::F_index(2, 2));
+            trial.f_zz =
+              (at(Layout::position) + is_used * radial) / trial.radius;
+            trial.theta *= trial.f_zz;
+          }
+      }
 
-    /// Report an invalid point.
-    template <int dim>
-    void
-    report_bad_point(const ConstPointRef<dim> p,
-                     const double             J,
-                     PointReport             &report)
-    {
-      if (report.bad_point >= 0)
-        return;
-      report.bad_point = std::int64_t(p.id());
-      std::ostringstream reason;
-      if (J <= 0.)
-        reason << "its volume becomes negative (J = " << J << ")";
-      else
-        reason << "its stress or tangent becomes infinite or NaN (J = " << J
-               << ")";
-      report.bad_reason = reason.str();
-    }
+      /// Keep stress and energy before the step.
+      void
+      keep_start(GroupTrial<dim> &trial)
+      {
+        using Layout        = PointLayout<dim>;
+        const double *group = points.group(trial.number);
+        for (unsigned int k = 0; k < Layout::n_stress; ++k)
+          lanes.stress[k] = load(group + (Layout::stress + k) * simd_width);
+        for (unsigned int k = Layout::n_stress; k < 6; ++k)
+          lanes.stress[k] = 0.;
+        for (int i = 0; i < dim; ++i)
+          for (int j = 0; j < dim; ++j)
+            trial.stress_before[i][j] = lanes.stress[number_of_entry[i][j]];
+        trial.stress_before_zz = lanes.stress[2];
+        trial.energy_before    = energy();
+      }
 
+      /// Return the energy per stress-free volume.
+      Simd
+      energy() const
+      {
+        const EnergyLanes energies = arguments.material.energies(lanes);
+        return energies.strain + energies.dissipation;
+      }
 
+      /// Set F, J and the increment of the material.
+      inline __attribute__((always_inline)) void
+      deform(const GroupTrial<dim> &trial)
+      {
+        const Simd J_before = lanes.J;
+        const Simd J        = trial.theta * load(points.group(trial.number) +
+                                          PointLayout<dim>::J * simd_width);
+        lanes.J             = J;
+        Simd factor         = 1.;
+        if (layout.projected_J != 0)
+          {
+            if (J_hat)
+              for (unsigned int lane = 0; lane < trial.count; ++lane)
+                lanes.J[lane] = *J_hat++;
+            const Simd ratio = lanes.J / J_before / trial.theta;
+            for (unsigned int lane = 0; lane < trial.count; ++lane)
+              factor[lane] = dim == 2 && !layout.is_axisymmetric()
+                               ? std::sqrt(ratio[lane])
+                               : std::cbrt(ratio[lane]);
+          }
+        Simd increment[dim][dim], F[dim][dim], new_F[dim][dim];
+        for (int i = 0; i < dim; ++i)
+          for (int j = 0; j < dim; ++j)
+            {
+              increment[i][j]            = factor * trial.f[i][j];
+              lanes.increment[3 * i + j] = increment[i][j];
+              F[i][j]                    = lanes.F[3 * i + j];
+            }
+        multiply<dim>(increment, F, new_F);
+        for (int i = 0; i < dim; ++i)
+          for (int j = 0; j < dim; ++j)
+            lanes.F[3 * i + j] = new_F[i][j];
+        if (layout.is_axisymmetric())
+          {
+            lanes.increment[8] = factor * trial.f_zz;
+            lanes.F[8] *= lanes.increment[8];
+          }
+        lanes.dt                 = arguments.dt;
+        lanes.strength_reduction = arguments.strength_reduction;
+      }
 
-    template <int dim>
-    bool
-    is_finite(const TrialPoint<dim> &trial, const bool with_tangent)
-    {
-      // Independent sums need not wait for one another.
-      constexpr unsigned int n       = dim * dim;
-      const double          *A       = &trial.A[0][0][0][0];
-      double                 sums[n] = {};
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          sums[i * dim + j] = trial.P[i][j];
-      for (unsigned int i = 0; i < n && with_tangent; ++i, A += n)
-        for (unsigned int j = 0; j < n; ++j)
-          sums[j] += A[j];
-      double sum = trial.hoop.P + trial.hoop.A;
-      for (unsigned int j = 0; j < n; ++j)
-        sum += sums[j];
-      return std::isfinite(sum);
-    }
+      /// Compute the stress, the state and D at the end of the step.
+      inline __attribute__((always_inline)) void
+      update_material(const GroupTrial<dim> &trial)
+      {
+        if (!lanes_law)
+          {
+            update_points(trial);
+            return;
+          }
+        if (arguments.tangents)
+          lanes_law->tangent_lanes(lanes,
+                                   D,
+                                   layout.is_axisymmetric() ? 3 : dim);
+        lanes_law->update_lanes(lanes);
+      }
 
+      /// The same for laws that take one point at a time.
+      void
+      update_points(const GroupTrial<dim> &trial)
+      {
+        std::array<MaterialPoint, simd_width>   states, ends;
+        std::array<MaterialTangent, simd_width> of_points;
+        for (unsigned int lane = 0; lane < trial.count; ++lane)
+          {
+            MaterialPoint &state = states[lane];
+            load_material_point<dim>(points.point(trial.number, lane),
+                                     layout,
+                                     state);
+            state.dt                 = arguments.dt;
+            state.time               = arguments.time;
+            state.strength_reduction = arguments.strength_reduction;
+            state.J                  = lanes.J[lane];
+            for (unsigned int k = 0; k < 9; ++k)
+              {
+                state.increment[k / 3][k % 3] = lanes.increment[k][lane];
+                state.F[k / 3][k % 3]         = lanes.F[k][lane];
+              }
+          }
+        ends = states;
+        arguments.material.update(
+          ArrayView<MaterialPoint>(ends.data(), trial.count));
+        if (arguments.tangents)
+          arguments.material.tangents(
+            ArrayView<const MaterialPoint>(states.data(), trial.count),
+            ArrayView<MaterialTangent>(of_points.data(), trial.count),
+            layout.is_axisymmetric() ? 3 : dim);
+        for (unsigned int lane = 0; lane < simd_width; ++lane)
+          {
+            for (unsigned int e = 0; e < 6; ++e)
+              {
+                lanes.stress[e][lane] = ends[lane].stress.access_raw_entry(e);
+                const auto &of_entry =
+                  of_points[lane][entry_rows[e]][entry_columns[e]];
+                for (unsigned int k = 0; k < 9 && arguments.tangents; ++k)
+                  D[e][k][lane] = of_entry[k / 3][k % 3];
+              }
+            for (unsigned int k = 0; k < layout.n_state && lane < trial.count;
+                 ++k)
+              lanes.state[k][lane] = ends[lane].state[k];
+          }
+      }
 
+      /**
+       * Write the stress and its derivative, with gradients with respect to X
+       * in total Lagrangian steps.
+       */
+      inline __attribute__((always_inline)) void
+      write(GroupTrial<dim> &trial, TrialGroup<dim> &result)
+      {
+        if (layout.is_total_lagrangian())
+          {
+            Simd P[dim][dim], map[dim][dim];
+            std::copy_n(trial.P[0], dim * dim, P[0]);
+            std::copy_n(trial.map[0], dim * dim, map[0]);
+            multiply_transposed<dim>(P, reference_map, trial.P);
+            multiply<dim>(reference_map, map, trial.map);
+          }
+        Simd sum = 0.;
+        for (int r = 0; r < dim * dim; ++r)
+          {
+            result.stress[r] = trial.volume * trial.P[0][r];
+            sum += result.stress[r];
+          }
+        if constexpr (dim == 2)
+          result.stress[4] = layout.is_axisymmetric()
+                               ? trial.volume * trial.P_zz / trial.radius
+                               : Simd(0.);
+        if (arguments.tangents)
+          sum += write_tangent(trial, result);
+        const Simd J = trial.theta * load(points.group(trial.number) +
+                                          PointLayout<dim>::J * simd_width);
+        if (!all_of(J > 0.) || !all_of(isfinite(sum + trial.P_zz)))
+          report_bad_points(trial, J, sum + trial.P_zz);
+      }
 
-    /// The arguments of TrialStep::evaluate() that all points share.
-    template <int dim>
-    struct TrialArguments
-    {
+      /// Write the derivative, and return the sum of its entries.
+      inline __attribute__((always_inline)) Simd
+      write_tangent(GroupTrial<dim> &trial, TrialGroup<dim> &result) const
+      {
+        result.compression = result.shear = 0.;
+        for (int i = 0; i < dim; ++i)
+          for (int j = 0; j < dim; ++j)
+            (i == j ? result.compression : result.shear) +=
+              trial.A[i * dim + j][i * dim + j];
+        result.compression *= trial.volume * (1. / dim);
+        result.shear *= trial.volume * (1. / (dim * (dim - 1)));
+
+        const Simd inverse_radius = 1. / trial.radius;
+        map_tangent(trial, inverse_radius, trial.volume, symmetric);
+        if (layout.projected_J != 0)
+          {
+            Simd back[dim][dim];
+            invert<dim>(trial.map, back);
+            for (int k = 0; k < dim; ++k)
+              for (int L = 0; L < dim; ++L)
+                {
+                  result.expansion[k * dim + L] = back[k][L];
+                  result.dual[k * dim + L]      = trial.map[L][k];
+                }
+            if constexpr (dim == 2)
+              {
+                result.expansion[4] = trial.f_zz * trial.radius;
+                result.dual[4]      = 1. / result.expansion[4];
+              }
+          }
+        // Independent sums need not wait for one another.
+        Simd    sums[3] = {0., 0., 0.};
+        double *to      = result.tangent;
+        for (int r = 0; r < trial.n_used; ++r)
+          for (int s = symmetric ? r : 0; s < trial.n_used; ++s)
+            {
+              store(trial.A[r][s], to);
+              to += simd_width;
+              sums[s % 3] += trial.A[r][s];
+            }
+        return sums[0] + sums[1] + sums[2];
+      }
+
+      /// Report the first invalid point of a group.
+      __attribute__((noinline)) void
+      report_bad_points(const GroupTrial<dim> &trial,
+                        const Simd            &J,
+                        const Simd            &sum) const
+      {
+        for (unsigned int lane = 0; lane < trial.count && report.bad_point < 0;
+             ++lane)
+          {
+            if (J[lane] > 0. && std::isfinite(sum[lane]))
+              continue;
+            report.bad_point =
+              std::int64_t(points.point(trial.number, lane).id());
+            std::ostringstream reason;
+            if (J[lane] <= 0.)
+              reason << "its volume becomes negative (J = " << J[lane] << ")";
+            else
+              reason << "its stress or tangent becomes infinite or NaN (J = "
+                     << J[lane] << ")";
+            report.bad_reason = reason.str();
+          }
+      }
+
+      const TrialArguments<dim>  arguments;
       const MaterialPoints<dim> &points;
-      const Material            &material;
-      double                     dt, time, strength_reduction;
-      StepStress                 stress;
-      bool                       with_tangents;
+      const PointLayout<dim>    &layout;
+      const LanesMaterial       *lanes_law; // null for other laws
+      const bool                 symmetric;
+      MaterialLanes              lanes;
+      TangentLanes               D;
+      const double              *J_hat;
+      PointReport               &report;
+      // The inverse of the deformation before the step, in total Lagrangian
+      // steps.
+      mutable Simd reference_map[dim][dim];
     };
 
 
 
     /**
-     * The increments f of the points of a cell by a displacement of the grid,
-     * at the points or as means over their domains.
+     * The functions of a cell and the displacement of the grid there, for
+     * gradients at points or as means over their domains.
      */
     template <int dim, int n>
-    class CellIncrements
+    class CellDisplacement
     {
     public:
       inline __attribute__((always_inline))
-      CellIncrements(const MaterialPoints<dim>   &points,
-                     const SpacePolynomials<dim> &tables,
-                     const CellWindows<dim>      *windows,
-                     const double                *u,
-                     const double                *window_u,
-                     const unsigned int           cell)
+      CellDisplacement(const MaterialPoints<dim>   &points,
+                       const SpacePolynomials<dim> &tables,
+                       const CellWindows<dim>      *windows,
+                       const double                *u,
+                       const double                *window_u,
+                       const unsigned int           cell)
         : points(points)
-        , layout(points.layout())
         , geometry(tables, cell)
       {
-        for (int a = 0; a < n_functions; ++a)
-          for (int i = 0; i < dim; ++i)
-            coefficients[i][a] =
-              u[std::size_t(geometry.functions[a]) * dim + i];
+        for (int a = 0; a < power(n, dim); ++a)
+          std::copy_n(u + std::size_t(geometry.functions[a]) * dim,
+                      dim,
+                      coefficients + a * dim);
         if (windows && windows->reaches(cell))
           {
             window.emplace(tables, *windows, cell);
@@ -281,243 +639,86 @@ namespace greville
           }
       }
 
-      /// Return a point's increment, and set its position, domain and f_zz.
-      inline __attribute__((always_inline)) Tensor<2, dim>
-      evaluate(const ConstPointRef<dim> p, TrialPoint<dim> &trial) const
+      /**
+       * Compute the gradient at a group of points, and return the component r
+       * of the displacement. Sets the positions and domains.
+       */
+      inline __attribute__((always_inline)) Simd
+      evaluate(const double    *group,
+               TrialGroup<dim> &result,
+               Simd (&H)[dim][dim]) const
       {
-        double radial = 0.; // displacement of axisymmetric points
-        trial.x       = p.basis_position(layout);
-        const Tensor<2, dim> f =
-          window ? mean(p, trial, radial) : value(p, trial, radial);
-        if (layout.is_axisymmetric())
+        load_basis_positions(points, group, result.x);
+        if (window)
           {
-            trial.hoop.radius = radius_of_F<dim>(p, layout);
-            trial.hoop.f      = (p.position(0) + radial) / trial.hoop.radius;
+            load_domains(points, group, result.domain);
+            WindowShape<dim, n> shape;
+            Simd                values[dim];
+            shape.evaluate(*window, result.x, result.domain);
+            shape.template evaluate_field<true>(in_window, values, H);
+            return values[0];
           }
-        return f;
+        using Shape = GroupGradients<dim, n, dim, dim == 2>;
+        Shape shape;
+        Simd  pairs[Shape::n_pairs];
+        shape.template evaluate<true>(geometry, result.x);
+        shape.gradient(coefficients, pairs);
+        std::copy_n(pairs, dim * dim, H[0]);
+        return dim == 2 ? pairs[Shape::n_pairs - 1] : Simd(0.);
       }
 
     private:
-      /// Return the increment at a point.
-      inline __attribute__((always_inline)) Tensor<2, dim>
-      value(const ConstPointRef<dim> p,
-            const TrialPoint<dim>   &trial,
-            double                  &radial) const
-      {
-        const auto shape = evaluated(geometry, trial.x);
-        if (layout.is_axisymmetric())
-          radial = value_of_component(shape, coefficients[0]);
-        return increment_of_point<dim, n>(
-          p, layout, Gradients<dim, n>(shape), coefficients, 1.);
-      }
-
-      /// Return the mean of the increment over the domain of a point.
-      inline __attribute__((always_inline)) Tensor<2, dim>
-      mean(const ConstPointRef<dim> p,
-           TrialPoint<dim>         &trial,
-           double                  &radial) const
-      {
-        trial.domain     = domain_of_point(points, p);
-        const auto shape = evaluated(*window, trial.x, trial.domain);
-        double     values[dim], H[dim][dim];
-        shape.template evaluate_field<true>(in_window, values, H);
-        radial = values[0];
-        return unit_symmetric_tensor<dim>() + Tensor<2, dim>(H);
-      }
-
-      static constexpr int n_functions = power(n, dim);
-
       const MaterialPoints<dim>            &points;
-      const PointLayout<dim>               &layout;
       const CellGeometry<dim, n>            geometry;
-      double                                coefficients[dim][n_functions];
+      double                                coefficients[power(n, dim) * dim];
       std::optional<WindowGeometry<dim, n>> window;
       double in_window[WindowShape<dim, n>::n_functions * dim];
     };
 
 
 
-    /// The points of a cell in a trial step, and their materials.
-    template <int dim>
-    class TrialCell
-    {
-    public:
-      TrialCell(const TrialArguments<dim> &arguments,
-                const double              *J_hat,
-                PointReport               &report)
-        : arguments(arguments)
-        , points(arguments.points)
-        , layout(points.layout())
-        , J_hat(J_hat)
-        , report(report)
-      {}
-
-      void
-      begin()
-      {
-        n_points = 0;
-      }
-
-      /// Add a point, with its increment.
-      template <int n>
-      inline __attribute__((always_inline)) void
-      add(const ConstPointRef<dim> p, const CellIncrements<dim, n> &increments)
-      {
-        if (trials.size() == n_points)
-          trials.emplace_back();
-        if (states.size() == n_points)
-          {
-            states.emplace_back();
-            all_increments.emplace_back();
-          }
-        TrialPoint<dim> &trial = trials[n_points];
-        trial.volume           = p.volume();
-        const Tensor<2, dim> f = increments.evaluate(p, trial);
-        set_state(p, f, trial.hoop.f, states[n_points]);
-        all_increments[n_points] = f;
-        ++n_points;
-      }
-
-      /// Update the materials and stresses of the points that have been added.
-      __attribute__((noinline)) std::vector<TrialPoint<dim>> &
-      evaluate(const unsigned int cell)
-      {
-        trials.resize(n_points);
-        states.resize(n_points);
-        update_materials();
-        unsigned int k = 0;
-        points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-          set_stress(p, k++);
-        });
-        return trials;
-      }
-
-    private:
-      /// Set the state that the material updates, for the increment f.
-      inline __attribute__((always_inline)) void
-      set_state(const ConstPointRef<dim> p,
-                const Tensor<2, dim>    &f,
-                const double             f_zz,
-                MaterialPoint           &state)
-      {
-        const double theta = determinant(f) * f_zz;
-        state              = MaterialPoint();
-        load_material_point<dim>(p, layout, state);
-        state.dt                 = arguments.dt;
-        state.time               = arguments.time;
-        state.strength_reduction = arguments.strength_reduction;
-        for (int i = 0; i < dim; ++i)
-          for (int j = 0; j < dim; ++j)
-            state.increment[i][j] = f[i][j];
-        if (layout.is_axisymmetric())
-          state.increment[2][2] = f_zz;
-        const double J_before = state.J;
-        state.J               = p.J() * theta;
-        if (layout.projected_J != 0)
-          {
-            if (J_hat)
-              state.J = *J_hat++;
-            scale_volume<dim>(state.increment,
-                              state.J / J_before / theta,
-                              layout);
-          }
-        state.F = state.increment * state.F;
-      }
-
-      void
-      update_materials()
-      {
-        // Tangents need the states at the start, too.
-        if (arguments.with_tangents)
-          ends = states;
-        arguments.material.update(make_array_view(updated()));
-        if (arguments.with_tangents)
-          {
-            tangents.resize(n_points);
-            arguments.material.tangents(
-              ArrayView<const MaterialPoint>(states.data(), states.size()),
-              make_array_view(tangents),
-              layout.is_axisymmetric() ? 3 : dim);
-          }
-      }
-
-      /// Set the stress of point number @p k.
-      void
-      set_stress(const ConstPointRef<dim> p, const unsigned int k)
-      {
-        const bool       with_tangents = arguments.with_tangents;
-        TrialPoint<dim> &trial         = trials[k];
-        set_end_stress<dim>(trial,
-                            all_increments[k],
-                            updated()[k],
-                            with_tangents ? &tangents[k] : nullptr);
-        if (arguments.stress == StepStress::energy_consistent)
-          {
-            MaterialPoint before;
-            load_material_point<dim>(p, layout, before);
-            make_energy_consistent<dim>(trial,
-                                        all_increments[k],
-                                        in_plane<dim>(before.stress),
-                                        before.stress[2][2],
-                                        change_of_energy(updated()[k], before) /
-                                          p.J(),
-                                        with_tangents);
-          }
-        if (layout.is_total_lagrangian())
-          pull_back<dim>(trial, inverse_F<dim>(p, layout), with_tangents);
-        const double J = p.J() * determinant(all_increments[k]) * trial.hoop.f;
-        if (!(J > 0.) || !is_finite(trial, with_tangents))
-          report_bad_point<dim>(p, J, report);
-      }
-
-      double
-      change_of_energy(const MaterialPoint &end,
-                       const MaterialPoint &before) const
-      {
-        const Material &material = arguments.material;
-        return material.strain_energy(end) + material.dissipation(end) -
-               material.strain_energy(before) - material.dissipation(before);
-      }
-
-      std::vector<MaterialPoint> &
-      updated()
-      {
-        return arguments.with_tangents ? ends : states;
-      }
-
-      const TrialArguments<dim>    arguments;
-      const MaterialPoints<dim>   &points;
-      const PointLayout<dim>      &layout;
-      const double                *J_hat;
-      PointReport                 &report;
-      unsigned int                 n_points = 0;
-      std::vector<TrialPoint<dim>> trials;
-      std::vector<Tensor<2, dim>>  all_increments;
-      std::vector<MaterialPoint>   states, ends;
-      std::vector<MaterialTangent> tangents;
-    };
-
-
-
     template <int dim, int n>
     __attribute__((noinline)) void
-    evaluate_points(const MaterialPoints<dim>             &points,
+    evaluate_points(const TrialArguments<dim>             &arguments,
                     const SpacePolynomials<dim>           &tables,
                     const CellWindows<dim>                *windows,
                     const double                          *u,
                     const double                          *window_u,
-                    TrialCell<dim>                        &trial,
+                    TrialPoints<dim>                      &trial,
                     const typename TrialStep<dim>::Action &action)
     {
-      for (const unsigned int cell : points.cells())
+      const MaterialPoints<dim>       &points   = arguments.points;
+      PointTangents<dim>              *tangents = arguments.tangents;
+      const std::vector<unsigned int> &cells    = points.cells();
+      std::vector<TrialGroup<dim>>     groups;
+      for (std::size_t c = 0; c < cells.size(); ++c)
         {
-          const CellIncrements<dim, n> increments(
+          const unsigned int             cell = cells[c];
+          const CellDisplacement<dim, n> displacement(
             points, tables, windows, u, window_u, cell);
-          trial.begin();
-          points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-            trial.add(p, increments);
-          });
-          action(cell, trial.evaluate(cell));
+          double *tangent = tangents
+                              ? tangents->add_cell(cell, points.n_points(cell))
+                              : nullptr;
+          groups.resize((points.n_points(cell) + simd_width - 1) / simd_width);
+          unsigned int count = points.n_in_first_group(cell);
+          unsigned int g     = points.first_group(cell);
+          for (TrialGroup<dim> &group : groups)
+            {
+              prefetch_next(points, c, g, points.layout().size);
+              Simd       H[dim][dim];
+              const Simd radial =
+                displacement.evaluate(points.group(g), group, H);
+              if (tangents)
+                {
+                  store_numbers<dim>(group.x, 0, tangent);
+                  group.tangent = tangent + dim * simd_width;
+                  tangent += tangents->group_size();
+                }
+              trial.evaluate(g, count, H, radial, group);
+              g     = points.next_group(g);
+              count = simd_width;
+            }
+          action(cell, groups);
         }
     }
   } // namespace
@@ -544,7 +745,7 @@ namespace greville
                            const double               time,
                            const double               strength_reduction,
                            const StepStress           stress,
-                           const bool                 with_tangents,
+                           PointTangents<dim>        *tangents,
                            const double              *J_hat,
                            const Action              &action)
   {
@@ -556,13 +757,12 @@ namespace greville
     const CellWindows<dim> *used_windows = windows_of(points, windows);
     if (used_windows)
       used_windows->read(u, window_buffer);
-    PointReport    report;
-    TrialCell<dim> trial(
-      {points, material, dt, time, strength_reduction, stress, with_tangents},
-      J_hat,
-      report);
+    PointReport               report;
+    const TrialArguments<dim> arguments{
+      points, material, dt, time, strength_reduction, stress, tangents};
+    TrialPoints<dim> trial(arguments, J_hat, report);
     with_order(space.degree(), [&](const auto size) {
-      evaluate_points<dim, decltype(size)::value>(points,
+      evaluate_points<dim, decltype(size)::value>(arguments,
                                                   tables,
                                                   used_windows,
                                                   buffer.data(),

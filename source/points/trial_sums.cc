@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/points/point_tangents.h>
 #include <greville/points/trial_step.h>
 
 #include "domains.h"
 #include "gradients.h"
+#include "group_gradients.h"
 
 namespace greville
 {
@@ -39,110 +41,100 @@ namespace greville
 
   namespace
   {
-    template <int dim, int n>
+    /**
+     * Add the forces, [function][component][lane], of a cell or its window to
+     * the @p sums of its functions, and return the sum of their squares.
+     */
+    template <int dim, int n_functions>
     double
-    add_force_of_cell(const CellGeometry<dim, n>         &geometry,
-                      const std::vector<TrialPoint<dim>> &points,
-                      double                             *sums)
+    add_sums_of_cell(const Simd         *force,
+                     const unsigned int *functions,
+                     double             *sums)
     {
-      constexpr int n_functions             = power(n, dim);
-      double        force[dim][n_functions] = {};
-      for (const TrialPoint<dim> &point : points)
-        {
-          const auto              shape = evaluated(geometry, point.x);
-          const Gradients<dim, n> gradients(shape);
-          for (int i = 0; i < dim; ++i)
-            for (int J = 0; J < dim; ++J)
-              {
-                const double P = point.volume * point.P[i][J];
-                for (int a = 0; a < n_functions; ++a)
-                  force[i][a] += P * gradients.values[J][a];
-              }
-          if (point.hoop.radius > 0.)
-            {
-              const double P = point.volume * point.hoop.P / point.hoop.radius;
-              double       values[n_functions];
-              shape.multiply(values);
-              for (int a = 0; a < n_functions; ++a)
-                force[0][a] += P * values[a];
-            }
-        }
-      double square = 0.;
+      constexpr int n_padded = (n_functions * dim + 3) / 4 * 4;
+      double        reduced[n_padded], square = 0.;
+      for (int k = 0; k < n_padded; k += 4)
+        store(reduce_four(force + k), reduced + k);
       for (int a = 0; a < n_functions; ++a)
         for (int i = 0; i < dim; ++i)
           {
-            sums[std::size_t(geometry.functions[a]) * dim + i] += force[i][a];
-            square += force[i][a] * force[i][a];
+            const double value = reduced[a * dim + i];
+            sums[std::size_t(functions[a]) * dim + i] += value;
+            square += value * value;
           }
       return square;
     }
-  } // namespace
 
 
 
-  namespace
-  {
+    template <int dim, int n>
+    double
+    add_force_of_cell(const CellGeometry<dim, n>         &geometry,
+                      const std::vector<TrialGroup<dim>> &groups,
+                      double                             *sums)
+    {
+      using Shape = GroupGradients<dim, n, dim, dim == 2>;
+      Simd force[Shape::n_padded];
+      std::fill_n(force, Shape::n_padded, Simd(0.));
+      for (const TrialGroup<dim> &group : groups)
+        {
+          Shape shape;
+          Simd  T[Shape::n_pairs];
+          std::copy_n(group.stress.begin(), Shape::n_pairs, T);
+          shape.template evaluate<true>(geometry, group.x);
+          shape.add_divergence(T, force);
+        }
+      return add_sums_of_cell<dim, power(n, dim)>(force,
+                                                  geometry.functions,
+                                                  sums);
+    }
+
+
+
     /**
-     * Call @p add(geometry, point, force) to add the forces of points on the
+     * Call @p add(geometry, group, force) to add the forces of groups on the
      * window of a cell, and return the sum of their squares.
      */
     template <int dim, int n, typename Add>
     double
     add_forces_of_window(const WindowGeometry<dim, n>       &geometry,
-                         const std::vector<TrialPoint<dim>> &points,
+                         const std::vector<TrialGroup<dim>> &groups,
                          double                             *sums,
                          const Add                          &add)
     {
-      constexpr int n_values        = WindowShape<dim, n>::n_functions * dim;
-      double        force[n_values] = {};
-      for (const TrialPoint<dim> &point : points)
-        add(point, force);
-      double square = 0.;
-      for (int k = 0; k < n_values; ++k)
-        {
-          sums[std::size_t(geometry.functions[k / dim]) * dim + k % dim] +=
-            force[k];
-          square += force[k] * force[k];
-        }
-      return square;
+      constexpr int n_functions = WindowShape<dim, n>::n_functions;
+      Simd          force[(n_functions * dim + 3) / 4 * 4];
+      for (Simd &sum : force)
+        sum = 0.;
+      for (const TrialGroup<dim> &group : groups)
+        add(group, force);
+      return add_sums_of_cell<dim, n_functions>(force,
+                                                geometry.functions,
+                                                sums);
     }
 
 
 
     /**
-     * Add V T : grad N.
+     * Add @p factor T : grad N, and the pair of f_zz times N.
      */
-    template <int dim, typename Shape>
+    template <int dim, int n>
     void
-    add_divergence(const Shape                  &shape,
-                   const double                  volume,
-                   const dealii::Tensor<2, dim> &T,
-                   double                       *force)
+    add_divergence(const WindowShape<dim, n>             &shape,
+                   const typename TrialGroup<dim>::Pairs &T,
+                   const double                           factor,
+                   Simd                                  *force)
     {
-      double values[dim][dim];
+      Simd values[dim][dim];
       for (int i = 0; i < dim; ++i)
         for (int j = 0; j < dim; ++j)
-          values[i][j] = volume * T[i][j];
+          values[i][j] = factor * T[i * dim + j];
       shape.add_divergence(values, force);
-    }
-
-
-
-    /**
-     * Add @p factor V P_zz N / r to the component r, in axisymmetry.
-     */
-    template <int dim, typename Shape>
-    void
-    add_hoop(const Shape           &shape,
-             const TrialPoint<dim> &point,
-             const double           P,
-             const double           factor,
-             double                *force)
-    {
-      if (point.hoop.radius == 0.)
-        return;
-      double values[dim] = {factor * point.volume * P / point.hoop.radius};
-      shape.add_values(values, force);
+      if constexpr (dim == 2)
+        {
+          const Simd hoop[dim] = {factor * T[dim * dim], Simd(0.)};
+          shape.add_values(hoop, force);
+        }
     }
   } // namespace
 
@@ -151,7 +143,7 @@ namespace greville
   template <int dim>
   void
   TrialSums<dim>::add_force(const unsigned int                  cell,
-                            const std::vector<TrialPoint<dim>> &points)
+                            const std::vector<TrialGroup<dim>> &groups)
   {
     with_order(tables.space->degree(), [&](const auto size) {
       constexpr int n = decltype(size)::value;
@@ -160,17 +152,17 @@ namespace greville
           const WindowGeometry<dim, n> geometry(tables, *windows, cell);
           square += add_forces_of_window(
             geometry,
-            points,
+            groups,
             window_sums.data(),
-            [&](const TrialPoint<dim> &point, double *force) {
-              const auto shape = evaluated(geometry, point.x, point.domain);
-              add_divergence<dim>(shape, point.volume, point.P, force);
-              add_hoop<dim>(shape, point, point.hoop.P, 1., force);
+            [&](const TrialGroup<dim> &group, Simd *force) {
+              WindowShape<dim, n> shape;
+              shape.evaluate(geometry, group.x, group.domain);
+              add_divergence(shape, group.stress, 1., force);
             });
           return;
         }
       const CellGeometry<dim, n> geometry(tables, cell);
-      square += add_force_of_cell<dim, n>(geometry, points, sums.data());
+      square += add_force_of_cell<dim, n>(geometry, groups, sums.data());
     });
   }
 
@@ -179,7 +171,8 @@ namespace greville
   template <int dim>
   void
   TrialSums<dim>::add_change(const unsigned int                  cell,
-                             const std::vector<TrialPoint<dim>> &points,
+                             const std::vector<TrialGroup<dim>> &groups,
+                             const PointTangents<dim>           &tangents,
                              const std::vector<double>          &u)
   {
     with_order(tables.space->degree(), [&](const auto size) {
@@ -189,38 +182,25 @@ namespace greville
       read_window(geometry, u.data(), in_window);
       add_forces_of_window(
         geometry,
-        points,
+        groups,
         window_sums.data(),
-        [&](const TrialPoint<dim> &point, double *force) {
+        [&](const TrialGroup<dim> &group, Simd *force) {
           for (const bool at_point : {false, true})
             {
-              const auto shape =
-                evaluated(geometry,
-                          point.x,
-                          at_point ? Tensor<1, dim>() : point.domain);
-              double values[dim], H[dim][dim];
+              Simd no_domain[dim];
+              std::fill_n(no_domain, dim, Simd(0.));
+              WindowShape<dim, n> shape;
+              shape.evaluate(geometry,
+                             group.x,
+                             at_point ? no_domain : group.domain);
+              Simd values[dim], H[dim][dim];
               shape.template evaluate_field<true>(in_window, values, H);
-              // dP_iJ = map_Jj A_ijkl map_Ll H_kL.
-              const Tensor<2, dim> df = Tensor<2, dim>(H) * point.map;
-              Tensor<2, dim>       dP;
-              for (unsigned int i = 0; i < dim; ++i)
-                for (unsigned int j = 0; j < dim; ++j)
-                  dP[i][j] = scalar_product(point.A[i][j], df);
-              if (point.hoop.radius > 0.)
-                {
-                  const double df_hoop = values[0] / point.hoop.radius;
-                  dP += df_hoop * point.hoop.by;
-                  add_hoop<dim>(shape,
-                                point,
-                                point.hoop.A * df_hoop +
-                                  scalar_product(point.hoop.of, df),
-                                at_point ? -1. : 1.,
-                                force);
-                }
-              add_divergence<dim>(shape,
-                                  at_point ? -point.volume : point.volume,
-                                  dP * transpose(point.map),
-                                  force);
+              typename TrialGroup<dim>::Pairs pairs, T;
+              std::copy_n(H[0], dim * dim, pairs.begin());
+              if constexpr (dim == 2)
+                pairs[dim * dim] = values[0];
+              tangents.multiply(group.tangent, pairs.data(), T.data());
+              add_divergence(shape, T, at_point ? -1. : 1., force);
             }
         });
     });

@@ -3,7 +3,6 @@
 // The linear solver of TangentSystem.
 
 #include <greville/linear_algebra/krylov.h>
-#include <greville/points/point_material.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <cmath>
@@ -29,9 +28,12 @@ namespace greville
       {
         windows->read(direction, window_buffer);
         for (const auto &of_cell : domains)
-          sums.add_change(of_cell.first, of_cell.second, window_buffer);
+          sums.add_change(of_cell.first,
+                          of_cell.second,
+                          tangents,
+                          window_buffer);
       }
-    std::vector<TrialPoint<dim>> trials;
+    std::vector<TrialGroup<dim>> groups;
     for (const ProjectedBody<dim> &body : projected_bodies)
       {
         const MaterialPoints<dim> &points = *body.points;
@@ -42,25 +44,26 @@ namespace greville
                                                  body.J_hat,
                                                  body.share)
                                  .data();
-        const Tensor<2, dim>   *derivative = body.derivatives.data();
-        const double           *of_hoop    = body.hoop_derivatives.data();
-        const PointLayout<dim> &layout     = points.layout();
+        const auto *derivative = body.derivatives.data();
         for (const unsigned int cell : points.cells())
           {
-            trials.clear();
-            points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-              TrialPoint<dim> &trial = trials.emplace_back();
-              trial.x                = p.basis_position(layout);
-              trial.volume           = p.volume();
-              trial.P                = *change * *derivative++;
-              if (layout.is_axisymmetric())
-                {
-                  trial.hoop.radius = radius_of_F<dim>(p, layout);
-                  trial.hoop.P      = *change * *of_hoop++;
-                }
-              ++change;
-            });
-            sums.add_force(cell, trials);
+            groups.clear();
+            unsigned int count = points.n_in_first_group(cell);
+            for (unsigned int g = points.first_group(cell); g != points.none;
+                 g = points.next_group(g), count = n_lanes, ++derivative)
+              {
+                TrialGroup<dim> &group  = groups.emplace_back();
+                Lanes            factor = 0.;
+                for (unsigned int lane = 0; lane < count; ++lane)
+                  factor[lane] = *change++;
+                const double *x =
+                  points.group(g) + points.layout().basis_position * n_lanes;
+                for (unsigned int d = 0; d < dim; ++d)
+                  group.x[d] = load<Lanes>(x + d * n_lanes);
+                for (unsigned int r = 0; r < group.stress.size(); ++r)
+                  group.stress[r] = factor * (*derivative)[r];
+              }
+            sums.add_force(cell, groups);
           }
       }
     sums.take_force(force);

@@ -93,57 +93,51 @@ namespace greville
      */
     template <int dim>
     std::array<double, 2>
-    sum_moduli(const std::vector<TrialPoint<dim>> &points)
+    sum_moduli(const std::vector<TrialGroup<dim>> &groups)
     {
-      constexpr double      n_shears = dim * (dim - 1);
-      std::array<double, 2> moduli{};
-      for (const TrialPoint<dim> &point : points)
-        for (unsigned int i = 0; i < dim; ++i)
-          for (unsigned int j = 0; j < dim; ++j)
-            moduli[i == j ? 0 : 1] +=
-              point.volume * point.A[i][j][i][j] / (i == j ? dim : n_shears);
-      return moduli;
+      Lanes compression = 0., shear = 0.;
+      for (const TrialGroup<dim> &group : groups)
+        {
+          compression += group.compression;
+          shear += group.shear;
+        }
+      return {{reduce(compression), reduce(shear)}};
     }
 
 
 
     /**
-     * Append the derivative of P of a point by the logarithm of J hat, for an
+     * Append the derivative of V P of a group by the logarithm of J hat, for an
      * isotropic expansion, 1 / dim in each direction (1 / 3 in axisymmetry),
      * without the dependence of f on it. A share of it remains in the
-     * derivative by f.
+     * derivative by f, a full matrix of @p n_used pairs.
      */
     template <int dim>
     void
-    take_volume_stiffness(TrialPoint<dim> &point, ProjectedBody<dim> &projected)
+    take_volume_stiffness(const int           n_used,
+                          TrialGroup<dim>    &group,
+                          ProjectedBody<dim> &projected)
     {
-      auto          &hoop            = point.hoop;
-      const bool     is_axisymmetric = hoop.radius > 0.;
-      const double   rest            = 1. - projected.share;
-      const double   n               = is_axisymmetric ? 3 : dim;
-      Tensor<2, dim> D = (1. - n) / n * point.P * invert(transpose(point.map));
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          {
-            D[i][j] += trace(point.A[i][j]) / n;
-            if (is_axisymmetric)
-              {
-                D[i][j] += hoop.f * hoop.by[i][j] / n;
-                hoop.by[i][j] -= rest * D[i][j] / hoop.f;
-              }
-            for (unsigned int k = 0; k < dim; ++k)
-              point.A[i][j][k][k] -= rest * D[i][j];
-          }
-      if (is_axisymmetric)
+      const double n    = n_used == TrialGroup<dim>::n_pairs ? 3 : 2;
+      const double rest = 1. - projected.share;
+      typename TrialGroup<dim>::Pairs derivative;
+      derivative.fill(0.);
+      for (int r = 0; r < n_used; ++r)
         {
-          const double of_hoop =
-            (1. - n) / n * hoop.P + (trace(hoop.of) + hoop.f * hoop.A) / n;
-          for (unsigned int k = 0; k < dim; ++k)
-            hoop.of[k][k] -= rest * of_hoop;
-          hoop.A -= rest * of_hoop / hoop.f;
-          projected.hoop_derivatives.push_back(of_hoop);
+          double *row = group.tangent + r * n_used * n_lanes;
+          Lanes   sum = (1. - n) * group.stress[r];
+          for (int s = 0; s < n_used; ++s)
+            sum += load<Lanes>(row + s * n_lanes) * group.expansion[s];
+          sum *= 1. / n;
+          for (int s = 0; s < n_used; ++s)
+            store(Lanes(load<Lanes>(row + s * n_lanes) -
+                        rest * sum * group.dual[s]),
+                  row + s * n_lanes);
+          if (r < dim * dim)
+            group.compression -= rest / dim * sum * group.expansion[r];
+          derivative[r] = sum;
         }
-      projected.derivatives.push_back(D * transpose(point.map));
+      projected.derivatives.push_back(derivative);
     }
 
 
@@ -209,7 +203,6 @@ namespace greville
                                      share_of_volume_stiffness(
                                        body.material->moduli()),
                                      {},
-                                     {},
                                      {}};
         if (projection)
           projected.J_hat = projection->project(*body.points, u, 1.);
@@ -225,25 +218,26 @@ namespace greville
                              body.time,
                              body.strength_reduction,
                              stress,
-                             with_stiffness,
+                             with_stiffness ? &tangents : nullptr,
                              projection ? projected.J_hat.data() : nullptr,
-                             [&](const unsigned int cell, auto &points) {
-                               sums.add_force(cell, points);
+                             [&](const unsigned int cell, auto &groups) {
+                               sums.add_force(cell, groups);
                                if (!with_stiffness)
                                  return;
-                               auto of_cell = sum_moduli<dim>(points);
+                               auto of_cell = sum_moduli<dim>(groups);
                                sums_of_moduli[2] += of_cell[0] * of_cell[0];
                                if (projection)
                                  {
-                                   for (TrialPoint<dim> &point : points)
-                                     take_volume_stiffness(point, projected);
-                                   of_cell = sum_moduli<dim>(points);
+                                   for (TrialGroup<dim> &group : groups)
+                                     take_volume_stiffness(tangents.n_pairs(),
+                                                           group,
+                                                           projected);
+                                   of_cell = sum_moduli<dim>(groups);
                                  }
                                sums_of_moduli[0] += of_cell[0];
                                sums_of_moduli[1] += of_cell[1];
                                if (windows && windows->reaches(cell))
-                                 domains.emplace_back(cell, points);
-                               tangents.add(cell, points);
+                                 domains.emplace_back(cell, groups);
                              });
           }
         catch (const std::exception &error)

@@ -130,14 +130,11 @@ namespace greville
         t = 0.;
       for (unsigned int lane = 0; lane < points.count; ++lane)
         {
-          State state{};
-          for (unsigned int k = 0; k < points.n_state; ++k)
-            state[k] = points.state[k][lane];
+          State           state = state_of(points, lane);
           const Principal strain{{eps[0][lane], eps[1][lane], eps[2][lane]}};
           const Principal dev           = deviator_of(strain);
           const CriticalStateStep trial = make_trial(volume[lane], strain);
-          begin(state);
-          CriticalStateReturn end{trial.log_pressure, trial.q};
+          CriticalStateReturn     end{trial.log_pressure, trial.q};
           has_changed[lane]   = law().return_map(trial, state, end, false);
           any_changed         = any_changed || has_changed[lane];
           const double factor = trial.q > 0. ? end.q / trial.q : 1.;
@@ -173,25 +170,24 @@ namespace greville
     }
 
     PrincipalTangent
-    linearize(const MaterialPoint        *points,
-              const unsigned int          count,
+    linearize(const MaterialLanes        &points,
               const std::array<Lanes, 3> &eps) const
     {
       PrincipalTangent tangent;
+      const Lanes      volume = determinant(points.increment);
       for (unsigned int a = 0; a < 3; ++a)
         {
           tangent.stress[a] = 0.;
           tangent.moduli[a].fill(0.);
           tangent.secants[a] = 0.;
         }
-      for (unsigned int lane = 0; lane < count; ++lane)
+      for (unsigned int lane = 0; lane < points.count; ++lane)
         {
           const Principal strain{{eps[0][lane], eps[1][lane], eps[2][lane]}};
-          const Principal dev = deviator_of(strain);
-          const CriticalStateStep trial =
-            make_trial(determinant(points[lane].increment), strain);
-          State state = points[lane].state;
-          begin(state);
+          const Principal dev           = deviator_of(strain);
+          const CriticalStateStep trial = make_trial(volume[lane], strain);
+          State                   state = state_of(points, lane);
+
           CriticalStateReturn end{trial.log_pressure, trial.q};
           end.pressure_by_volume = -1. / elastic.kappa;
           law().return_map(trial, state, end, true);
@@ -273,12 +269,19 @@ namespace greville
       return -elastic.attraction * std::expm1(log_pressure);
     }
 
-    /// Replace a state of zeros by the state of a stress-free point.
-    void
-    begin(State &state) const
+    /**
+     * Return the state of the point in a lane; a state of zeros becomes the
+     * state of a stress-free point.
+     */
+    State
+    state_of(const MaterialLanes &points, const unsigned int lane) const
     {
+      State state{};
+      for (unsigned int k = 0; k < points.n_state; ++k)
+        state[k] = points.state[k][lane];
       if (state[size] == 0.)
         law().set_initial(state, 0., 0.);
+      return state;
     }
   };
 } // namespace greville

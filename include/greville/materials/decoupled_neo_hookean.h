@@ -122,37 +122,30 @@ namespace greville
     }
 
     void
-    tangents(const dealii::ArrayView<const MaterialPoint> &points,
-             const dealii::ArrayView<MaterialTangent>     &result,
-             const unsigned int                            dim) const override
+    tangent_lanes(const MaterialLanes &points,
+                  TangentLanes        &D,
+                  const unsigned int   dim) const override
     {
-      AssertThrow(points.size() == result.size(),
-                  dealii::ExcDimensionMismatch(points.size(), result.size()));
-      for (std::size_t p = 0; p < points.size(); ++p)
-        {
-          // J D = K J^2 1 x 1 - J sigma x 1 + mu (change of bbar, deviator)
-          const double J  = points[p].J;
-          const double mu = elastic.shear * shape_factor(J) / J;
-          const auto   b  = left_cauchy_green_less_one(points[p].F) +
-                         dealii::unit_symmetric_tensor<3>();
-          const auto       s = deviator(b);
-          MaterialTangent &D = result[p];
-          D                  = 0.;
-          for (unsigned int k = 0; k < dim; ++k)
-            for (unsigned int l = 0; l < dim; ++l)
-              for (unsigned int i = 0; i < 3; ++i)
-                {
-                  D[i][k][k][l] += mu * b[i][l];
-                  D[k][i][k][l] += mu * b[i][l];
-                  D[i][i][k][l] -= 2. / 3. * mu * b[k][l];
-                  if (k == l)
-                    {
-                      D[i][i][k][k] += elastic.bulk * J - pressure(J);
-                      for (unsigned int j = 0; j < 3; ++j)
-                        D[i][j][k][k] -= 5. / 3. * mu * s[i][j];
-                    }
-                }
-        }
+      // J D = K J^2 1 x 1 - J sigma x 1 + mu (change of bbar, deviator)
+      const Lanes         &J  = points.J;
+      const Lanes          mu = elastic.shear * shape_factor(J) / J;
+      std::array<Lanes, 6> b  = left_cauchy_green_less_one(points.F);
+      for (unsigned int e = 0; e < 6; ++e)
+        b[e] = mu * (e < 3 ? 1. + b[e] : b[e]);
+      const Lanes mean       = (b[0] + b[1] + b[2]) * (1. / 3.);
+      const Lanes volumetric = elastic.bulk * J - pressure(J);
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int l = 0; l < dim; ++l)
+          for (unsigned int e = 0; e < 6; ++e)
+            {
+              Lanes sum = change_of_left_cauchy_green(b, e, k, l);
+              if (e < 3)
+                sum -= 2. / 3. * b[number_of_entry[k][l]];
+              if (k == l)
+                sum += e < 3 ? volumetric - 5. / 3. * (b[e] - mean)
+                             : -5. / 3. * b[e];
+              D[e][3 * k + l] = sum;
+            }
     }
 
     bool
@@ -163,18 +156,15 @@ namespace greville
 
   private:
     /// Return J^(-2/3), or NaN if J is not positive.
-    template <typename Number>
-    static Number
-    shape_factor(const Number &J)
+    static Lanes
+    shape_factor(const Lanes &J)
     {
-      return 1. +
-             exp_less_one(Number(-2. / 3. * log_of_one_plus(Number(J - 1.))));
+      return 1. + exp_less_one(-2. / 3. * log_of_one_plus(J - 1.));
     }
 
     /// Return the mean Cauchy stress.
-    template <typename Number>
-    Number
-    pressure(const Number &J) const
+    Lanes
+    pressure(const Lanes &J) const
     {
       return 0.5 * elastic.bulk * (J - 1.) * (J + 1.) / J;
     }

@@ -41,7 +41,7 @@ namespace greville
    * which updates the state of points from the trial tensor e, its spectrum and
    * its strains eps and returns the principal Kirchhoff stresses; and
    *   PrincipalTangent
-   *   linearize(const MaterialPoint *points, unsigned int count,
+   *   linearize(const MaterialLanes &points,
    *             const std::array<Lanes, 3> &eps) const,
    * the derivatives of these stresses.
    *
@@ -76,17 +76,71 @@ namespace greville
     }
 
     void
-    tangents(const dealii::ArrayView<const MaterialPoint> &points,
-             const dealii::ArrayView<MaterialTangent>     &result,
-             const unsigned int                            dim) const final
+    tangent_lanes(const MaterialLanes &points,
+                  TangentLanes        &D,
+                  const unsigned int   dim) const final
     {
-      AssertThrow(points.size() == result.size(),
-                  dealii::ExcDimensionMismatch(points.size(), result.size()));
-      for (std::size_t first = 0; first < points.size(); first += n_lanes)
-        differentiate(points.begin() + first,
-                      std::min<std::size_t>(n_lanes, points.size() - first),
-                      result.begin() + first,
-                      dim);
+      const Lanes                        inverse_J = inverse_of(points.J);
+      const SpectralDecomposition<Lanes> spectrum(law().trial(points));
+      const auto                         n = spectrum.directions();
+      PrincipalTangent                   tangent =
+        law().linearize(points, logarithmic_strains(spectrum.values));
+
+      // The factors of l_ab and l_ba for pairs (a, b), and the tensors n_a
+      // n_a^T and n_a n_b^T + n_b n_a^T.
+      constexpr unsigned int first[] = {0, 0, 1}, second[] = {1, 2, 2};
+      std::array<Lanes, 3>   there, back;
+      std::array<Lanes, 6>   normal[3], shear[3];
+      for (unsigned int pair = 0; pair < 3; ++pair)
+        {
+          const unsigned int a = first[pair], b = second[pair];
+          const Lanes        x = (spectrum.values[a] - spectrum.values[b]) /
+                          (1. + spectrum.values[b]);
+          const Lanes ratio =
+            choose(x == 0.,
+                   Lanes(1.),
+                   log_of_one_plus(x) / choose(x == 0., Lanes(1.), x));
+          there[pair] = 0.5 * inverse_J * tangent.secants[pair] * ratio;
+          back[pair]  = (1. + x) * there[pair];
+        }
+      for (unsigned int i = 0; i < 6; ++i)
+        {
+          const unsigned int r = entry_rows[i], c = entry_columns[i];
+          for (unsigned int a = 0; a < 3; ++a)
+            {
+              normal[a][i] = n[a][r] * n[a][c];
+              shear[a][i]  = n[first[a]][r] * n[second[a]][c] +
+                            n[second[a]][r] * n[first[a]][c];
+            }
+        }
+      for (unsigned int a = 0; a < 3; ++a)
+        {
+          tangent.stress[a] *= inverse_J;
+          for (unsigned int b = 0; b < 3; ++b)
+            tangent.moduli[a][b] *= inverse_J;
+        }
+
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int l = 0; l < dim; ++l)
+          {
+            Lanes diagonal[3], other[3];
+            for (unsigned int a = 0; a < 3; ++a)
+              {
+                diagonal[a] = tangent.moduli[a][0] * (n[0][k] * n[0][l]) +
+                              tangent.moduli[a][1] * (n[1][k] * n[1][l]) +
+                              tangent.moduli[a][2] * (n[2][k] * n[2][l]);
+                if (k == l)
+                  diagonal[a] -= tangent.stress[a];
+                other[a] = there[a] * (n[first[a]][k] * n[second[a]][l]) +
+                           back[a] * (n[second[a]][k] * n[first[a]][l]);
+              }
+            for (unsigned int i = 0; i < 6; ++i)
+              D[i][3 * k + l] =
+                (diagonal[0] * normal[0][i] + diagonal[1] * normal[1][i] +
+                 diagonal[2] * normal[2][i]) +
+                (other[0] * shear[0][i] + other[1] * shear[1][i] +
+                 other[2] * shear[2][i]);
+          }
     }
 
     EnergyLanes
@@ -133,91 +187,6 @@ namespace greville
       return choose(J > 0.,
                     Lanes(1. / J),
                     Lanes(std::numeric_limits<double>::quiet_NaN()));
-    }
-
-    void
-    differentiate(const MaterialPoint *points,
-                  const unsigned int   count,
-                  MaterialTangent     *result,
-                  const unsigned int   dim) const
-    {
-      const MaterialLanes                lanes(points, count);
-      const Lanes                        inverse_J = inverse_of(lanes.J);
-      const SpectralDecomposition<Lanes> spectrum(law().trial(lanes));
-      const auto                         n = spectrum.directions();
-      PrincipalTangent                   tangent =
-        law().linearize(points, count, logarithmic_strains(spectrum.values));
-
-      // The factors of l_ab and l_ba for pairs (a, b), and the tensors n_a
-      // n_a^T and n_a n_b^T + n_b n_a^T.
-      constexpr unsigned int first[] = {0, 0, 1}, second[] = {1, 2, 2};
-      std::array<Lanes, 3>   there, back;
-      std::array<Lanes, 6>   normal[3], shear[3];
-      for (unsigned int pair = 0; pair < 3; ++pair)
-        {
-          const unsigned int a = first[pair], b = second[pair];
-          const Lanes        x = (spectrum.values[a] - spectrum.values[b]) /
-                          (1. + spectrum.values[b]);
-          const Lanes ratio =
-            choose(x == 0.,
-                   Lanes(1.),
-                   log_of_one_plus(x) / choose(x == 0., Lanes(1.), x));
-          there[pair] = 0.5 * inverse_J * tangent.secants[pair] * ratio;
-          back[pair]  = (1. + x) * there[pair];
-        }
-      for (unsigned int i = 0; i < 6; ++i)
-        {
-          const unsigned int r = entry_rows[i], c = entry_columns[i];
-          for (unsigned int a = 0; a < 3; ++a)
-            {
-              normal[a][i] = n[a][r] * n[a][c];
-              shear[a][i]  = n[first[a]][r] * n[second[a]][c] +
-                            n[second[a]][r] * n[first[a]][c];
-            }
-        }
-      for (unsigned int a = 0; a < 3; ++a)
-        {
-          tangent.stress[a] *= inverse_J;
-          for (unsigned int b = 0; b < 3; ++b)
-            tangent.moduli[a][b] *= inverse_J;
-        }
-
-      for (unsigned int lane = 0; lane < count && dim == 2; ++lane)
-        result[lane] = 0.;
-      for (unsigned int k = 0; k < dim; ++k)
-        for (unsigned int l = 0; l < dim; ++l)
-          {
-            Lanes diagonal[3], other[3];
-            for (unsigned int a = 0; a < 3; ++a)
-              {
-                diagonal[a] = tangent.moduli[a][0] * (n[0][k] * n[0][l]) +
-                              tangent.moduli[a][1] * (n[1][k] * n[1][l]) +
-                              tangent.moduli[a][2] * (n[2][k] * n[2][l]);
-                if (k == l)
-                  diagonal[a] -= tangent.stress[a];
-                other[a] = there[a] * (n[first[a]][k] * n[second[a]][l]) +
-                           back[a] * (n[second[a]][k] * n[first[a]][l]);
-              }
-            double entries[6][n_lanes];
-            for (unsigned int i = 0; i < 6; ++i)
-              {
-                const Lanes entry =
-                  (diagonal[0] * normal[0][i] + diagonal[1] * normal[1][i] +
-                   diagonal[2] * normal[2][i]) +
-                  (other[0] * shear[0][i] + other[1] * shear[1][i] +
-                   other[2] * shear[2][i]);
-                entry.copy_to(entries[i], std::experimental::element_aligned);
-              }
-            for (unsigned int lane = 0; lane < count; ++lane)
-              {
-                MaterialTangent &D = result[lane];
-                for (unsigned int i = 0; i < 3; ++i)
-                  D[i][i][k][l] = entries[i][lane];
-                D[0][1][k][l] = D[1][0][k][l] = entries[3][lane];
-                D[0][2][k][l] = D[2][0][k][l] = entries[4][lane];
-                D[1][2][k][l] = D[2][1][k][l] = entries[5][lane];
-              }
-          }
     }
   };
 } // namespace greville

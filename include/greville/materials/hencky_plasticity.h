@@ -137,34 +137,32 @@ namespace greville
     }
 
     PrincipalTangent
-    linearize(const MaterialPoint *points,
-              const unsigned int   count,
-              std::array<Lanes, 3> eps) const
+    linearize(const MaterialLanes &points, std::array<Lanes, 3> eps) const
     {
       // Openings that close without stress take away volumetric strain.
       bool keeps_volume[n_lanes] = {};
       if constexpr (Law::opens)
-        for (unsigned int lane = 0; lane < count; ++lane)
-          if (points[lane].state[opening] > 0.)
+        for (unsigned int lane = 0; lane < points.count; ++lane)
+          if (points.state[opening][lane] > 0.)
             {
-              const double open = points[lane].state[opening];
+              const double open = points.state[opening][lane];
               const double closed =
-                close(eps, lane, open, points[lane].state[plastic_strain]);
+                close(eps, lane, open, points.state[plastic_strain][lane]);
               keeps_volume[lane] = closed > 0. && closed < open;
             }
 
       const double     lambda = elastic.lambda, G = elastic.shear;
       PrincipalTangent tangent = this->elastic_tangent(eps);
-      for (unsigned int lane = 0; lane < count; ++lane)
+      for (unsigned int lane = 0; lane < points.count; ++lane)
         {
           Principal tau{{tangent.stress[0][lane],
                          tangent.stress[1][lane],
                          tangent.stress[2][lane]}};
-          double    alpha        = points[lane].state[plastic_strain],
-                 opened          = points[lane].state[opening];
+          double    alpha        = points.state[plastic_strain][lane],
+                 opened          = points.state[opening][lane];
           ReturnTangent returned = {};
           if (law().return_map(
-                tau, alpha, opened, points[lane].strength_reduction, &returned))
+                tau, alpha, opened, points.strength_reduction, &returned))
             for (unsigned int a = 0; a < 3; ++a)
               {
                 const auto  &slopes      = returned.slopes[a];

@@ -22,6 +22,11 @@ namespace greville
   constexpr unsigned int entry_rows[]    = {0, 1, 2, 0, 0, 1};
   constexpr unsigned int entry_columns[] = {0, 1, 2, 1, 2, 2};
 
+  /// The number of each entry of a symmetric tensor in this order.
+  constexpr unsigned int number_of_entry[3][3] = {{0, 3, 4},
+                                                  {3, 1, 5},
+                                                  {4, 5, 2}};
+
 
 
   // Return, lane by lane, a where the condition holds and b elsewhere. With

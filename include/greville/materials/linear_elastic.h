@@ -67,9 +67,7 @@ namespace greville
     }
 
     PrincipalTangent
-    linearize(const MaterialPoint *,
-              const unsigned int,
-              const std::array<Lanes, 3> &eps) const
+    linearize(const MaterialLanes &, const std::array<Lanes, 3> &eps) const
     {
       return elastic_tangent(eps);
     }

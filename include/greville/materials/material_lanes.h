@@ -97,9 +97,18 @@ namespace greville
 
 
   /**
+   * A MaterialTangent of several points: D_ijkl is at [entry][3 k + l], with
+   * the entries ij = xx, yy, zz, xy, xz, yz.
+   */
+  using TangentLanes = std::array<std::array<Lanes, 9>, 6>;
+
+
+
+  /**
    * A Material that updates as many points at once as Lanes hold: a law
-   * implements update_lanes(), which the kernels of explicit steps call with
-   * their groups of points, and energies() or strain_energy().
+   * implements update_lanes() and, for implicit steps, tangent_lanes(), which
+   * kernels call with their groups of points, and energies() or
+   * strain_energy().
    */
   class LanesMaterial : public Material
   {
@@ -126,12 +135,95 @@ namespace greville
         }
     }
 
+    /**
+     * Compute the derivatives of the stresses that update_lanes() returns, as
+     * tangents(); columns with k or l >= @p dim are not set. The default uses
+     * central differences.
+     */
+    virtual void
+    tangent_lanes(const MaterialLanes &points,
+                  TangentLanes        &D,
+                  const unsigned int   dim) const
+    {
+      constexpr double difference = 0x1p-23; // see Material::tangents()
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int l = 0; l < dim; ++l)
+          {
+            for (const double change : {difference, -difference})
+              {
+                MaterialLanes moved = points;
+                for (unsigned int j = 0; j < 3; ++j)
+                  {
+                    moved.increment[3 * k + j] +=
+                      change * points.increment[3 * l + j];
+                    moved.F[3 * k + j] += change * points.F[3 * l + j];
+                  }
+                if (k == l)
+                  moved.J *= 1. + change;
+                update_lanes(moved);
+                for (unsigned int e = 0; e < 6; ++e)
+                  D[e][3 * k + l] =
+                    change > 0.
+                      ? moved.stress[e]
+                      : (D[e][3 * k + l] - moved.stress[e]) / (2. * difference);
+              }
+          }
+    }
+
+    void
+    tangents(const dealii::ArrayView<const MaterialPoint> &points,
+             const dealii::ArrayView<MaterialTangent>     &result,
+             const unsigned int                            dim) const final
+    {
+      AssertThrow(points.size() == result.size(),
+                  dealii::ExcDimensionMismatch(points.size(), result.size()));
+      TangentLanes D;
+      for (auto &row : D)
+        row.fill(0.);
+      for (std::size_t first = 0; first < points.size(); first += n_lanes)
+        {
+          const MaterialLanes lanes(
+            points.begin() + first,
+            std::min<std::size_t>(n_lanes, points.size() - first));
+          tangent_lanes(lanes, D, dim);
+          for (unsigned int lane = 0; lane < lanes.count; ++lane)
+            for (unsigned int e = 0; e < 6; ++e)
+              for (unsigned int kl = 0; kl < 9; ++kl)
+                {
+                  const unsigned int i = entry_rows[e], j = entry_columns[e];
+                  MaterialTangent   &of_point = result[first + lane];
+                  of_point[i][j][kl / 3][kl % 3] =
+                    of_point[j][i][kl / 3][kl % 3] = D[e][kl][lane];
+                }
+        }
+    }
+
     double
     strain_energy(const MaterialPoint &point) const override
     {
       return energies(MaterialLanes(point)).strain[0];
     }
   };
+
+
+
+  /**
+   * Return the change of an entry of b if l_kl = 1: (l b + b l^T)_ij.
+   */
+  inline __attribute__((always_inline)) Lanes
+  change_of_left_cauchy_green(const std::array<Lanes, 6> &b,
+                              const unsigned int          entry,
+                              const unsigned int          k,
+                              const unsigned int          l)
+  {
+    const unsigned int i = entry_rows[entry], j = entry_columns[entry];
+    Lanes              sum = 0.;
+    if (i == k)
+      sum += b[number_of_entry[l][j]];
+    if (j == k)
+      sum += b[number_of_entry[l][i]];
+    return sum;
+  }
 
 
 

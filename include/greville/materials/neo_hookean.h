@@ -128,39 +128,27 @@ namespace greville
     }
 
     void
-    tangents(const dealii::ArrayView<const MaterialPoint> &points,
-             const dealii::ArrayView<MaterialTangent>     &result,
-             const unsigned int                            dim) const override
+    tangent_lanes(const MaterialLanes &points,
+                  TangentLanes        &D,
+                  const unsigned int   dim) const override
     {
-      AssertThrow(points.size() == result.size(),
-                  dealii::ExcDimensionMismatch(points.size(), result.size()));
-      const double lambda = elastic.lambda, mu = elastic.shear;
-      for (std::size_t p = 0; p < points.size(); ++p)
-        {
-          // J D = lambda 1 x 1 + (change of mu b) - J sigma x 1
-          const double inverse_J = 1. / points[p].J;
-          const double pressure  = lambda * std::log(points[p].J) - mu;
-          const auto   b         = left_cauchy_green_less_one(points[p].F) +
-                         dealii::unit_symmetric_tensor<3>();
-          MaterialTangent &D = result[p];
-          D                  = 0.;
-          for (unsigned int k = 0; k < dim; ++k)
-            for (unsigned int l = 0; l < dim; ++l)
-              {
-                for (unsigned int i = 0; i < 3; ++i)
-                  {
-                    D[i][k][k][l] += mu * inverse_J * b[i][l];
-                    D[k][i][k][l] += mu * inverse_J * b[i][l];
-                  }
-                if (k == l)
-                  for (unsigned int i = 0; i < 3; ++i)
-                    {
-                      D[i][i][k][k] += (lambda - pressure) * inverse_J;
-                      for (unsigned int j = 0; j < 3; ++j)
-                        D[i][j][k][k] -= mu * inverse_J * b[i][j];
-                    }
-              }
-        }
+      // J D = lambda 1 x 1 + (change of mu b) - J sigma x 1
+      const Lanes inverse_J = 1. / points.J, mu = elastic.shear * inverse_J;
+      const Lanes volumetric =
+        elastic.lambda * inverse_J * (1. - log_of_one_plus(points.J - 1.)) + mu;
+      std::array<Lanes, 6> b = left_cauchy_green_less_one(points.F);
+      for (unsigned int e = 0; e < 6; ++e)
+        b[e] = mu * (e < 3 ? 1. + b[e] : b[e]);
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int l = 0; l < dim; ++l)
+#pragma GCC unroll 6
+          for (unsigned int e = 0; e < 6; ++e)
+            {
+              Lanes sum = change_of_left_cauchy_green(b, e, k, l);
+              if (k == l)
+                sum += e < 3 ? volumetric - b[e] : -b[e];
+              D[e][3 * k + l] = sum;
+            }
     }
 
     bool

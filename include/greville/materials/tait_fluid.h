@@ -107,58 +107,84 @@ namespace greville
     void
     update_lanes(MaterialLanes &points) const override
     {
-      const std::array<Lanes, 9> &f = points.increment;
-      const Lanes                 ratio =
+      const Flow  flow(points);
+      const Lanes ratio =
         exp_less_one(Lanes(-exponent * log_of_one_plus(points.J - 1.)));
-      const Lanes::mask_type torn =
-        allow_tension ? Lanes::mask_type(false) : points.J > 1.;
-      const Lanes pressure = choose(torn, Lanes(0.), B * ratio);
-      points.wave_modulus  = B * exponent * (1. + ratio);
-
-      const double inverse_dt = points.dt > 0. ? 1. / points.dt : 0.;
-      Lanes        d[6]       = {(f[0] - 1.) * inverse_dt,
-                                 (f[4] - 1.) * inverse_dt,
-                                 (f[8] - 1.) * inverse_dt,
-                                 0.5 * (f[1] + f[3]) * inverse_dt,
-                                 0.5 * (f[2] + f[6]) * inverse_dt,
-                                 0.5 * (f[5] + f[7]) * inverse_dt};
-      const Lanes  rate       = d[0] + d[1] + d[2];
-      for (unsigned int i = 0; i < 3; ++i)
-        d[i] -= rate / 3.;
-      const Lanes square = 2. * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) +
-                           4. * (d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
+      const Lanes::mask_type torn     = is_torn(points);
+      const Lanes            pressure = choose(torn, Lanes(0.), B * ratio);
+      points.wave_modulus             = B * exponent * (1. + ratio);
 
       Lanes eta;
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        eta[lane] = static_cast<const Law &>(*this).viscosity(square[lane]);
+        eta[lane] = law().viscosity(flow.square[lane]);
       const Lanes zeta = choose(torn, Lanes(0.), Lanes(bulk_viscosity));
-      const Lanes mean = zeta * rate - pressure;
+      const Lanes mean = zeta * flow.rate - pressure;
       for (unsigned int i = 0; i < 3; ++i)
         {
-          points.stress[i]     = mean + 2. * eta * d[i];
-          points.stress[i + 3] = 2. * eta * d[i + 3];
+          points.stress[i]     = mean + 2. * eta * flow.d[i];
+          points.stress[i + 3] = 2. * eta * flow.d[i + 3];
         }
-      points.state[0] +=
-        points.dt * points.J * (eta * square + zeta * rate * rate);
+      points.state[0] += points.dt * points.J *
+                         (eta * flow.square + zeta * flow.rate * flow.rate);
     }
 
+    /**
+     * With df = l f: d(d)_ij / d l_kl = (delta_ik f_lj + delta_jk f_li) / (2
+     * dt).
+     */
     void
-    tangents(const dealii::ArrayView<const MaterialPoint> &points,
-             const dealii::ArrayView<MaterialTangent>     &result,
-             const unsigned int                            dim) const override
+    tangent_lanes(const MaterialLanes &points,
+                  TangentLanes        &D,
+                  const unsigned int   dim) const override
     {
-      AssertThrow(points.size() == result.size(),
-                  dealii::ExcDimensionMismatch(points.size(), result.size()));
-      for (std::size_t p = 0; p < points.size(); ++p)
-        result[p] = tangent(points[p], dim);
+      const std::array<Lanes, 9> &f = points.increment;
+      const Flow                  flow(points);
+      const Lanes::mask_type      torn = is_torn(points);
+      const Lanes                 modulus =
+        choose(torn,
+               Lanes(0.),
+               B * exponent *
+                 (1. + exp_less_one(
+                         Lanes(-exponent * log_of_one_plus(points.J - 1.)))));
+      Lanes eta, slope;
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        {
+          const double square = flow.square[lane];
+          eta[lane]           = flow.inverse_dt * law().viscosity(square);
+          slope[lane] = 8. * flow.inverse_dt * law().viscosity_slope(square);
+        }
+      const Lanes zeta =
+        choose(torn, Lanes(0.), Lanes(flow.inverse_dt * bulk_viscosity));
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int l = 0; l < dim; ++l)
+          {
+            const Lanes *f_l    = &f[3 * l];
+            Lanes        change = 0.;
+            for (unsigned int j = 0; j < 3; ++j)
+              change += flow.d[number_of_entry[k][j]] * f_l[j];
+            change *= slope;
+            Lanes mean = (zeta - 2. / 3. * eta) * f_l[k];
+            if (k == l)
+              mean += modulus;
+            for (unsigned int e = 0; e < 6; ++e)
+              {
+                Lanes sum = change * flow.d[e];
+                if (e < 3)
+                  sum += mean;
+                if (entry_rows[e] == k)
+                  sum += eta * f_l[entry_columns[e]];
+                if (entry_columns[e] == k)
+                  sum += eta * f_l[entry_rows[e]];
+                D[e][3 * k + l] = sum;
+              }
+          }
     }
 
     /// Symmetric without viscosity.
     bool
     has_symmetric_tangent() const override
     {
-      return static_cast<const Law &>(*this).largest_viscosity() == 0. &&
-             bulk_viscosity == 0.;
+      return law().largest_viscosity() == 0. && bulk_viscosity == 0.;
     }
 
     EnergyLanes
@@ -191,50 +217,48 @@ namespace greville
     {
       return {this->density * sound_speed * sound_speed,
               0.,
-              static_cast<const Law &>(*this).largest_viscosity(),
+              law().largest_viscosity(),
               bulk_viscosity};
     }
 
   private:
-    /**
-     * With df = l f: d(d)_ij / d l_kl = (delta_ik f_lj + delta_jk f_li) / (2
-     * dt).
-     */
-    MaterialTangent
-    tangent(const MaterialPoint &point, const unsigned int dim) const
+    /// The rate of deformation, 1/s.
+    struct Flow
     {
-      const dealii::Tensor<2, 3> &f    = point.increment;
-      const bool                  torn = point.J > 1. && !allow_tension;
-      const double                modulus =
-        torn ? 0. : B * exponent * std::exp(-exponent * std::log(point.J));
-      const double inverse_dt = point.dt > 0. ? 1. / point.dt : 0.;
-      const dealii::SymmetricTensor<2, 3> d = deviator(
-        inverse_dt * (symmetrize(f) - dealii::unit_symmetric_tensor<3>()));
-      const double square = 2. * (d * d);
-      const Law   &law    = static_cast<const Law &>(*this);
-      const double eta    = inverse_dt * law.viscosity(square),
-                   slope  = 8. * inverse_dt * law.viscosity_slope(square),
-                   zeta   = inverse_dt * (torn ? 0. : bulk_viscosity);
+      explicit Flow(const MaterialLanes &points)
+        : inverse_dt(points.dt > 0. ? 1. / points.dt : 0.)
+      {
+        const std::array<Lanes, 9> &f = points.increment;
+        d                             = {{(f[0] - 1.) * inverse_dt,
+                                          (f[4] - 1.) * inverse_dt,
+                                          (f[8] - 1.) * inverse_dt,
+                                          0.5 * (f[1] + f[3]) * inverse_dt,
+                                          0.5 * (f[2] + f[6]) * inverse_dt,
+                                          0.5 * (f[5] + f[7]) * inverse_dt}};
+        rate                          = d[0] + d[1] + d[2];
+        for (unsigned int i = 0; i < 3; ++i)
+          d[i] -= rate / 3.;
+        square = 2. * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) +
+                 4. * (d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
+      }
 
-      MaterialTangent D;
-      for (unsigned int k = 0; k < dim; ++k)
-        for (unsigned int l = 0; l < dim; ++l)
-          {
-            const double mean =
-              (zeta - 2. / 3. * eta) * f[l][k] + (k == l ? modulus : 0.);
-            const double change =
-              slope *
-              (d[k][0] * f[l][0] + d[k][1] * f[l][1] + d[k][2] * f[l][2]);
-            for (unsigned int i = 0; i < 3; ++i)
-              {
-                D[i][i][k][l] += mean;
-                D[i][k][k][l] += eta * f[l][i];
-                D[k][i][k][l] += eta * f[l][i];
-                for (unsigned int j = 0; j < 3; ++j)
-                  D[i][j][k][l] += change * d[i][j];
-              }
-          }
-      return D;
+      double inverse_dt;
+      /// The trace, the deviator, and its square 2 d : d.
+      Lanes                rate;
+      std::array<Lanes, 6> d;
+      Lanes                square;
+    };
+
+    const Law &
+    law() const
+    {
+      return static_cast<const Law &>(*this);
+    }
+
+    Lanes::mask_type
+    is_torn(const MaterialLanes &points) const
+    {
+      return allow_tension ? Lanes::mask_type(false) : points.J > 1.;
     }
 
     static constexpr double exponent = 7.;

@@ -3,8 +3,11 @@
 #ifndef greville_points_point_tangents_h
 #define greville_points_point_tangents_h
 
+#include <deal.II/base/aligned_vector.h>
+
 #include <greville/mass/stencil_matrix.h>
-#include <greville/points/trial_step.h>
+#include <greville/materials/lanes.h>
+#include <greville/points/point_transfer.h>
 
 #include <functional>
 #include <vector>
@@ -46,7 +49,7 @@ namespace greville
     void
     clear(const bool symmetric, const bool axisymmetric);
 
-    /// Reserve memory for exactly this number of groups of points.
+    /// Reserve memory for the groups that are added afterwards.
     void
     reserve(const std::size_t n_groups);
 
@@ -56,11 +59,32 @@ namespace greville
       return symmetric;
     }
 
+    /// Return the number of pairs (iJ), with the pair of f_zz.
+    int
+    n_pairs() const
+    {
+      return dim * dim + (axisymmetric ? 1 : 0);
+    }
+
+    /// Return the number of doubles of a group of points.
+    std::size_t
+    group_size() const
+    {
+      const unsigned int n = n_pairs();
+      return (dim + (symmetric ? n * (n + 1) / 2 : n * n)) * n_lanes;
+    }
+
     /**
-     * Add points of an owned cell with their derivatives.
+     * Add the points of an owned cell, and return the numbers of its first
+     * group, which the caller sets to x and C, [number][lane]. Lanes without a
+     * point have zero C, and a position in the cell.
      */
+    double *
+    add_cell(const unsigned int cell, const unsigned int n_points);
+
+    /// Compute T = C H for the pairs of a group with this @p C.
     void
-    add(const unsigned int cell, const std::vector<TrialPoint<dim>> &points);
+    multiply(const double *C, const Lanes *H, Lanes *T) const;
 
     /**
      * Compute y += K x for vectors on the places of a matrix on the space, with
@@ -97,23 +121,18 @@ namespace greville
       std::size_t  first; // number
     };
 
-    unsigned int
-    n_numbers() const
-    {
-      const unsigned int n = dim * dim + (axisymmetric ? 1 : 0);
-      return dim + (symmetric ? n * (n + 1) / 2 : n * n);
-    }
-
     template <int n, bool with_hoop>
     void
-    multiply(double                   *y,
-             const double             *x,
-             const StencilMatrix<dim> &stencil) const;
+    add_product_of_order(double                   *y,
+                         const double             *x,
+                         const StencilMatrix<dim> &stencil) const;
 
     SpacePolynomials<dim>   tables;
     bool                    symmetric = true, axisymmetric = false;
     std::vector<CellPoints> cells;
-    std::vector<double>     numbers; // [cell][group][number][lane]
+    std::size_t             n_used = 0;
+    // [cell][group][number][lane]
+    dealii::AlignedVector<double> numbers;
   };
 } // namespace greville
 

@@ -3,8 +3,10 @@
 #ifndef greville_points_trial_step_h
 #define greville_points_trial_step_h
 
+#include <greville/materials/lanes.h>
 #include <greville/points/trial_surface.h>
 
+#include <array>
 #include <functional>
 
 namespace greville
@@ -24,48 +26,50 @@ namespace greville
 
 
   /**
-   * A point in a trial step, in the configuration at its begin.
+   * Up to four points of a cell in a trial step, in the configuration at its
+   * begin. Lanes without a point have zeros, except for positions and domains.
    */
   template <int dim>
-  struct TrialPoint
+  struct TrialGroup
   {
+    /// The number of pairs (iJ), row by row, followed in 2D by the pair of f_zz
+    /// = 1 + u_r / radius, which multiplies u_r in place of a derivative; it is
+    /// zero in plane strain.
+    static constexpr int n_pairs = dim == 2 ? 5 : 9;
+    using Pairs                  = std::array<Lanes, n_pairs>;
+
     /// The position at which basis functions are evaluated, m.
-    dealii::Point<dim> x;
-    /// The volume at the start, m^3 (in 2D m^2, or m^3 per radian).
-    double volume;
-    /// The first Piola-Kirchhoff stress relative to the begin, Pa.
-    dealii::Tensor<2, dim> P;
+    Lanes x[dim];
     /**
-     * Its derivative by the increment f, if requested: dP_iJ / df_kL = map_Jj
-     * A_ijkl map_Ll.
+     * The first Piola-Kirchhoff stress relative to the begin, times the volume
+     * at the begin: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per
+     * radian).
      */
-    dealii::Tensor<4, dim> A;
-    dealii::Tensor<2, dim> map;
+    Pairs stress;
+    /**
+     * If requested: V dP / df in PointTangents, and the sums over i and j of V
+     * dP_ij / df_ij, in the axes of the end, over their number, for i = j
+     * (compression) and for other pairs (shear).
+     */
+    double *tangent;
+    Lanes   compression, shear;
+    /**
+     * For points with projected volumes: the change of f in an isotropic
+     * expansion of 1 in each direction, and the dual vector, whose products
+     * with changes of f are the traces of displacement gradients.
+     */
+    Pairs expansion, dual;
     /**
      * Half of the edges of the domain over which gradients are averaged in
      * cells that reach their neighbours (CellWindows), m.
      */
-    dealii::Tensor<1, dim> domain = {};
-
-    /// The additional zz entries in axisymmetry: f_zz = 1 + u_r / radius.
-    struct Hoop
-    {
-      /**
-       * The radius, m; 0 in plane strain, where the members below are not used.
-       */
-      double radius = 0.;
-      /// The increment f_zz, and P_zz.
-      double f = 1., P = 0.;
-      /**
-       * The derivatives dP_zz / df_zz, dP_zz / df_kL = of_kl map_Ll, dP_iJ /
-       * df_zz = map_Jj by_ij.
-       */
-      double                 A = 0.;
-      dealii::Tensor<2, dim> of, by;
-    };
-
-    Hoop hoop = {};
+    Lanes domain[dim];
   };
+
+
+
+  template <int dim>
+  class PointTangents;
 
 
 
@@ -122,10 +126,11 @@ namespace greville
      * Evaluate the points of one body in a step of length @p dt that ends at @p
      * time (s) with the displacement @p u (m) and a @p strength_reduction (see
      * Material::strength_reduction()), and pass them cell by cell to @p action,
-     * which may change them. @p J_hat is null without a projection.
+     * which may change them. Their derivatives are added to @p tangents, unless
+     * null. @p J_hat is null without a projection.
      */
     using Action = std::function<void(const unsigned int            cell,
-                                      std::vector<TrialPoint<dim>> &points)>;
+                                      std::vector<TrialGroup<dim>> &groups)>;
 
     PointReport
     evaluate(const MaterialPoints<dim> &points,
@@ -135,7 +140,7 @@ namespace greville
              const double               time,
              const double               strength_reduction,
              const StepStress           stress,
-             const bool                 with_tangents,
+             PointTangents<dim>        *tangents,
              const double              *J_hat,
              const Action              &action);
 
@@ -148,7 +153,7 @@ namespace greville
 
 
   /**
-   * Sums over TrialPoint of cells, and over the points of surfaces, on a space
+   * Sums over TrialGroup of cells, and over the points of surfaces, on a space
    * of any order on the same mesh.
    */
   template <int dim>
@@ -173,7 +178,7 @@ namespace greville
      */
     void
     add_force(const unsigned int                  cell,
-              const std::vector<TrialPoint<dim>> &points);
+              const std::vector<TrialGroup<dim>> &groups);
 
     /**
      * Add dA load N.
@@ -190,7 +195,8 @@ namespace greville
      */
     void
     add_change(const unsigned int                  cell,
-               const std::vector<TrialPoint<dim>> &points,
+               const std::vector<TrialGroup<dim>> &groups,
+               const PointTangents<dim>           &tangents,
                const std::vector<double>          &u);
 
     /// Return the sum of the squares of all cell forces that have been added.

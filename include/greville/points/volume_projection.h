@@ -4,6 +4,7 @@
 #define greville_points_volume_projection_h
 
 #include <greville/points/point_transfer.h>
+#include <greville/points/trial_step.h>
 
 namespace greville
 {
@@ -14,12 +15,10 @@ namespace greville
   template <int dim>
   struct ProjectedBody
   {
-    const MaterialPoints<dim>          *points;
-    double                              share;
-    std::vector<double>                 J_hat;
-    std::vector<dealii::Tensor<2, dim>> derivatives;
-    /// The derivatives of P_zz, in axisymmetry.
-    std::vector<double> hoop_derivatives;
+    const MaterialPoints<dim>                   *points;
+    double                                       share;
+    std::vector<double>                          J_hat;
+    std::vector<typename TrialGroup<dim>::Pairs> derivatives;
   };
 
 

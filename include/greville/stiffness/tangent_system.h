@@ -329,7 +329,7 @@ namespace greville
     std::vector<ProjectedBody<dim>> projected_bodies;
     // The points with domains in each cell that reaches its neighbours.
     CellWindows<dim>                                                  *windows;
-    std::vector<std::pair<unsigned int, std::vector<TrialPoint<dim>>>> domains;
+    std::vector<std::pair<unsigned int, std::vector<TrialGroup<dim>>>> domains;
     std::vector<double> window_buffer;
 
     // Sums of the compression and shear moduli of all points.
