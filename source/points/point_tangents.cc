@@ -2,6 +2,7 @@
 
 #include <greville/points/point_tangents.h>
 
+#include "cell_moments.h"
 #include "gradients.h"
 #include "group_gradients.h"
 #include "polar_factor.h"
@@ -239,8 +240,8 @@ namespace greville
             Number       *block = matrix;
             if (!symmetric)
               {
-                symmetrize<n_pairs>(C, polar_factors);
-                C = polar_factors;
+                symmetrize<n_pairs>(C, polar_factors[0]);
+                C = polar_factors[0];
               }
             for (int i = 0; i < dim; ++i)
               for (int k = i; k < dim; ++k)
@@ -252,6 +253,46 @@ namespace greville
                 }
             group += group_size;
           }
+      }
+
+      /// Cells with this number of points use moments, if there are any.
+      static constexpr bool         has_moments = n == 2 && !with_hoop;
+      static constexpr unsigned int many        = 24;
+
+      /// The same sum by moments of C.
+      void
+      sum_moments(const CellGeometry<dim, n> &geometry,
+                  const double               *group,
+                  const unsigned int          n_points,
+                  const std::size_t           group_size,
+                  const bool                  symmetric,
+                  Number                     *matrix)
+      {
+        using Moments = CellMoments<dim, n>;
+        moments.clear();
+        for (unsigned int first = 0; first < n_points;
+             first += Moments::most_groups * n_together)
+          {
+            const double *positions[Moments::most_groups],
+              *C[Moments::most_groups];
+            int n_groups = 0;
+            for (; n_groups < Moments::most_groups &&
+                   first + n_groups * n_together < n_points;
+                 ++n_groups, group += group_size)
+              {
+                positions[n_groups] = group;
+                C[n_groups]         = group + dim * n_together;
+                if (!symmetric)
+                  {
+                    symmetrize<n_pairs>(C[n_groups], polar_factors[n_groups]);
+                    C[n_groups] = polar_factors[n_groups];
+                  }
+              }
+            moments.add(geometry, positions, C, n_groups, [](int r, int s) {
+              return entry_of<n_pairs, true>(r, s);
+            });
+          }
+        moments.write(geometry, stride, matrix);
       }
 
     private:
@@ -333,7 +374,10 @@ namespace greville
           }
       }
 
-      double polar_factors[n_pairs * (n_pairs + 1) / 2 * n_together];
+      std::conditional_t<has_moments, CellMoments<dim, n>, char> moments;
+
+      double polar_factors[has_moments ? CellMoments<dim, 2>::most_groups : 1]
+                          [n_pairs * (n_pairs + 1) / 2 * n_together];
 
       // [point][direction][function], with zeros behind the functions.
       Number gradients[n_together][n_directions][stride] = {};
@@ -362,6 +406,18 @@ namespace greville
           const CellGeometry<dim, decltype(order)::value> geometry(of_space,
                                                                    points.cell);
           const double *group = numbers.data() + points.first;
+          if constexpr (Stiffness::has_moments)
+            if (points.n_points >= Stiffness::many)
+              {
+                sums->sum_moments(geometry,
+                                  group,
+                                  points.n_points,
+                                  size,
+                                  symmetric,
+                                  matrix.get());
+                action(points.cell, matrix.get(), Stiffness::stride);
+                continue;
+              }
           sums->sum_up(
             geometry, group, points.n_points, size, symmetric, matrix.get());
           action(points.cell, matrix.get(), Stiffness::stride);

@@ -86,23 +86,41 @@ namespace greville
                 {
                   const int k_line = (b_z - a_z) * length + b_y - a_y;
                   const int first  = k_line == 0 ? a_x : 0;
-                  for (int i = 0; i < dim; ++i)
+                  Number   *to =
+                    entries + k_line * dim * size + (n - 1 - a_x) * dim;
+                  for (int b_x = first; b_x < n; ++b_x)
                     {
-                      Number *to = entries + (k_line * dim + i) * size +
-                                   (n - 1 - a_x) * dim;
-                      for (int b_x = first; b_x < n; ++b_x)
+                      const int         b     = b_line + b_x;
+                      const std::size_t there = a * stride + b,
+                                        back  = b * stride + a;
+                      const Number factor     = b == a ? 0.5 : 1.;
+#pragma GCC unroll 3
+                      for (int i = 0; i < dim; ++i)
+#pragma GCC unroll 3
                         for (int k = 0; k < dim; ++k)
-                          {
-                            const int    b = b_line + b_x;
-                            const Number value =
-                              i <= k ? blocks[i][k][a * stride + b]
-                                     : blocks[i][k][b * stride + a];
-                            to[b_x * dim + k] +=
-                              b == a ? Number(0.5) * value : value;
-                          }
+                          to[i * size + b_x * dim + k] +=
+                            factor * blocks[i][k][i <= k ? there : back];
                     }
                 }
           }
+  }
+
+
+
+  template <int dim, typename Number>
+  template <typename Other>
+  void
+  BlockStencil<dim, Number>::copy(const BlockStencil<dim, Other> &other)
+  {
+    clear();
+    matrix->for_each_row([&](const unsigned int i) {
+      Number      *to   = row(i);
+      const Other *from = other.row(i);
+      for (unsigned int k = 0; k < n_lines * dim; ++k)
+        std::copy_n(from + k * other.line_size,
+                    length * dim,
+                    to + k * line_size);
+    });
   }
 
 
@@ -241,4 +259,8 @@ namespace greville
   template class BlockStencil<3, double>;
   template class BlockStencil<2, float>;
   template class BlockStencil<3, float>;
+  template void
+  BlockStencil<2, float>::copy(const BlockStencil<2, double> &);
+  template void
+  BlockStencil<3, float>::copy(const BlockStencil<3, double> &);
 } // namespace greville

@@ -368,18 +368,23 @@ namespace greville
   void
   TangentSystem<dim>::assemble(const unsigned int l)
   {
-    TangentLevel<dim> &level = *levels[l];
-    level.begin_tangent();
-    tangents.template for_each_cell<float>(tables[l],
-                                           [&](const unsigned int cell,
-                                               const float       *values,
-                                               const unsigned int stride) {
-                                             level.stiffness().add_cell(cell,
-                                                                        values,
-                                                                        stride);
-                                           });
+    TangentLevel<dim> &level  = *levels[l];
+    const bool         shares = l + 1 == levels.size() && has_entries();
+    if (shares)
+      level.stiffness().copy(entries);
+    else
+      {
+        level.begin_tangent();
+        tangents.template for_each_cell<float>(tables[l],
+                                               [&](const unsigned int cell,
+                                                   const float       *values,
+                                                   const unsigned int stride) {
+                                                 level.stiffness().add_cell(
+                                                   cell, values, stride);
+                                               });
+      }
     of_surfaces.assemble(level, l);
-    level.finish_tangent(mass_factor);
+    level.finish_tangent(shares ? 0. : mass_factor);
   }
 
 

@@ -44,6 +44,11 @@ namespace greville
              const Number      *values,
              const unsigned int stride);
 
+    /// Set this matrix to another one on the same places.
+    template <typename Other>
+    void
+    copy(const BlockStencil<dim, Other> &other);
+
     /**
      * Add @p factor times a scalar matrix on the same places to all diagonal
      * blocks.
@@ -94,6 +99,9 @@ namespace greville
     for_each_block(const unsigned int i, const Visit &visit) const;
 
   private:
+    template <int, typename>
+    friend class BlockStencil;
+
     template <int n>
     void
     add_cell_of_order(const unsigned int cell,
