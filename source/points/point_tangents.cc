@@ -218,7 +218,10 @@ namespace greville
     public:
       static constexpr int n_functions = power(n, dim);
       static constexpr int width =
-        n_functions < 8 || std::is_same_v<Number, double> ? 4 : 8;
+        std::min<int>(std::experimental::native_simd<Number>::size(),
+                      n_functions < 8    ? 4
+                      : n_functions == 8 ? 8
+                                         : 16);
       static constexpr int stride = (n_functions + width - 1) / width * width;
       static constexpr int size   = dim * (dim + 1) / 2 * n_functions * stride;
 
@@ -248,7 +251,8 @@ namespace greville
                 {
                   for (int q = 0; q < n_together; ++q)
                     contract(C + q, i, k, q);
-                  add(block);
+                  // Of symmetric blocks, only entries with b >= a are used.
+                  add(block, i == k);
                   block += n_functions * stride;
                 }
             group += group_size;
@@ -275,6 +279,10 @@ namespace greville
           {
             const double *positions[Moments::most_groups],
               *C[Moments::most_groups];
+            // The sums read entry by entry, which processors do not predict.
+            for (std::size_t k = 0; k < Moments::most_groups * group_size;
+                 k += 8)
+              __builtin_prefetch(group + Moments::most_groups * group_size + k);
             int n_groups = 0;
             for (; n_groups < Moments::most_groups &&
                    first + n_groups * n_together < n_points;
@@ -352,7 +360,7 @@ namespace greville
       }
 
       void
-      add(Number *block) const
+      add(Number *block, const bool upper_half) const
       {
         for (int first = 0; first < stride; first += width)
           {
@@ -360,8 +368,10 @@ namespace greville
             for (int q = 0; q < n_together; ++q)
               for (int l = 0; l < n_directions; ++l)
                 at[q][l] = greville::load<Vector>(&gradients[q][l][first]);
-            Number *row = block + first;
-            for (int a = 0; a < n_functions; ++a, row += stride)
+            Number   *row = block + first;
+            const int last =
+              upper_half ? std::min(n_functions, first + width) : n_functions;
+            for (int a = 0; a < last; ++a, row += stride)
               {
                 Vector sum = greville::load<Vector>(row);
 #pragma GCC unroll 4

@@ -229,6 +229,8 @@ namespace greville
       const auto        index    = multi_index<dim>(positions[c], extents);
       int               nearest  = std::numeric_limits<int>::max();
       const auto        add_near = [&](const unsigned int n) {
+        if (near[n] == 0)
+          return;
         for_each_neighbor(n, [&](const auto &offset, const auto &found) {
           if ((near[n] >> lexicographic<dim>(offset, three()) & 1) == 0)
             return;
