@@ -55,8 +55,11 @@ namespace greville
   void
   PointTangents<dim>::reserve(const std::size_t n_groups)
   {
-    if (n_groups * group_size() > numbers.size())
-      numbers.resize_fast(n_groups * group_size());
+    if (n_groups * group_size() <= numbers.size())
+      return;
+    // An array that grows reserves more than its size.
+    numbers.clear();
+    numbers.resize_fast(n_groups * group_size());
   }
 
 
@@ -82,7 +85,11 @@ namespace greville
     inline __attribute__((always_inline)) void
     apply(const double *C, const Simd *H, Simd *T)
     {
-      std::fill_n(T, n, Simd(0.));
+      // In registers, which no store to T can change.
+      Simd of_pairs[n], sums[n];
+      std::copy_n(H, n, of_pairs);
+      for (Simd &sum : sums)
+        sum = 0.;
 #pragma GCC unroll 9
       for (int r = 0; r < n; ++r)
 #pragma GCC unroll 9
@@ -90,10 +97,11 @@ namespace greville
           {
             const Simd entry =
               load(C + entry_of<n, symmetric>(r, s) * int(simd_width));
-            T[r] += entry * H[s];
+            sums[r] += entry * of_pairs[s];
             if (symmetric && s > r)
-              T[s] += entry * H[r];
+              sums[s] += entry * of_pairs[r];
           }
+      std::copy_n(sums, n, T);
     }
   } // namespace
 
