@@ -146,21 +146,27 @@ namespace greville
   ExtendedMass<dim>::multiply_field(VectorField<dim>       &rows,
                                     const VectorField<dim> &field) const
   {
+    for (const VectorType &component : field)
+      component.update_ghost_values();
+    E->for_each_active_place(
+      [&](const unsigned int f, const std::size_t place) {
+        for (unsigned int c = 0; c < dim; ++c)
+          E->place_x[place * dim + c] = field[c].local_element(f);
+      });
+    for (const VectorType &component : field)
+      component.zero_out_ghost_values();
+    points_mass.vmult(E->place_y.data(), E->place_x.data(), dim);
+    E->zero_constrained(E->place_y.data(), dim);
     VectorType y;
-    E->initialize_vector(y, 1);
+    E->initialize_vector(y, dim);
+    E->collect(y.begin(), dim, E->place_y.data());
+    y.compress(VectorOperation::add);
     for (unsigned int c = 0; c < dim; ++c)
       {
-        E->to_places(field[c]);
-        points_mass.vmult(E->place_y.data(), E->place_x.data(), 1);
-        for (const auto &[place, components] : E->constrained_places)
-          if ((components >> c) & 1)
-            E->place_y[place] = 0.;
-        E->collect(y.begin(), 1, E->place_y.data());
-        y.compress(VectorOperation::add);
         rows[c] = 0.;
         for (unsigned int u = 0; u < E->n_owned; ++u)
           rows[c].local_element(E->owned_unknown_functions[u]) =
-            y.local_element(u);
+            y.local_element(u * dim + c);
       }
   }
 

@@ -196,6 +196,7 @@ namespace greville
               Simd values[dim], H[dim][dim];
               shape.template evaluate_field<true>(in_window, values, H);
               typename TrialGroup<dim>::Pairs pairs, T;
+              T.fill(0.);
               std::copy_n(H[0], dim * dim, pairs.begin());
               if constexpr (dim == 2)
                 pairs[dim * dim] = values[0];
