@@ -66,45 +66,6 @@ namespace greville
 
 
 
-    /// Return the half edges s_d of a point.
-    template <int dim>
-    inline dealii::Tensor<1, dim>
-    domain_of_point(const MaterialPoints<dim> &points,
-                    const ConstPointRef<dim>   p)
-    {
-      double s[dim];
-      for (int i = 0; i < dim; ++i)
-        {
-          s[i] = 0.;
-          for (int j = 0; j < dim; ++j)
-            {
-              const double edge = p[points.layout().domain + j] * p.F(i, j);
-              s[i] += edge * edge;
-            }
-        }
-      limit_domain<dim>(points.space(), s);
-      dealii::Tensor<1, dim> result;
-      for (int i = 0; i < dim; ++i)
-        result[i] = s[i];
-      return result;
-    }
-
-
-
-    /// Return the shape functions of a window at a point.
-    template <int dim, int n>
-    inline WindowShape<dim, n, double>
-    evaluated(const WindowGeometry<dim, n> &cell,
-              const dealii::Point<dim>     &x,
-              const dealii::Tensor<1, dim> &domain)
-    {
-      WindowShape<dim, n, double> shape;
-      shape.evaluate(cell, x.begin_raw(), domain.begin_raw());
-      return shape;
-    }
-
-
-
     /// Read the coefficients of the functions of a window, [function][field].
     template <int dim, int n>
     inline void

@@ -64,14 +64,6 @@ namespace greville
       return any_of(value > 0.);
     }
 
-    inline bool
-    is_positive(const double value)
-    {
-      return value > 0.;
-    }
-
-
-
     /**
      * Values and derivatives of the univariate functions of a window at a group
      * of points, or at one: derivatives are averaged over domains, and values

@@ -20,12 +20,12 @@ namespace greville
    * @f[ E^T (c \tilde M + K) E \, x = E^T b, @f]
    * with the stiffness K of points in a TrialStep. K is applied point by point
    * (PointTangents). Only symmetric tangents of order 1 are assembled, which
-   * costs less than a few products. Krylov methods are preconditioned by
-   * p-multigrid: PMultigrid on one TangentLevel for each order, assembled in
-   * single precision from the same points. The set-up of a preconditioner
-   * (entries, factorizations, eigenvalues, coarse levels) is reused for
-   * subsequent systems as long as it pays; after a system with more iterations
-   * than expected, the entries are assembled anew.
+   * costs less than a few products; the cycle copies them. Krylov methods are
+   * preconditioned by p-multigrid: PMultigrid on one TangentLevel for each
+   * order, assembled in single precision from the same points. The set-up of a
+   * preconditioner (entries, factorizations, eigenvalues, coarse levels) is
+   * reused for subsequent systems as long as it pays; after a system with more
+   * iterations than expected, the entries are assembled anew.
    *
    * A VolumeProjection couples functions beyond their stencils. K, used in the
    * preconditioner, then has a volumetric stiffness not much larger than its
