@@ -11,10 +11,8 @@
 #include <string>
 #include <tests.h>
 
-/**
- * Check that the page of the reference agrees with the program, and that each
- * section has an example.
- */
+/// Check that the page of the reference agrees with the program, and that each
+/// section has an example.
 inline void
 check_reference(const std::string           &program,
                 const ParameterHandler      &prm,

@@ -37,11 +37,9 @@ section_text(const std::string &section, const std::vector<std::string> &lines)
 
 
 
-/**
- * Return the shipped files. @p source is the test folder of a part, and results
- * go to @p results. Write the text into @p folder, which is created with links
- * to the files beside the parameter files.
- */
+/// Return the shipped files. @p source is the test folder of a part, and
+/// results go to @p results. Write the text into @p folder, which is created
+/// with links to the files beside the parameter files.
 inline std::vector<ShippedFile>
 shipped_files(const std::string &source,
               const std::string &folder,
@@ -122,11 +120,9 @@ shipped_files(const std::string &source,
 
 
 
-/**
- * Return the parameter files of greville without reduction, including the files
- * of the reference. Settings name the libraries that users compile, from the
- * tree @p build.
- */
+/// Return the parameter files of greville without reduction, including the
+/// files of the reference. Settings name the libraries that users compile, from
+/// the tree @p build.
 inline std::vector<std::pair<std::filesystem::path, std::vector<std::string>>>
 whole_shipped_files(const std::string &source, const std::string &build)
 {

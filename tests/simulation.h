@@ -16,17 +16,13 @@
 #include <sstream>
 #include <tests.h>
 
-/**
- * Parameters that are built from sections: add("Grid", "Order = 2").
- */
+/// Parameters that are built from sections: add("Grid", "Order = 2").
 class Text
 {
 public:
   Text() = default;
 
-  /**
-   * Construct from the text of a whole file.
-   */
+  /// Construct from the text of a whole file.
   explicit Text(const std::string &content)
     : content(content)
   {}
@@ -41,9 +37,7 @@ public:
     return *this;
   }
 
-  /**
-   * Later lines win.
-   */
+  /// Later lines win.
   Text
   with(const std::string &section, const std::vector<std::string> &lines) const
   {
@@ -67,9 +61,7 @@ public:
 
 
 
-/**
- * A simulation with its parameters.
- */
+/// A simulation with its parameters.
 template <int dim>
 struct Simulated
 {
@@ -78,9 +70,7 @@ struct Simulated
     , simulation(parameters, comm)
   {}
 
-  /**
-   * Construct with parameters that files cannot set.
-   */
+  /// Construct with parameters that files cannot set.
   Simulated(const Text                                        &text,
             const std::function<void(SimulationParameters &)> &change)
     : parameters(changed(text.parse(), change))
@@ -135,10 +125,8 @@ struct Simulated
 
 
 
-/**
- * Return whether a 2D simulation is refused with a message that contains @p
- * wanted.
- */
+/// Return whether a 2D simulation is refused with a message that contains
+/// @p wanted.
 inline void
 check_refused(const std::string &name,
               const Text        &text,
@@ -162,10 +150,8 @@ check_refused(const std::string &name,
 
 
 
-/**
- * The same with a mass, and with a smooth floor unless the mass is lumped:
- * friction walls need lumped mass.
- */
+/// The same with a mass, and with a smooth floor unless the mass is lumped:
+/// friction walls need lumped mass.
 inline Text
 with_mass(const Text &text, const std::string &mass)
 {
@@ -179,9 +165,7 @@ with_mass(const Text &text, const std::string &mass)
 
 
 
-/**
- * A body of the unit density in a grid, at rest and without loads.
- */
+/// A body of the unit density in a grid, at rest and without loads.
 inline Text
 block_2d(const std::string &shape, const unsigned int n = 8)
 {

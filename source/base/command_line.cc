@@ -53,10 +53,8 @@ namespace greville
 
 
 
-    /**
-     * Return a text in lines of at most 79 letters, of which all but the first
-     * are indented.
-     */
+    /// Return a text in lines of at most 79 letters, of which all but the first
+    /// are indented.
     std::string
     wrapped(const std::string &text, const unsigned int indent)
     {

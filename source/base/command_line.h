@@ -35,10 +35,8 @@ namespace greville
       CommandLine(const Program                  &program,
                   const std::vector<std::string> &arguments);
 
-      /**
-       * Return the value of the option that selects the action, or an empty
-       * text.
-       */
+      /// Return the value of the option that selects the action, or an empty
+      /// text.
       std::string
       value_of_action() const;
 

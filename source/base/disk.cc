@@ -44,10 +44,8 @@ namespace greville
 
 
 
-    /**
-     * Return whether there is room on the disk, which not all file systems can
-     * tell.
-     */
+    /// Return whether there is room on the disk, which not all file systems can
+    /// tell.
     bool
     allocate(const int           descriptor,
              const int           mode,
@@ -60,10 +58,8 @@ namespace greville
 
 
 
-    /**
-     * Collective. Return the checksum of the first bytes of a file, read as
-     * doubles, the last of which is padded with zeros.
-     */
+    /// Collective. Return the checksum of the first bytes of a file, read as
+    /// doubles, the last of which is padded with zeros.
     std::uint64_t
     checksum_of_file(const std::string  &file,
                      const std::uint64_t n_bytes,

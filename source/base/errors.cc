@@ -43,10 +43,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the number of letters to insert, remove, replace or swap with
-     * their neighbour to turn one word into the other.
-     */
+    /// Return the number of letters to insert, remove, replace or swap with
+    /// their neighbour to turn one word into the other.
     unsigned int
     distance(const std::string &a, const std::string &b)
     {

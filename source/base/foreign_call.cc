@@ -103,10 +103,9 @@ namespace greville
 
 
 
-    /**
-     * End the process with a message. If several processes have the same fault,
-     * the first one reports it, and MPI ends the others while they wait.
-     */
+    /// End the process with a message. If several processes have the same
+    /// fault, the first one reports it, and MPI ends the others while they
+    /// wait.
     [[noreturn]] void
     end_process_with(const char *text)
     {
@@ -165,10 +164,8 @@ namespace greville
 
 
 
-    /**
-     * Return the bits that control the processor's floating-point arithmetic,
-     * without the bits that report past exceptions.
-     */
+    /// Return the bits that control the processor's floating-point arithmetic,
+    /// without the bits that report past exceptions.
     unsigned int
     floating_point_control()
     {
@@ -251,10 +248,8 @@ extern "C"
 
 
 
-  /**
-   * Replaces the function of the system, also for loaded libraries: otherwise,
-   * a UMAT could end the program with the status 0 and without a message.
-   */
+  /// Replaces the function of the system, also for loaded libraries: otherwise,
+  /// a UMAT could end the program with the status 0 and without a message.
   __attribute__((noreturn)) void
   _exit(const int status)
   {

@@ -83,11 +83,9 @@ namespace greville
 
 
 
-    /**
-     * Find errors that muParser accepts: assignments, and commas outside the
-     * arguments of a function, of which it takes the last value. Returns the
-     * reason, or an empty text.
-     */
+    /// Find errors that muParser accepts: assignments, and commas outside the
+    /// arguments of a function, of which it takes the last value. Returns the
+    /// reason, or an empty text.
     std::string
     trap_in(const std::string &text)
     {
@@ -158,9 +156,7 @@ namespace greville
 
 
 
-    /**
-     * Return the names and formulas that follow a formula.
-     */
+    /// Return the names and formulas that follow a formula.
     std::vector<std::pair<std::string, std::string>>
     definitions_behind(const std::string &text)
     {

@@ -11,10 +11,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return HDF5's reason for the failure of the last call: its innermost
-     * message, with the system's reason if there is one.
-     */
+    /// Return HDF5's reason for the failure of the last call: its innermost
+    /// message, with the system's reason if there is one.
     std::string
     reason_of_hdf5()
     {

@@ -12,9 +12,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * A direction x with b = B^-1 x and S x.
-     */
+    /// A direction x with b = B^-1 x and S x.
     struct Direction
     {
       explicit Direction(const std::size_t n)
@@ -30,10 +28,8 @@ namespace greville
 
     using Matrix3 = std::array<std::array<double, 3>, 3>;
 
-    /**
-     * Return the largest eigenvalue of A c = theta G c and its vector c, for
-     * the first @p n rows. Linearly dependent directions are left out.
-     */
+    /// Return the largest eigenvalue of A c = theta G c and its vector c, for
+    /// the first @p n rows. Linearly dependent directions are left out.
     double
     largest_ritz_value(const Matrix3         &A,
                        const Matrix3         &G,

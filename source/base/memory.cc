@@ -27,10 +27,8 @@ namespace greville
 
 
 
-    /**
-     * Return the bytes that are still available to programs on this machine,
-     * and to this program.
-     */
+    /// Return the bytes that are still available to programs on this machine,
+    /// and to this program.
     double
     free_memory()
     {

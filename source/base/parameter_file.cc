@@ -138,10 +138,8 @@ namespace greville
 
 
 
-    /**
-     * Return the advice for a line with this value, or for the section or the
-     * parameter of the line if the value is empty; empty if there is none.
-     */
+    /// Return the advice for a line with this value, or for the section or the
+    /// parameter of the line if the value is empty; empty if there is none.
     std::string
     advice_for(const ParameterLine                &line,
                const std::string                  &value,
@@ -320,10 +318,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return " Did you mean <Contact NAME>?" for "contact" and "Contact base",
-     * otherwise the result of did_you_mean().
-     */
+    /// Return " Did you mean <Contact NAME>?" for "contact" and "Contact base",
+    /// otherwise the result of did_you_mean().
     std::string
     hint_for_section(const std::string              &section,
                      const std::vector<std::string> &known)

@@ -43,10 +43,8 @@ namespace greville
 
 
 
-    /**
-     * Return whether @p line begins with the word @p key in lower or upper
-     * case, and remove it.
-     */
+    /// Return whether @p line begins with the word @p key in lower or upper
+    /// case, and remove it.
     bool
     take_word(std::string &line, const std::string &key)
     {
@@ -149,10 +147,8 @@ namespace greville
                              file + "> has no 'end'."));
     }
 
-    /**
-     * Return a line from a setting of the command line. The section is one of
-     * @p lines, whose names may contain slashes, or is split at slashes.
-     */
+    /// Return a line from a setting of the command line. The section is one of
+    /// @p lines, whose names may contain slashes, or is split at slashes.
     ParameterLine
     line_of(const std::string &setting, const std::vector<ParameterLine> &lines)
     {

@@ -183,10 +183,8 @@ namespace greville
           {section, name, Utilities::trim(value), place, path, false});
       }
 
-      /**
-       * Return " (lines with this name: 3, 9)"; empty for XML, whose names are
-       * mangled.
-       */
+      /// Return " (lines with this name: 3, 9)"; empty for XML, whose names are
+      /// mangled.
       std::string
       lines_with(const std::string &name) const
       {

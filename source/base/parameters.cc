@@ -33,10 +33,8 @@ namespace greville
 
 
 
-    /**
-     * Return the outermost sections of parameter files, which begin and end at
-     * the beginning of a line.
-     */
+    /// Return the outermost sections of parameter files, which begin and end at
+    /// the beginning of a line.
     std::vector<std::string>
     outermost_sections(const std::string &files)
     {
@@ -59,11 +57,9 @@ namespace greville
 
 
 
-    /**
-     * A section of the reference for one value of one of its parameters:
-     * "Material NAME of model bingham" has the section "Material NAME" with
-     * Model = bingham. The value is empty for other sections.
-     */
+    /// A section of the reference for one value of one of its parameters:
+    /// "Material NAME of model bingham" has the section "Material NAME" with
+    /// Model = bingham. The value is empty for other sections.
     struct Variant
     {
       explicit Variant(const std::string &name)
@@ -84,11 +80,9 @@ namespace greville
 
 
 
-    /**
-     * Return the first of the outermost sections @p examples that has a section
-     * like the one that the reference calls "Body NAME/Grid", or "Material NAME
-     * of model bingham"; empty if there is none.
-     */
+    /// Return the first of the outermost sections @p examples that has a
+    /// section like the one that the reference calls "Body NAME/Grid", or
+    /// "Material NAME of model bingham"; empty if there is none.
     std::string
     example_of(const std::string              &section,
                const std::vector<std::string> &examples)
@@ -121,9 +115,7 @@ namespace greville
 
 
 
-    /**
-     * Move the parameters that all variants of a section have to the section.
-     */
+    /// Move the parameters that all variants of a section have to the section.
     void
     move_shared_parameters(boost::property_tree::ptree &tree)
     {
@@ -164,10 +156,8 @@ namespace greville
 
 
 
-    /**
-     * Take the rows that another variant of the @p section has already from
-     * @p rows. Return a sentence that says where they are.
-     */
+    /// Take the rows that another variant of the @p section has already from
+    /// @p rows. Return a sentence that says where they are.
     std::string
     take_repeated(std::vector<std::pair<std::string, std::string>> &rows,
                   const std::string                                &section,

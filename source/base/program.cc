@@ -42,9 +42,7 @@ namespace greville
 
 
 
-    /**
-     * Return true if the others come to a barrier within some seconds.
-     */
+    /// Return true if the others come to a barrier within some seconds.
     bool
     all_arrive(MPI_Request &barrier)
     {
@@ -218,10 +216,8 @@ namespace greville
 
 
 
-    /**
-     * Print a script that lets bash complete options, their values if known,
-     * and files.
-     */
+    /// Print a script that lets bash complete options, their values if known,
+    /// and files.
     void
     print_completion(std::ostream      &out,
                      const Program     &program,
@@ -339,10 +335,8 @@ namespace greville
 
 
 
-    /**
-     * Collective. Run each file, even if earlier ones have failed, and report
-     * their messages. Returns whether all have succeeded.
-     */
+    /// Collective. Run each file, even if earlier ones have failed, and report
+    /// their messages. Returns whether all have succeeded.
     bool
     run_files(const Program     &program,
               const CommandLine &line,
@@ -367,10 +361,8 @@ namespace greville
 
 
 
-    /**
-     * Execute the command line, and return whether this has succeeded. Throws
-     * if it is invalid.
-     */
+    /// Execute the command line, and return whether this has succeeded. Throws
+    /// if it is invalid.
     bool
     act(const Program                  &program,
         const std::vector<std::string> &arguments,

@@ -20,11 +20,9 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the folders that a run may have made inside its own: the points at
-     * failure, the files of all times, pictures, and the runs of a sweep, which
-     * its table names.
-     */
+    /// Return the folders that a run may have made inside its own: the points
+    /// at failure, the files of all times, pictures, and the runs of a sweep,
+    /// which its table names.
     std::vector<std::string>
     inner_folders(const std::string &folder)
     {
@@ -43,10 +41,8 @@ namespace greville
 
 
 
-    /**
-     * Return the files that the programs and scripts write, and folders that
-     * contain some.
-     */
+    /// Return the files that the programs and scripts write, and folders that
+    /// contain some.
     std::vector<std::filesystem::path>
     results_in(const std::string &folder)
     {

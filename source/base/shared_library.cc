@@ -35,10 +35,8 @@ namespace greville
 
 
 
-    /**
-     * A call of a library's initializers or a plugin's function, by the library
-     * of a @p parameter.
-     */
+    /// A call of a library's initializers or a plugin's function, by the
+    /// library of a @p parameter.
     class LibraryCall : public ForeignCall
     {
     public:
@@ -137,11 +135,9 @@ namespace greville
 
 
 
-    /**
-     * Throw if a segment of the library with this @p content ends beyond the
-     * end of the file, as in a partial copy: loading it would end the program
-     * by a signal.
-     */
+    /// Throw if a segment of the library with this @p content ends beyond the
+    /// end of the file, as in a partial copy: loading it would end the program
+    /// by a signal.
     void
     check_is_whole(const std::string &content, const std::string &begin)
     {
@@ -217,9 +213,7 @@ namespace greville
 
 
 
-    /**
-     * Throw if the plugin with this @p content was compiled for another build.
-     */
+    /// Throw if the plugin with this @p content was compiled for another build.
     void
     check_build(const std::string &content, const std::string &begin)
     {

@@ -53,11 +53,9 @@ namespace greville
 
 
 
-    /**
-     * Collective. Read or write, by the @p call H5Dread or H5Dwrite, the rows
-     * [first, first + n_rows) of a data set. All processes make the same number
-     * of calls, and throw together.
-     */
+    /// Collective. Read or write, by the @p call H5Dread or H5Dwrite, the rows
+    /// [first, first + n_rows) of a data set. All processes make the same
+    /// number of calls, and throw together.
     template <typename Call, typename Number>
     void
     transfer_rows(const Call     call,

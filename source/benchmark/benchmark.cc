@@ -316,10 +316,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Reset the high-water mark of the process's memory to its current use.
-     * Returns false if the system does not allow it.
-     */
+    /// Reset the high-water mark of the process's memory to its current use.
+    /// Returns false if the system does not allow it.
     bool
     reset_peak_memory()
     {

@@ -22,9 +22,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * The PETSc preconditioners and their options.
-     */
+    /// The PETSc preconditioners and their options.
     const std::vector<std::pair<std::string, std::string>> algebraic = {
       {"cg-ic0", "-pc_type bjacobi -sub_pc_type icc"},
       {"cg-gamg", "-pc_type gamg"},

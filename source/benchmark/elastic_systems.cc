@@ -33,9 +33,7 @@ namespace greville
     class ElasticSystem : public BenchmarkSystem
     {
     public:
-      /**
-       * @p bodies and @p walls are kept by reference.
-       */
+      /// @p bodies and @p walls are kept by reference.
       ElasticSystem(const std::vector<TrialBody<dim>> &bodies,
                     const Walls<dim>                  &walls,
                     const double                       filling,
@@ -211,10 +209,8 @@ namespace greville
       }
 
     private:
-      /**
-       * Return the filling threshold. It is 0 for a box, whose B-splines use
-       * all cells.
-       */
+      /// Return the filling threshold. It is 0 for a box, whose B-splines use
+      /// all cells.
       double
       threshold() const
       {

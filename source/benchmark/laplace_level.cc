@@ -12,10 +12,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * The integrals int N_a N_b and int N_a' N_b' over an element for all pairs
-     * a <= b of its @p n functions.
-     */
+    /// The integrals int N_a N_b and int N_a' N_b' over an element for all
+    /// pairs a <= b of its @p n functions.
     struct PairIntegrals
     {
       PairIntegrals(const KnotVector  &knots,

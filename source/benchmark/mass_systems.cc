@@ -20,9 +20,7 @@ namespace greville
     // for extended B-splines the number of functions per class. All functions
     // are collective.
 
-    /**
-     * The mass M_ij = int rho N_i N_j dx, by Gauss quadrature.
-     */
+    /// The mass M_ij = int rho N_i N_j dx, by Gauss quadrature.
     template <int dim>
     class DensityProblem
     {
@@ -65,10 +63,8 @@ namespace greville
 
 
 
-    /**
-     * The mass M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the material points of a
-     * body, with extended B-splines if the parameters ask for them.
-     */
+    /// The mass M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the material points of a
+    /// body, with extended B-splines if the parameters ask for them.
     template <int dim>
     class PointProblem
     {

@@ -137,10 +137,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the placement of points in a formula of Shape. Its surfaces cut
-     * cells.
-     */
+    /// Return the placement of points in a formula of Shape. Its surfaces cut
+    /// cells.
     template <int dim>
     std::string
     shape_of(const std::string &body, const SplineSpace<dim> &space)

@@ -149,9 +149,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the records by variant, in the order of first occurrence.
-     */
+    /// Return the records by variant, in the order of first occurrence.
     std::vector<std::pair<std::string, std::vector<const SolveRecord *>>>
     by_variant(const std::vector<SolveRecord> &records)
     {
@@ -172,9 +170,7 @@ namespace greville
 
 
 
-    /**
-     * Print rows of cells and columns of orders, with @p text for each record.
-     */
+    /// Print rows of cells and columns of orders, with @p text for each record.
     template <typename Text>
     void
     print_table(std::ostream                           &out,

@@ -27,10 +27,8 @@ namespace greville
 
 
 
-    /**
-     * Return the sums of keys over the points of this process. @p hats belong
-     * to the points that face the other side, in their order.
-     */
+    /// Return the sums of keys over the points of this process. @p hats belong
+    /// to the points that face the other side, in their order.
     template <int dim>
     std::unordered_map<std::uint64_t, KeySums<dim>>
     sums_of_keys(const std::vector<ContactPoint<dim>> &points,
@@ -69,10 +67,8 @@ namespace greville
 
 
 
-    /**
-     * The contact law for the keys owned by this process: forces, pressures and
-     * tangents.
-     */
+    /// The contact law for the keys owned by this process: forces, pressures
+    /// and tangents.
     template <int dim>
     class KeyLaw
     {
@@ -152,10 +148,8 @@ namespace greville
 
 
 
-    /**
-     * Collective. Return the forces of the keys of this process' points. Each
-     * key has an owner, which adds up its sums.
-     */
+    /// Collective. Return the forces of the keys of this process' points. Each
+    /// key has an owner, which adds up its sums.
     template <int dim>
     std::unordered_map<std::uint64_t, KeyForce<dim>>
     forces_of_keys(std::unordered_map<std::uint64_t, KeySums<dim>> sums,

@@ -14,11 +14,9 @@ namespace greville
 {
   namespace internal
   {
-    /**
-     * Return the sector of a normal: 60 degrees in 2D, around one of several
-     * axes in 3D. Common directions (multiples of 15 degrees, diagonals) are
-     * not on the border between two sectors.
-     */
+    /// Return the sector of a normal: 60 degrees in 2D, around one of several
+    /// axes in 3D. Common directions (multiples of 15 degrees, diagonals) are
+    /// not on the border between two sectors.
     template <int dim>
     unsigned int
     sector_of(const dealii::Tensor<1, dim> &n)
@@ -51,9 +49,7 @@ namespace greville
 
 
 
-    /**
-     * The keys of a point with the values of their hat functions.
-     */
+    /// The keys of a point with the values of their hat functions.
     template <int dim>
     struct Hats
     {

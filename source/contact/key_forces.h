@@ -100,10 +100,9 @@ namespace greville
 
 
 
-    /**
-     * Return the pressure for a gap that grows by @p motion up to now, the part
-     * @p share of the step, and from @p first to @p last by @p change in all.
-     */
+    /// Return the pressure for a gap that grows by @p motion up to now, the
+    /// part @p share of the step, and from @p first to @p last by @p change in
+    /// all.
     inline KeyPressure
     pressure_of_key(const ContactLaw &law,
                     const double      gap,
@@ -144,11 +143,9 @@ namespace greville
 
 
 
-    /**
-     * Return the shear of a key after the elastic slip @p old and the motion
-     * @p step along the surface, and set the members of @p result that belong
-     * to sliding. @p pores is the weight of the sides with pores.
-     */
+    /// Return the shear of a key after the elastic slip @p old and the motion
+    /// @p step along the surface, and set the members of @p result that belong
+    /// to sliding. @p pores is the weight of the sides with pores.
     template <int dim>
     KeyShear<dim>
     shear_of_key(const ContactLaw     &law,

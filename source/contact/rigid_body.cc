@@ -38,10 +38,8 @@ namespace greville
 
 
 
-    /**
-     * Volume, center and second moments about the center of a shape, from
-     * quadratures over its parts of the cells of a lattice.
-     */
+    /// Volume, center and second moments about the center of a shape, from
+    /// quadratures over its parts of the cells of a lattice.
     template <int dim>
     struct Moments
     {

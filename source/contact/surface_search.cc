@@ -139,15 +139,11 @@ namespace greville
 
 
 
-    /**
-     * The boxes around both sides, and the size of the boxes of a search.
-     */
+    /// The boxes around both sides, and the size of the boxes of a search.
     template <int dim>
     struct Extent
     {
-      /**
-       * Collective.
-       */
+      /// Collective.
       Extent(const std::vector<ContactPoint<dim>> &points,
              const double                          reach,
              const MPI_Comm                        comm)
@@ -233,11 +229,9 @@ namespace greville
 
 
 
-    /**
-     * The rows of points for other processes: a point is on the process of its
-     * box to be projected, and on those of the boxes around it, where others
-     * are projected onto it.
-     */
+    /// The rows of points for other processes: a point is on the process of its
+    /// box to be projected, and on those of the boxes around it, where others
+    /// are projected onto it.
     template <int dim>
     Rows
     rows_of_points(const std::vector<ContactPoint<dim>> &points,
@@ -275,9 +269,7 @@ namespace greville
 
 
 
-    /**
-     * Rows of points that have come to this process.
-     */
+    /// Rows of points that have come to this process.
     template <int dim>
     class MetPoints
     {
@@ -299,10 +291,8 @@ namespace greville
             .push_back(row);
       }
 
-      /**
-       * Project the points in boxes of this process, and return, for each
-       * sender, numbers, gaps and normals of those that face a surface.
-       */
+      /// Project the points in boxes of this process, and return, for each
+      /// sender, numbers, gaps and normals of those that face a surface.
       Rows
       project(const double       reach,
               const unsigned int n_processes,
@@ -347,10 +337,8 @@ namespace greville
         return x;
       }
 
-      /**
-       * Collect the points of the other side around a point, and their mirror
-       * images behind the axis.
-       */
+      /// Collect the points of the other side around a point, and their mirror
+      /// images behind the axis.
       void
       find_samples(const unsigned int                row,
                    const Point<dim>                 &x,

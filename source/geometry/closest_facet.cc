@@ -19,9 +19,7 @@ namespace greville
 
 
 
-    /**
-     * A segment or a triangle, with its unit normal.
-     */
+    /// A segment or a triangle, with its unit normal.
     template <int dim>
     struct FlatFacet
     {
@@ -78,10 +76,8 @@ namespace greville
 
 
 
-    /**
-     * Return the angle of the facet at a point of it, as a fraction of the full
-     * circle; in 2D, 1 or 1/2.
-     */
+    /// Return the angle of the facet at a point of it, as a fraction of the
+    /// full circle; in 2D, 1 or 1/2.
     template <int dim>
     double
     angle_at(const FlatFacet<dim> &facet,

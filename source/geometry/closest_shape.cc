@@ -36,10 +36,8 @@ namespace greville
 
 
 
-    /**
-     * A point at which the first n of some level sets are zero or are to be
-     * zero.
-     */
+    /// A point at which the first n of some level sets are zero or are to be
+    /// zero.
     template <int dim>
     struct Candidate
     {
@@ -49,17 +47,13 @@ namespace greville
       unsigned int                           n = 0;
       std::array<const LevelSet<dim> *, dim> level_sets;
 
-      /**
-       * The unit normals of the level sets are a lower triangle times
-       * orthonormal vectors (Gram and Schmidt).
-       */
+      /// The unit normals of the level sets are a lower triangle times
+      /// orthonormal vectors (Gram and Schmidt).
       std::array<Tensor<1, dim>, dim> basis, factor;
       std::array<double, dim>         offsets; // to the zeros, along normals
 
-      /**
-       * Linearize the level sets. Returns false if the normals are linearly
-       * dependent.
-       */
+      /// Linearize the level sets. Returns false if the normals are linearly
+      /// dependent.
       bool
       linearize(const Tensor<1, dim> &cell)
       {
@@ -99,10 +93,8 @@ namespace greville
         return result;
       }
 
-      /**
-       * Move to the closest point at which all level sets are zero. Returns
-       * false if it is not found or too far away.
-       */
+      /// Move to the closest point at which all level sets are zero. Returns
+      /// false if it is not found or too far away.
       bool
       approach(const Query<dim> &query)
       {
@@ -237,11 +229,9 @@ namespace greville
         return tree.evaluate(sides, active) == ShapeTree<dim>::inside;
       }
 
-      /**
-       * Return a box around the cells of a lattice that are not outside;
-       * infinite for formulas, and if the first lattice has such cells at its
-       * sides.
-       */
+      /// Return a box around the cells of a lattice that are not outside;
+      /// infinite for formulas, and if the first lattice has such cells at its
+      /// sides.
       BoundingBox<dim>
       box() const override
       {
@@ -330,10 +320,8 @@ namespace greville
           n_cells_of_contours<dim>);
       }
 
-      /**
-       * Return whether both sides of the surface are in the sectors between the
-       * level sets; sets the normal.
-       */
+      /// Return whether both sides of the surface are in the sectors between
+      /// the level sets; sets the normal.
       bool
       is_on_surface(Candidate<dim> &candidate, const double size) const
       {

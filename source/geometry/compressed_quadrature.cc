@@ -12,10 +12,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Legendre polynomials on the box of the points, normalized: entry i of
-     * value(x) is the i-th polynomial of total degree at most q.
-     */
+    /// Legendre polynomials on the box of the points, normalized: entry i of
+    /// value(x) is the i-th polynomial of total degree at most q.
     template <int dim>
     class Polynomials
     {
@@ -67,10 +65,8 @@ namespace greville
 
 
 
-    /**
-     * Return the product of two vectors from entry @p begin on, with eight sums
-     * at a time.
-     */
+    /// Return the product of two vectors from entry @p begin on, with eight
+    /// sums at a time.
     double
     product(const std::vector<double> &a,
             const std::vector<double> &b,
@@ -99,11 +95,9 @@ namespace greville
 
 
 
-    /**
-     * Return an orthonormal basis of the orthogonal complement of the @p
-     * vectors, of which there are fewer than their length, by Householder
-     * reflections. The vectors are overwritten.
-     */
+    /// Return an orthonormal basis of the orthogonal complement of the
+    /// @p vectors, of which there are fewer than their length, by Householder
+    /// reflections. The vectors are overwritten.
     std::vector<std::vector<double>>
     orthogonal_complement(std::vector<std::vector<double>> &vectors)
     {

@@ -15,9 +15,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Call @p visit with the n corners of each simplex in @p facet.
-     */
+    /// Call @p visit with the n corners of each simplex in @p facet.
     template <int dim, typename Visit>
     void
     for_each_simplex(const Facet<dim> &facet, const Visit &visit)
@@ -53,10 +51,8 @@ namespace greville
 
 
 
-    /**
-     * Return the part of a plane with the given points on its edge, in any
-     * order.
-     */
+    /// Return the part of a plane with the given points on its edge, in any
+    /// order.
     Facet<2>
     facet_around(const Facet<2> &points, const Plane<2> &plane)
     {
@@ -98,10 +94,8 @@ namespace greville
 
 
 
-    /**
-     * Return the Gauss points of [0, 1], since deal.II computes them anew each
-     * time.
-     */
+    /// Return the Gauss points of [0, 1], since deal.II computes them anew each
+    /// time.
     const Quadrature<1> &
     gauss(const unsigned int n)
     {
@@ -113,11 +107,9 @@ namespace greville
 
 
 
-    /**
-     * Call @p visit(coordinates, weight) with the quadrature points of a
-     * simplex. The coordinates belong to all corners but the first, the weights
-     * add up to 1 / d!.
-     */
+    /// Call @p visit(coordinates, weight) with the quadrature points of a
+    /// simplex. The coordinates belong to all corners but the first, the
+    /// weights add up to 1 / d!.
     template <typename Visit>
     void
     for_each_simplex_point(std::integral_constant<int, 1>,

@@ -27,22 +27,16 @@ namespace greville::internal
     template <int dim>
     struct ContourCell
     {
-      /**
-       * The points at which the surface cuts edges, and its normals there, if
-       * known.
-       */
+      /// The points at which the surface cuts edges, and its normals there, if
+      /// known.
       std::vector<std::pair<Point<dim>, Tensor<1, dim>>> planes;
-      /**
-       * The vertex. It lies on an edge or a corner if the planes have two or
-       * three independent normals.
-       */
+      /// The vertex. It lies on an edge or a corner if the planes have two or
+      /// three independent normals.
       Point<dim>   x;
       unsigned int n_across = 0;
 
-      /**
-       * Minimize the sum of squared distances from the planes, close to the
-       * mean of their points; take the mean if the minimum is beyond @p reach.
-       */
+      /// Minimize the sum of squared distances from the planes, close to the
+      /// mean of their points; take the mean if the minimum is beyond @p reach.
       void
       find_vertex(const Tensor<1, dim> &reach)
       {

@@ -113,9 +113,8 @@ namespace greville
 
 
 
-      /**
-       * Cut a box by a plane along axes; return nothing if the plane misses it.
-       */
+      /// Cut a box by a plane along axes; return nothing if the plane misses
+      /// it.
       bool
       cut_along_axes(const unsigned int      j,
                      const BoundingBox<dim> &box,
@@ -342,11 +341,9 @@ namespace greville
         return (outer - inner) / 2;
       }
 
-      /**
-       * Return the normal of the boundary in @p plane of level set @p j; zero
-       * if there is no boundary, or if the shape is not on the side @p wanted
-       * of the plane.
-       */
+      /// Return the normal of the boundary in @p plane of level set @p j; zero
+      /// if there is no boundary, or if the shape is not on the side @p wanted
+      /// of the plane.
       static Tensor<1, dim>
       normal_of(const int sign, const Side wanted, const Plane<dim> &plane)
       {
@@ -392,10 +389,8 @@ namespace greville
 
 
 
-      /**
-       * Integrate over the boundary in a part of plane @p j, which is along
-       * axes, across direction @p d.
-       */
+      /// Integrate over the boundary in a part of plane @p j, which is along
+      /// axes, across direction @p d.
       void
       cut_flat_box(const BoundingBox<dim> &box,
                    const unsigned int      d,

@@ -51,10 +51,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Call visit(x) for a point of the grid and its periodic images one period
-     * away, the point itself first.
-     */
+    /// Call visit(x) for a point of the grid and its periodic images one period
+    /// away, the point itself first.
     template <int dim, typename Visit>
     void
     for_each_image(const SplineSpace<dim> &space,

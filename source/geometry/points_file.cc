@@ -93,9 +93,7 @@ namespace greville
 
 
 
-    /**
-     * Reads the rows of a file, and keeps the points in owned cells.
-     */
+    /// Reads the rows of a file, and keeps the points in owned cells.
     template <int dim>
     class PointsReader
     {
@@ -130,9 +128,8 @@ namespace greville
           read_point(row);
       }
 
-      /**
-       * Throw if all volumes together exceed the grid. @p where names the file.
-       */
+      /// Throw if all volumes together exceed the grid. @p where names the
+      /// file.
       void
       check_sum(const std::string &where) const
       {
@@ -193,9 +190,7 @@ namespace greville
         return group;
       }
 
-      /**
-       * The columns of a group, or none of them.
-       */
+      /// The columns of a group, or none of them.
       std::vector<int>
       find_group(const CsvLine                  &line,
                  const std::vector<std::string> &group) const
@@ -275,10 +270,8 @@ namespace greville
           result.values.push_back(number(row, column));
       }
 
-      /**
-       * Return the mass of a point, and set its volume. Throw if these and the
-       * density contradict each other.
-       */
+      /// Return the mass of a point, and set its volume. Throw if these and the
+      /// density contradict each other.
       double
       read_mass(const CsvLine &row, double &volume) const
       {

@@ -16,9 +16,7 @@ namespace greville
     thread_local const double *shape_point = nullptr;
     thread_local int           shape_dim   = 0;
 
-    /**
-     * Throw for a wrong number of arguments; the formula adds its parameter.
-     */
+    /// Throw for a wrong number of arguments; the formula adds its parameter.
     void
     check_arguments(const char *shape, const int given, const int wanted)
     {

@@ -14,10 +14,8 @@ namespace greville
 {
   using namespace dealii;
 
-  /**
-   * A parser that reads a formula from outside to inside: operators, the
-   * weakest first, then functions.
-   */
+  /// A parser that reads a formula from outside to inside: operators, the
+  /// weakest first, then functions.
   template <int dim>
   class ShapeTree<dim>::Parser
   {
@@ -132,9 +130,8 @@ namespace greville
       return text.size();
     }
 
-    /**
-     * Return the last of some operators outside parentheses, with its position.
-     */
+    /// Return the last of some operators outside parentheses, with its
+    /// position.
     static std::pair<std::size_t, std::string>
     last_operator(const std::string              &text,
                   const std::vector<std::string> &operators)
@@ -309,10 +306,8 @@ namespace greville
       return node;
     }
 
-    /**
-     * Return whether a formula consists of coordinates, names of other
-     * formulas, numbers and operators of numbers.
-     */
+    /// Return whether a formula consists of coordinates, names of other
+    /// formulas, numbers and operators of numbers.
     bool
     has_no_calls(const std::string &text) const
     {

@@ -41,10 +41,8 @@ namespace greville
 
 
 #ifdef DEAL_II_WITH_ASSIMP
-    /**
-     * Throw if a PLY file is shorter than its header promises: Assimp would not
-     * return.
-     */
+    /// Throw if a PLY file is shorter than its header promises: Assimp would
+    /// not return.
     void
     check_ply(const std::string &file, const std::string &of)
     {

@@ -20,9 +20,7 @@ namespace greville
 
 
 
-    /**
-     * Not normalized.
-     */
+    /// Not normalized.
     Tensor<1, 2>
     normal_of(const Facet<2> &facet)
     {

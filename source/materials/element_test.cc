@@ -20,10 +20,8 @@ namespace greville
 
 
 
-    /**
-     * The deformation from the start of a test: logarithmic strains (positive
-     * in extension) and the shear S_xz.
-     */
+    /// The deformation from the start of a test: logarithmic strains (positive
+    /// in extension) and the shear S_xz.
     struct Stretch
     {
       double lateral = 0., axial = 0., shear = 0.;
@@ -118,10 +116,8 @@ namespace greville
                               : Stretch{0., -strain, 0.};
       }
 
-      /**
-       * Return the point at the beginning of a step that ends with @p next, as
-       * an argument of Material::update().
-       */
+      /// Return the point at the beginning of a step that ends with @p next, as
+      /// an argument of Material::update().
       MaterialPoint
       begin_step(const Stretch &next, const double dt) const
       {

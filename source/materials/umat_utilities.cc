@@ -19,10 +19,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the position among all six components of component k of those
-     * present.
-     */
+    /// Return the position among all six components of component k of those
+    /// present.
     int
     component(const int k, const int ndi)
     {

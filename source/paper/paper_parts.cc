@@ -15,9 +15,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Forward Gauss-Seidel, and backward as its transpose, process by process.
-     */
+    /// Forward Gauss-Seidel, and backward as its transpose, process by process.
     class GaussSeidelSmoother : public Preconditioner
     {
     public:

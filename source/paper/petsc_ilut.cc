@@ -31,9 +31,7 @@ namespace greville
 
 
 
-    /**
-     * Turn exceptions into PETSc errors: they must not pass through PETSc.
-     */
+    /// Turn exceptions into PETSc errors: they must not pass through PETSc.
     template <typename Action>
     PetscErrorCode
     without_exceptions(const Action &action)

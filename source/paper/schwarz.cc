@@ -49,10 +49,8 @@ namespace greville
 
 
 
-    /**
-     * Collective. Return the numbers in the domain, ascending, and set its
-     * matrix, which @p copy owns if it is not a part of @p matrix.
-     */
+    /// Collective. Return the numbers in the domain, ascending, and set its
+    /// matrix, which @p copy owns if it is not a part of @p matrix.
     std::vector<PetscInt>
     domain_of_process(const Mat                            matrix,
                       const std::pair<PetscInt, PetscInt> &range,

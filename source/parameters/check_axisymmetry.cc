@@ -16,10 +16,8 @@ namespace greville
 
 
 
-    /**
-     * Return whether the first of several formulas of time is zero, judging
-     * from samples.
-     */
+    /// Return whether the first of several formulas of time is zero, judging
+    /// from samples.
     bool
     has_radial_part(const std::string &text,
                     const std::string &parameter,

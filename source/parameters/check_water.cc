@@ -29,10 +29,8 @@ namespace greville
 
 
 
-    /**
-     * Check the combination of conditions at a wall or a surface. @p names are
-     * the names of its pressure, seepage face and flux in a @p section.
-     */
+    /// Check the combination of conditions at a wall or a surface. @p names are
+    /// the names of its pressure, seepage face and flux in a @p section.
     void
     check_boundary(const std::string                &section,
                    const std::array<std::string, 3> &names,
@@ -70,10 +68,8 @@ namespace greville
 
 
 
-    /**
-     * Return the materials of bodies that have a grid of their own, beside
-     * saturated bodies.
-     */
+    /// Return the materials of bodies that have a grid of their own, beside
+    /// saturated bodies.
     std::set<std::string>
     materials_without_pores(const SimulationParameters &parameters)
     {

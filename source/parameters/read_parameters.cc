@@ -97,10 +97,8 @@ namespace greville
 
 
 
-    /**
-     * The kind of the surface load of a @p section. Throws if the section has a
-     * parameter of other kinds only.
-     */
+    /// The kind of the surface load of a @p section. Throws if the section has
+    /// a parameter of other kinds only.
     std::shared_ptr<SurfaceLoadKind>
     kind_of_load(const std::vector<ParameterLine> &lines,
                  const std::string                &section)
@@ -154,10 +152,8 @@ namespace greville
 
 
 
-    /**
-     * Load the libraries of plugins and user-defined laws, whose names become
-     * absolute. Throws with the line if this fails.
-     */
+    /// Load the libraries of plugins and user-defined laws, whose names become
+    /// absolute. Throws with the line if this fails.
     std::vector<ParameterLine>
     with_libraries(std::vector<ParameterLine>   lines,
                    const std::filesystem::path &folder)
@@ -201,10 +197,8 @@ namespace greville
 
 
 
-    /**
-     * Call a function of a law, and add the section to its exceptions if they
-     * do not name it.
-     */
+    /// Call a function of a law, and add the section to its exceptions if they
+    /// do not name it.
     void
     let_law_act(const std::string &section, const std::function<void()> &action)
     {
@@ -267,10 +261,8 @@ namespace greville
 
 
 
-    /**
-     * Return the text of a parameter file without parameters of the whole run
-     * that are repeated in stages: a resumed run changes such a value once.
-     */
+    /// Return the text of a parameter file without parameters of the whole run
+    /// that are repeated in stages: a resumed run changes such a value once.
     std::string
     without_common_times(const std::string &text)
     {

@@ -118,10 +118,8 @@ namespace greville
         double              weight; // N / m^3
       };
 
-      /**
-       * Return the weight of the layers above the surface at a place, and of
-       * the water above them, Pa.
-       */
+      /// Return the weight of the layers above the surface at a place, and of
+      /// the water above them, Pa.
       double
       pressure_above(Point<dim> x, const double height) const
       {
@@ -172,10 +170,8 @@ namespace greville
 
 
 
-    /**
-     * The initial displacement: it moves a point, deforms it, and lets the
-     * material compute the stress.
-     */
+    /// The initial displacement: it moves a point, deforms it, and lets the
+    /// material compute the stress.
     template <int dim>
     void
     displace(Point<dim>                    &x,
@@ -231,10 +227,8 @@ namespace greville
 
 
 
-    /**
-     * Return the groups of numbers that files of points may contain besides
-     * positions, volume and mass.
-     */
+    /// Return the groups of numbers that files of points may contain besides
+    /// positions, volume and mass.
     template <int dim>
     std::vector<std::vector<std::string>>
     groups_of_file(const Material &material)
@@ -265,11 +259,9 @@ namespace greville
 
 
 
-    /**
-     * Initialize the state of a point from a file. Its deformation is used if
-     * it is given together with all history variables of the material;
-     * otherwise, the point belongs to a body at rest with this stress.
-     */
+    /// Initialize the state of a point from a file. Its deformation is used if
+    /// it is given together with all history variables of the material;
+    /// otherwise, the point belongs to a body at rest with this stress.
     template <int dim>
     void
     initialize_from_file(MaterialPoint           &state,
@@ -464,10 +456,8 @@ namespace greville
         store_material_point<dim>(state, p, layout);
       }
 
-      /**
-       * Initialize the material and displace the point. Returns J of the
-       * initial stress.
-       */
+      /// Initialize the material and displace the point. Returns J of the
+      /// initial stress.
       double
       initialize(const PointRef<dim>     p,
                  Point<dim>             &x,

@@ -13,10 +13,8 @@ namespace greville
 {
   namespace internal
   {
-    /**
-     * Return the formulas of an initial displacement or velocity; zero if the
-     * text is empty.
-     */
+    /// Return the formulas of an initial displacement or velocity; zero if the
+    /// text is empty.
     template <int dim>
     VectorExpression<dim>
     initial_formulas(const std::string &text, const std::string &parameter)
@@ -28,10 +26,8 @@ namespace greville
                                        coordinate_names<dim>());
     }
 
-    /**
-     * Return derivatives of formulas by differences of sixth order with these
-     * steps.
-     */
+    /// Return derivatives of formulas by differences of sixth order with these
+    /// steps.
     template <int dim>
     dealii::Tensor<2, 3>
     gradient_of(const VectorExpression<dim>   &formulas,
@@ -53,9 +49,7 @@ namespace greville
       return gradient;
     }
 
-    /**
-     * These steps for the gradient of a displacement.
-     */
+    /// These steps for the gradient of a displacement.
     template <int dim>
     std::array<double, dim>
     displacement_steps(const SplineSpace<dim> &space)

@@ -15,9 +15,8 @@ namespace greville
 
 
 
-    /**
-     * Return the components of a symmetric tensor, in the order of PointLayout.
-     */
+    /// Return the components of a symmetric tensor, in the order of
+    /// PointLayout.
     template <int dim>
     std::vector<std::string>
     symmetric(const std::string &name)

@@ -51,10 +51,8 @@ namespace greville
 
 
 
-    /**
-     * Replace matrices C, one per lane, by the symmetric positive semidefinite
-     * factor H = (C^T C)^(1/2) of their polar decomposition C = Q H.
-     */
+    /// Replace matrices C, one per lane, by the symmetric positive semidefinite
+    /// factor H = (C^T C)^(1/2) of their polar decomposition C = Q H.
     template <int n>
     inline void
     replace_by_polar_factor(Simd (&C)[n][n])

@@ -31,10 +31,8 @@ namespace greville
 
 
 
-    /**
-     * Return the volume ratio of the configuration to which the projection
-     * refers.
-     */
+    /// Return the volume ratio of the configuration to which the projection
+    /// refers.
     template <int dim>
     double
     initial_J(const ConstPointRef<dim> p, const PointLayout<dim> &layout)

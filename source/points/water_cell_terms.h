@@ -31,9 +31,7 @@ namespace greville
 
 
 
-    /**
-     * The fields of the grid at a term, with gradients with respect to its x.
-     */
+    /// The fields of the grid at a term, with gradients with respect to its x.
     template <int dim>
     struct WaterValues
     {
@@ -48,10 +46,8 @@ namespace greville
 
 
 
-    /**
-     * The terms of a cell: fields at them, and the sums over them. Null fields
-     * and sums are omitted; with the rows, the pressure is omitted, too.
-     */
+    /// The terms of a cell: fields at them, and the sums over them. Null fields
+    /// and sums are omitted; with the rows, the pressure is omitted, too.
     template <int dim>
     class CellTerms
     {
@@ -71,10 +67,8 @@ namespace greville
       virtual void
       end() = 0;
 
-      /**
-       * The sums of the squares of the cell forces, and of the absolute values
-       * of the terms in the rows.
-       */
+      /// The sums of the squares of the cell forces, and of the absolute values
+      /// of the terms in the rows.
       std::array<double, 2> squares{};
     };
 

@@ -55,10 +55,8 @@ namespace greville
 
 
 
-    /**
-     * Set P for the rows by the change of the flow @p w, with @p k = dt V
-     * kappa.
-     */
+    /// Set P for the rows by the change of the flow @p w, with @p k = dt V
+    /// kappa.
     template <int dim>
     inline __attribute__((always_inline)) void
     set_flow(const Simd k,

@@ -85,9 +85,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Write the parameters, for a resumed run and for other programs.
-     */
+    /// Write the parameters, for a resumed run and for other programs.
     void
     write_parameters(const SimulationParameters &parameters,
                      const std::string          &folder,

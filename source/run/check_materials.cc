@@ -54,10 +54,8 @@ namespace greville
 
 
 
-    /**
-     * Collective. Return the extent of the points of a body along @p gravity,
-     * m.
-     */
+    /// Collective. Return the extent of the points of a body along @p gravity,
+    /// m.
     template <int dim>
     double
     height_of(const Body<dim>      &body,
@@ -77,10 +75,8 @@ namespace greville
 
 
 
-    /**
-     * Return the slope of the shear strength over the pressure: the sine of the
-     * Mohr-Coulomb friction angle. Zero if it is unknown.
-     */
+    /// Return the slope of the shear strength over the pressure: the sine of
+    /// the Mohr-Coulomb friction angle. Zero if it is unknown.
     double
     friction_of(const Material &material)
     {
@@ -95,11 +91,9 @@ namespace greville
 
 
 
-    /**
-     * Collective. Return, in kg, the mass of a body with K0 and the mass of
-     * another body on its surface: at most a cell away, and within the extent
-     * of the first body across gravity.
-     */
+    /// Collective. Return, in kg, the mass of a body with K0 and the mass of
+    /// another body on its surface: at most a cell away, and within the extent
+    /// of the first body across gravity.
     template <int dim>
     std::pair<double, double>
     mass_above(const Body<dim>      &body,

@@ -35,9 +35,7 @@ namespace greville
 
     using Clock = std::chrono::steady_clock;
 
-    /**
-     * Collective. Return the maximum over all processes.
-     */
+    /// Collective. Return the maximum over all processes.
     double
     seconds_since(const Clock::time_point &begin, const MPI_Comm comm)
     {
@@ -167,10 +165,8 @@ namespace greville
             << FieldOutput<dim>::series_name << '\n';
       }
 
-      /**
-       * Take trial steps of all stages, and write the results. Returns the
-       * estimated time of all stages, s.
-       */
+      /// Take trial steps of all stages, and write the results. Returns the
+      /// estimated time of all stages, s.
       double
       report()
       {
@@ -215,9 +211,7 @@ namespace greville
                                                    : in_plane_strain;
       }
 
-      /**
-       * Write mass and volume, which reveal wrong shapes and units.
-       */
+      /// Write mass and volume, which reveal wrong shapes and units.
       void
       print_bodies(const BodyList<dim> &bodies)
       {
@@ -242,10 +236,8 @@ namespace greville
           }
       }
 
-      /**
-       * Write the initial areas of loaded surfaces, and the forces on them at
-       * the start and the end of the run.
-       */
+      /// Write the initial areas of loaded surfaces, and the forces on them at
+      /// the start and the end of the run.
       void
       print_surface_loads()
       {
@@ -294,10 +286,8 @@ namespace greville
           out << "Warning: " << warning << std::endl;
       }
 
-      /**
-       * Take steps in the stage of @p trial, and write the results. Returns the
-       * estimated time of the stage, s, including @p set_up.
-       */
+      /// Take steps in the stage of @p trial, and write the results. Returns
+      /// the estimated time of the stage, s, including @p set_up.
       double
       report_stage(CoupledSimulations<dim> &trial,
                    const unsigned int       stage,
@@ -362,9 +352,7 @@ namespace greville
         return total;
       }
 
-      /**
-       * Try a later stage as if it began with the initial bodies.
-       */
+      /// Try a later stage as if it began with the initial bodies.
       double
       report_later_stage(const unsigned int stage)
       {

@@ -27,10 +27,8 @@ namespace greville
 
 
 
-    /**
-     * Return the checkpoints of a folder, the newest first. Copies under other
-     * names are ignored.
-     */
+    /// Return the checkpoints of a folder, the newest first. Copies under other
+    /// names are ignored.
     std::vector<std::string>
     checkpoints_in(const std::string &folder)
     {
@@ -47,10 +45,8 @@ namespace greville
 
 
 
-    /**
-     * Return the values of all parameters by "Section/Parameter" from a text of
-     * ParameterHandler.
-     */
+    /// Return the values of all parameters by "Section/Parameter" from a text
+    /// of ParameterHandler.
     std::map<std::string, std::string>
     values_of(const std::string &text)
     {

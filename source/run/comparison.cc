@@ -27,9 +27,7 @@ namespace greville
 
 
 
-    /**
-     * Return the errors of @p n values per point, which @p value returns.
-     */
+    /// Return the errors of @p n values per point, which @p value returns.
     template <int dim, int n, typename Value>
     std::optional<Errors>
     errors_of(const VectorExpression<n> &formulas,

@@ -23,9 +23,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the sides of all comparisons in a formula.
-     */
+    /// Return the sides of all comparisons in a formula.
     std::vector<std::string>
     compared_in(const std::string &formula)
     {
@@ -69,9 +67,7 @@ namespace greville
 
 
 
-    /**
-     * Throw if a factor decreases or is negative anywhere in a stage.
-     */
+    /// Throw if a factor decreases or is negative anywhere in a stage.
     void
     check_factor(const Expression &factor, const TimeParameters &time)
     {
@@ -103,9 +99,7 @@ namespace greville
 
 
 
-    /**
-     * Return 'Time/Step' of the current stage, the shortest of all parts, s.
-     */
+    /// Return 'Time/Step' of the current stage, the shortest of all parts, s.
     template <int dim>
     double
     given_step(const CoupledSimulations<dim> &simulations)

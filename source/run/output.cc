@@ -32,9 +32,7 @@ namespace greville
 
 
 
-    /**
-     * Patches with their data for DataOutBase.
-     */
+    /// Patches with their data for DataOutBase.
     template <int patch_dim, int dim>
     class PatchesOut
     {
@@ -99,10 +97,8 @@ namespace greville
 
 
 
-    /**
-     * Points as patches without extension. They are written block by block to
-     * save memory.
-     */
+    /// Points as patches without extension. They are written block by block to
+    /// save memory.
     template <int dim>
     class PointsOut : public PatchesOut<0, dim>
     {
@@ -158,9 +154,7 @@ namespace greville
 
 
 
-    /**
-     * Points on surfaces, as patches without extension.
-     */
+    /// Points on surfaces, as patches without extension.
     template <int dim>
     class SurfacesOut : public PatchesOut<0, dim>
     {
@@ -261,10 +255,8 @@ namespace greville
 
 
 
-    /**
-     * Fields of the grid: a patch of order p for each cell in the support of a
-     * function with mass.
-     */
+    /// Fields of the grid: a patch of order p for each cell in the support of a
+    /// function with mass.
     template <int dim>
     class GridOut : public PatchesOut<dim, dim>
     {
@@ -345,10 +337,8 @@ namespace greville
 
 
 
-    /**
-     * Return the text of fields.pvd: data sets by time, with a block for each
-     * name.
-     */
+    /// Return the text of fields.pvd: data sets by time, with a block for each
+    /// name.
     std::string
     text_of_pvd(
       const std::map<std::string, std::vector<std::pair<double, std::string>>>

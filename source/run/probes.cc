@@ -15,10 +15,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return whether a field is not always a column already, and is defined for
-     * single points and for means.
-     */
+    /// Return whether a field is not always a column already, and is defined
+    /// for single points and for means.
     bool
     is_for_probes(const std::string &field)
     {

@@ -20,11 +20,9 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return whether the terminal can rewrite a line. mpirun gives processes a
-     * terminal even if its own output goes to a file; TERM = dumb then disables
-     * rewriting.
-     */
+    /// Return whether the terminal can rewrite a line. mpirun gives processes a
+    /// terminal even if its own output goes to a file; TERM = dumb then
+    /// disables rewriting.
     bool
     is_terminal_with_lines()
     {
@@ -44,9 +42,7 @@ namespace greville
 
 
 
-    /**
-     * Return the walls and components whose forces are known in some stage.
-     */
+    /// Return the walls and components whose forces are known in some stage.
     template <int dim>
     std::vector<std::pair<unsigned int, unsigned int>>
     reactions_of(const SimulationParameters &parameters)
@@ -70,11 +66,9 @@ namespace greville
 
 
 
-    /**
-     * Return the walls and surfaces, including the free surface, through which
-     * water flows in some stage: numbers in State::water and columns. Empty if
-     * there is only one.
-     */
+    /// Return the walls and surfaces, including the free surface, through which
+    /// water flows in some stage: numbers in State::water and columns. Empty if
+    /// there is only one.
     template <int dim>
     std::vector<std::pair<unsigned int, std::string>>
     outflows_of(const SimulationParameters &parameters)

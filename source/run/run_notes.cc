@@ -23,11 +23,9 @@ namespace greville
 
 
 
-    /**
-     * The unit of columns whose name is one of these prefixes, alone or
-     * followed by a digit or an underscore. Without prefixes: all others of a
-     * file.
-     */
+    /// The unit of columns whose name is one of these prefixes, alone or
+    /// followed by a digit or an underscore. Without prefixes: all others of a
+    /// file.
     struct ColumnUnits
     {
       const char *file, *unit, *unit_2d, *begins;
@@ -84,10 +82,8 @@ namespace greville
 
 
 
-    /**
-     * The unit of columns with this beginning and ending, a name between them,
-     * and possibly a component after them.
-     */
+    /// The unit of columns with this beginning and ending, a name between them,
+    /// and possibly a component after them.
     struct EndOfColumn
     {
       const char *begin, *end, *unit, *unit_2d;

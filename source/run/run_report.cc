@@ -24,9 +24,7 @@ namespace greville
 
 
 
-    /**
-     * Return the microseconds of a process per point and step.
-     */
+    /// Return the microseconds of a process per point and step.
     double
     cost_of_point(const double       wall_time,
                   const double       n_points,
@@ -39,10 +37,8 @@ namespace greville
 
 
 
-    /**
-     * Return a judgement of an energy loss, relative to the largest energy or
-     * work, with the remedy.
-     */
+    /// Return a judgement of an energy loss, relative to the largest energy or
+    /// work, with the remedy.
     std::string
     judgement_of_loss(const double loss, const SchemeParameters &scheme)
     {

@@ -14,10 +14,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the share of this process in outflow number @p k, see
-     * State::water. A part numbers only the loads on its own bodies.
-     */
+    /// Return the share of this process in outflow number @p k, see
+    /// State::water. A part numbers only the loads on its own bodies.
     template <int dim>
     double
     water_of(const Simulation<dim>          &part,

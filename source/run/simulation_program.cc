@@ -20,9 +20,7 @@ namespace greville
 {
   namespace
   {
-    /**
-     * Return the parameter file in a folder of results, or the file itself.
-     */
+    /// Return the parameter file in a folder of results, or the file itself.
     std::string
     file_to_run(const std::string &file, const bool resumes)
     {

@@ -34,10 +34,8 @@ namespace greville
 
 
 
-    /**
-     * Return the region at which half spaces are cut: two cells beyond the
-     * grids.
-     */
+    /// Return the region at which half spaces are cut: two cells beyond the
+    /// grids.
     template <int dim>
     BoundingBox<dim>
     region_of_rigid_bodies(const CoupledSimulations<dim> &simulations,

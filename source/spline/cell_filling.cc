@@ -84,11 +84,9 @@ namespace greville
       return result;
     }
 
-    /**
-     * Call visit(offset, index) for a cell and its neighbours: the offset is 0,
-     * 1, or 2 in each direction, and the index is beyond the extents behind
-     * walls.
-     */
+    /// Call visit(offset, index) for a cell and its neighbours: the offset is
+    /// 0, 1, or 2 in each direction, and the index is beyond the extents behind
+    /// walls.
     template <typename Visit>
     void
     for_each_neighbor(const unsigned int c, const Visit &visit) const
@@ -146,10 +144,8 @@ namespace greville
       neighbors.exchange(classes);
     }
 
-    /**
-     * Return whether the cell and its neighbours, in 3D its face neighbours,
-     * are well-filled.
-     */
+    /// Return whether the cell and its neighbours, in 3D its face neighbours,
+    /// are well-filled.
     bool
     is_inside_body(const unsigned int c) const
     {
@@ -217,10 +213,8 @@ namespace greville
       return near;
     }
 
-    /**
-     * Append the nearest hosts of a cell. A cell without a host as neighbour
-     * takes the nearest hosts of its neighbours.
-     */
+    /// Append the nearest hosts of a cell. A cell without a host as neighbour
+    /// takes the nearest hosts of its neighbours.
     void
     append_hosts_of(const unsigned int                c,
                     const std::vector<std::uint32_t> &near)
@@ -299,10 +293,8 @@ namespace greville
       return lists;
     }
 
-    /**
-     * Give cells beyond the body the nearest hosts of their neighbours, and
-     * return the cells that have none.
-     */
+    /// Give cells beyond the body the nearest hosts of their neighbours, and
+    /// return the cells that have none.
     Cells
     find_hosts_of_rims(const Cells &cells)
     {

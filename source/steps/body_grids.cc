@@ -16,9 +16,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * The lattice of the whole grid of a body, and the cells of the body in it.
-     */
+    /// The lattice of the whole grid of a body, and the cells of the body in
+    /// it.
     template <int dim>
     struct BodyOnGrid
     {
@@ -81,11 +80,9 @@ namespace greville
 
 
 
-    /**
-     * The range of cells of a part in one direction. extend() adds @p margin
-     * cells on each side, and then more until their number is a multiple of @p
-     * multiple, if the grid has them.
-     */
+    /// The range of cells of a part in one direction. extend() adds @p margin
+    /// cells on each side, and then more until their number is a multiple of
+    /// @p multiple, if the grid has them.
     struct Range
     {
       unsigned int first, end;
@@ -106,9 +103,7 @@ namespace greville
 
 
 
-    /**
-     * Make wall w of the part free in all stages.
-     */
+    /// Make wall w of the part free in all stages.
     void
     set_free(SimulationParameters &part, const unsigned int w)
     {
@@ -127,10 +122,8 @@ namespace greville
 
 
 
-    /**
-     * Return a power of two. If it divides all numbers of cells, meshes are
-     * small on each process, see create_box_mesh().
-     */
+    /// Return a power of two. If it divides all numbers of cells, meshes are
+    /// small on each process, see create_box_mesh().
     unsigned int
     common_factor(const unsigned int fewest_cells)
     {
@@ -142,10 +135,8 @@ namespace greville
 
 
 
-    /**
-     * Return the smallest factor of the numbers of cells: cells of the pore
-     * pressure have twice the size.
-     */
+    /// Return the smallest factor of the numbers of cells: cells of the pore
+    /// pressure have twice the size.
     unsigned int
     smallest_factor(const SimulationParameters &part)
     {
@@ -154,10 +145,8 @@ namespace greville
 
 
 
-    /**
-     * Cut the part around the body out of the @p grid, and free its walls that
-     * are not walls of the whole grid.
-     */
+    /// Cut the part around the body out of the @p grid, and free its walls that
+    /// are not walls of the whole grid.
     template <int dim>
     void
     cut_out(SimulationParameters  &part,

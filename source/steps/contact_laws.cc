@@ -27,10 +27,8 @@ namespace greville
 
 
 
-    /**
-     * Return the plane-strain modulus E / (1 - nu^2), Pa, or the bulk modulus
-     * of a fluid.
-     */
+    /// Return the plane-strain modulus E / (1 - nu^2), Pa, or the bulk modulus
+    /// of a fluid.
     double
     contact_modulus(const Material &material)
     {

@@ -138,10 +138,8 @@ namespace greville
 
 
 
-    /**
-     * Take a point that leaves the layer out of the averages of the contact,
-     * but keep its force.
-     */
+    /// Take a point that leaves the layer out of the averages of the contact,
+    /// but keep its force.
     template <int dim>
     void
     take_area(const PointRef<dim> contactor, const PointLayout<dim> &layout)
@@ -154,10 +152,8 @@ namespace greville
 
 
 
-    /**
-     * Move a point and its position at the start of the last step by @p way,
-     * unless it would leave the grid.
-     */
+    /// Move a point and its position at the start of the last step by @p way,
+    /// unless it would leave the grid.
     template <int dim>
     void
     lift(const PointRef<dim>     point,
@@ -180,11 +176,9 @@ namespace greville
 
 
 
-    /**
-     * Collective. Return, for each point that faces the other side, the
-     * smallest gap of points of the first side, on all processes, in its box of
-     * size @p h and the neighboring boxes.
-     */
+    /// Collective. Return, for each point that faces the other side, the
+    /// smallest gap of points of the first side, on all processes, in its box
+    /// of size @p h and the neighboring boxes.
     template <int dim>
     std::vector<double>
     lowest_in_boxes(const std::vector<ContactPoint<dim>> &points,

@@ -21,9 +21,7 @@ namespace greville
 
 
 
-    /**
-     * Return a number between -1 and 1, the same for any number of processes.
-     */
+    /// Return a number between -1 and 1, the same for any number of processes.
     double
     noise(const std::uint64_t function, const unsigned int component)
     {

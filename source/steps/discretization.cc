@@ -50,10 +50,8 @@ namespace greville
 
 
 
-    /**
-     * Return whether values of functions are averaged over domains, too: in
-     * lumped explicit and in static implicit steps.
-     */
+    /// Return whether values of functions are averaged over domains, too: in
+    /// lumped explicit and in static implicit steps.
     bool
     averages_values(const SimulationParameters &parameters)
     {
@@ -65,10 +63,8 @@ namespace greville
 
 
 
-    /**
-     * Return the orders that solvers use, as in
-     * MultigridParameters::coarsening.
-     */
+    /// Return the orders that solvers use, as in
+    /// MultigridParameters::coarsening.
     std::string
     coarsening_of(const SimulationParameters &parameters)
     {

@@ -15,9 +15,7 @@ namespace greville
 
 
 
-    /**
-     * The course of a rigid body: true if it comes near a region, or moves.
-     */
+    /// The course of a rigid body: true if it comes near a region, or moves.
     struct Course
     {
       bool comes = false, moves = false;
@@ -25,10 +23,8 @@ namespace greville
 
 
 
-    /**
-     * Follow a rigid body with prescribed motion until it comes near the
-     * region.
-     */
+    /// Follow a rigid body with prescribed motion until it comes near the
+    /// region.
     template <int dim, typename IsNear>
     Course
     follow(const RigidBody<dim>   &body,

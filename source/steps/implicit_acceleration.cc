@@ -24,10 +24,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Swap the accelerations that points keep with their velocities, so that
-     * transfers of velocities act on accelerations.
-     */
+    /// Swap the accelerations that points keep with their velocities, so that
+    /// transfers of velocities act on accelerations.
     template <int dim>
     void
     exchange_with_velocity(std::vector<Body<dim>> &bodies)

@@ -33,10 +33,8 @@ namespace greville
 
 
 
-    /**
-     * Throw if two bodies share basis functions: in total Lagrangian steps they
-     * would stick together wherever they move.
-     */
+    /// Throw if two bodies share basis functions: in total Lagrangian steps
+    /// they would stick together wherever they move.
     template <int dim>
     void
     check_distances(const std::vector<Body<dim>> &bodies,
@@ -77,9 +75,7 @@ namespace greville
 
 
 
-    /**
-     * Collective. Set the initial pore pressure of surfaces in contact.
-     */
+    /// Collective. Set the initial pore pressure of surfaces in contact.
     template <int dim>
     void
     set_pore_pressure(std::vector<Surface<dim>> &surfaces,

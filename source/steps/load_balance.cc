@@ -35,10 +35,8 @@ namespace greville
 
 
 
-    /**
-     * Move the points in the cells @p old_cells of this process to the
-     * processes that now own these cells.
-     */
+    /// Move the points in the cells @p old_cells of this process to the
+    /// processes that now own these cells.
     template <int dim>
     void
     move_with_cells(MaterialPoints<dim>              &points,

@@ -23,10 +23,8 @@ namespace greville
 
 
 
-    /**
-     * An iterate with its residual and the scale of its forces. At a distant
-     * trial the forces may have any size.
-     */
+    /// An iterate with its residual and the scale of its forces. At a distant
+    /// trial the forces may have any size.
     struct Iterate
     {
       VectorType x, r;
@@ -67,9 +65,7 @@ namespace greville
       }
 
     private:
-      /**
-       * Return an empty text, or the reason for a failure.
-       */
+      /// Return an empty text, or the reason for a failure.
       std::string
       iterate()
       {
@@ -152,11 +148,9 @@ namespace greville
                  : "the linear solver " + solve.reason;
       }
 
-      /**
-       * Set the trial to a full step or, with a line search, to a step that
-       * reduces the residual, and @p wrong to the error there, if any. Return
-       * whether there is such a step; if not, @p wrong says why.
-       */
+      /// Set the trial to a full step or, with a line search, to a step that
+      /// reduces the residual, and @p wrong to the error there, if any. Return
+      /// whether there is such a step; if not, @p wrong says why.
       bool
       find_trial(std::string &wrong)
       {
@@ -231,10 +225,8 @@ namespace greville
 
 
 
-    /**
-     * Return whether zero is a better guess: at the guess that failed, the
-     * residual is infinite or NaN, or much larger.
-     */
+    /// Return whether zero is a better guess: at the guess that failed, the
+    /// residual is infinite or NaN, or much larger.
     bool
     zero_is_better(const NewtonResult &failed,
                    NewtonProblem      &problem,

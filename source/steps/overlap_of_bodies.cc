@@ -13,10 +13,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Collective. Find the intersection of the boxes around the points of both
-     * sides. Return whether there is one.
-     */
+    /// Collective. Find the intersection of the boxes around the points of both
+    /// sides. Return whether there is one.
     template <int dim>
     bool
     find_common_box(const Sides<dim> &sides,

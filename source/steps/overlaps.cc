@@ -28,10 +28,8 @@ namespace greville
 
 
 
-    /**
-     * Return the depth (m) of a point, or 0 if it is less than @p
-     * smallest_depth.
-     */
+    /// Return the depth (m) of a point, or 0 if it is less than
+    /// @p smallest_depth.
     template <int dim>
     double
     depth_of(const Inside<dim> &is_inside,
@@ -54,10 +52,8 @@ namespace greville
 
 
 
-    /**
-     * Return a function that tells whether a position is inside of the initial
-     * shape of a body.
-     */
+    /// Return a function that tells whether a position is inside of the initial
+    /// shape of a body.
     template <int dim>
     Inside<dim>
     inside_of_shape(const BodyParameters &parameters, const std::string &name)

@@ -432,10 +432,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Swap the normal stresses with @p others. If @p others is empty, first set
-     * it to the total stresses: less the pore pressure.
-     */
+    /// Swap the normal stresses with @p others. If @p others is empty, first
+    /// set it to the total stresses: less the pore pressure.
     template <int dim>
     void
     exchange_with_total_stress(std::vector<Body<dim>> &bodies,

@@ -16,10 +16,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Throw if 'Time/Step' is not a valid step or, with @p is_of_whole_stage,
-     * too small for the stage.
-     */
+    /// Throw if 'Time/Step' is not a valid step or, with @p is_of_whole_stage,
+    /// too small for the stage.
     template <int dim>
     void
     check_given_step(const TimeParameters      &time,

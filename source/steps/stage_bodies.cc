@@ -28,9 +28,7 @@ namespace greville
 
 
 
-    /**
-     * Add the fields that schemes and loads of all stages keep in points.
-     */
+    /// Add the fields that schemes and loads of all stages keep in points.
     template <int dim>
     void
     add_fields(PointLayout<dim> &layout, SimulationParameters parameters)
@@ -95,10 +93,8 @@ namespace greville
 
 
 
-    /**
-     * Throw if a body begins at rest under gravity that acts between periodic
-     * walls.
-     */
+    /// Throw if a body begins at rest under gravity that acts between periodic
+    /// walls.
     template <int dim>
     void
     check_rest(const Body<dim>            &body,
@@ -157,10 +153,8 @@ namespace greville
                before.state_names() == after.state_names();
       }
 
-      /**
-       * Return whether the points of this process, with their deformation and
-       * history, have the same stress with both materials.
-       */
+      /// Return whether the points of this process, with their deformation and
+      /// history, have the same stress with both materials.
       bool
       fits() const
       {
@@ -188,9 +182,7 @@ namespace greville
             [&](const unsigned int, PointRef<dim> p) { p.mass() *= ratio; });
       }
 
-      /**
-       * Replace the points by new ones with the old stresses.
-       */
+      /// Replace the points by new ones with the old stresses.
       void
       replace(const double time)
       {
@@ -223,9 +215,7 @@ namespace greville
       }
 
     private:
-      /**
-       * Set the state of a new point q with the stress of the old point p.
-       */
+      /// Set the state of a new point q with the stress of the old point p.
       void
       set_state(const ConstPointRef<dim> p,
                 const PointRef<dim>      q,
@@ -282,10 +272,8 @@ namespace greville
         store_material_point<dim>(state, q, layout);
       }
 
-      /**
-       * Set the box of q that is currently as large as the old one, see
-       * PointLayout.
-       */
+      /// Set the box of q that is currently as large as the old one, see
+      /// PointLayout.
       void
       set_domain(const ConstPointRef<dim> p, const PointRef<dim> q) const
       {

@@ -33,10 +33,8 @@ namespace greville
 
 
 
-    /**
-     * Call @p all(name, number) for each number that all processes share, and
-     * @p sum(name, number) for each number that is a sum over processes.
-     */
+    /// Call @p all(name, number) for each number that all processes share, and
+    /// @p sum(name, number) for each number that is a sum over processes.
     template <int dim, typename StateType, typename All, typename Sum>
     void
     visit_numbers(StateType &state, const All &all, const Sum &sum)
@@ -131,9 +129,7 @@ namespace greville
 
 
 
-    /**
-     * Return the points in the order in which insert() makes the same lists.
-     */
+    /// Return the points in the order in which insert() makes the same lists.
     template <int dim>
     DistributedTable
     table_of(const std::string &name, const MaterialPoints<dim> &points)
@@ -169,9 +165,7 @@ namespace greville
 
 
 
-    /**
-     * Replace the points of a body or surface by the points of a file.
-     */
+    /// Replace the points of a body or surface by the points of a file.
     template <int dim, typename Owner>
     void
     set_points(Owner               &owner,
@@ -456,10 +450,8 @@ namespace greville
 
 
 
-    /**
-     * Replace the points of a body or surface by the points of another run, in
-     * the cells of the present grid.
-     */
+    /// Replace the points of a body or surface by the points of another run, in
+    /// the cells of the present grid.
     template <int dim, typename Owner>
     void
     set_points_anew(Owner               &owner,

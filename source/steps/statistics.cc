@@ -169,9 +169,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Set each number to its maximum over all processes.
-     */
+    /// Set each number to its maximum over all processes.
     void
     find_largest(const std::vector<Largest *> &numbers, const MPI_Comm comm)
     {

@@ -42,10 +42,8 @@ namespace greville
     // may cause.
     constexpr double momentum_tolerance = 1e-6;
 
-    /**
-     * Return the sum of n values by several independent partial sums: a single
-     * sum would wait for each addition.
-     */
+    /// Return the sum of n values by several independent partial sums: a single
+    /// sum would wait for each addition.
     template <typename Value>
     double
     sum_of(const unsigned int n, const Value &value)

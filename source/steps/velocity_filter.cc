@@ -18,11 +18,9 @@ namespace greville
 
 
 
-    /**
-     * Return the scaled weights of each run of p + 2 coefficients in the jump
-     * of the p-th derivative across the knot that their functions share, entry
-     * by entry.
-     */
+    /// Return the scaled weights of each run of p + 2 coefficients in the jump
+    /// of the p-th derivative across the knot that their functions share, entry
+    /// by entry.
     std::vector<double>
     make_differences(const KnotVector &knots, const unsigned int n_functions)
     {
@@ -58,11 +56,9 @@ namespace greville
 
 
 
-    /**
-     * Multi-indices of functions and of their periodic images: in a periodic
-     * direction with n functions, they are in [-reach, n + reach). The
-     * shift is added to make them nonnegative.
-     */
+    /// Multi-indices of functions and of their periodic images: in a periodic
+    /// direction with n functions, they are in [-reach, n + reach). The shift
+    /// is added to make them nonnegative.
     template <int dim>
     struct UnwrappedFunctions
     {
@@ -87,10 +83,8 @@ namespace greville
 
 
 
-    /**
-     * Append the other functions in the runs of the given owned ones: images
-     * and functions of other processes.
-     */
+    /// Append the other functions in the runs of the given owned ones: images
+    /// and functions of other processes.
     template <int dim>
     void
     append_rest_of_runs(std::vector<MultiIndex<dim>>     &functions,

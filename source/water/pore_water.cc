@@ -14,11 +14,9 @@ namespace greville
 
   namespace
   {
-    /**
-     * The penalty of Nitsche's method times the cell size, for each degree of
-     * the displacement. It bounds the trace of a displacement on cells of half
-     * the size.
-     */
+    /// The penalty of Nitsche's method times the cell size, for each degree of
+    /// the displacement. It bounds the trace of a displacement on cells of half
+    /// the size.
     constexpr std::array<double, 6> penalties = {{0., 4., 24., 36., 64., 100.}};
 
 

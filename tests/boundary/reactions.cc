@@ -4,10 +4,8 @@
 // equals the impulse of walls and gravity, and walls bear a weight.
 #include "simulation.h"
 
-/**
- * The largest part of a step's change of momentum that forces do not explain,
- * over the largest change.
- */
+/// The largest part of a step's change of momentum that forces do not explain,
+/// over the largest change.
 template <int dim>
 double
 unexplained(const Text &text, const unsigned int n_steps)
@@ -33,10 +31,8 @@ unexplained(const Text &text, const unsigned int n_steps)
 
 
 
-/**
- * A body that is cut by cells, and slides, falls and turns at all kinds of
- * walls.
- */
+/// A body that is cut by cells, and slides, falls and turns at all kinds of
+/// walls.
 Text
 moving_body(const std::vector<std::string> &scheme,
             const std::string              &right = "friction")
@@ -60,9 +56,7 @@ moving_body(const std::vector<std::string> &scheme,
 
 
 
-/**
- * The force of the floor after a column has come to rest, over its weight.
- */
+/// The force of the floor after a column has come to rest, over its weight.
 double
 weight(const std::vector<std::string> &scheme, const std::string &damping)
 {

@@ -9,9 +9,7 @@ namespace
   const std::string total   = "Formulation = total Lagrangian";
   const std::string updated = "Formulation = updated Lagrangian";
 
-  /**
-   * A body with fitted points and one load.
-   */
+  /// A body with fitted points and one load.
   Text
   loaded(const Text                     &text,
          const std::vector<std::string> &load,
@@ -108,9 +106,7 @@ namespace
 
 
 
-  /**
-   * A free body gets the momentum of the force times the time.
-   */
+  /// A free body gets the momentum of the force times the time.
   void
   check_momentum()
   {
@@ -140,9 +136,7 @@ namespace
 
 
 
-  /**
-   * A state to go back to has the surfaces, too; stages share them.
-   */
+  /// A state to go back to has the surfaces, too; stages share them.
   void
   check_states()
   {
@@ -215,9 +209,7 @@ namespace
 
 
 
-  /**
-   * A wave in a bar without lateral strain leaves through a dashpot.
-   */
+  /// A wave in a bar without lateral strain leaves through a dashpot.
   void
   check_dashpot(const std::string &scheme, const std::string &formulation)
   {
@@ -266,9 +258,7 @@ namespace
 
 
 
-  /**
-   * A block without Poisson's ratio between a spring and a traction.
-   */
+  /// A block without Poisson's ratio between a spring and a traction.
   void
   check_equilibrium(const std::string              &name,
                     const double                    k,
@@ -303,9 +293,7 @@ namespace
 
 
 
-  /**
-   * Newton's method with the exact tangents of all loads is quadratic.
-   */
+  /// Newton's method with the exact tangents of all loads is quadratic.
   void
   check_tangents()
   {
@@ -350,10 +338,8 @@ namespace
 
 
 
-  /**
-   * A pressure in 3D that bends a beam: one step of Newton's method is that
-   * with the exact tangent.
-   */
+  /// A pressure in 3D that bends a beam: one step of Newton's method is that
+  /// with the exact tangent.
   void
   check_tangent_3d()
   {
@@ -389,9 +375,7 @@ namespace
 
 
 
-  /**
-   * Springs and pressure store and give energy.
-   */
+  /// Springs and pressure store and give energy.
   void
   check_energy()
   {
@@ -429,9 +413,7 @@ namespace
 
 
 
-  /**
-   * The pressure of a wind against a surface: drag (w - v), with w in x.
-   */
+  /// The pressure of a wind against a surface: drag (w - v), with w in x.
   class Wind : public SurfaceLoadKindOf<Wind>
   {
   public:
@@ -474,10 +456,8 @@ namespace
 
 
 
-  /**
-   * A box of mass m in a wind on an area A, all of which is on one side:
-   * v = w (1 - exp(-A drag t / m)).
-   */
+  /// A box of mass m in a wind on an area A, all of which is on one side: v = w
+  /// (1 - exp(-A drag t / m)).
   void
   check_own_kind()
   {

@@ -28,9 +28,7 @@ using namespace greville;
 
 namespace
 {
-  /**
-   * A file with a text, which later ones overwrite.
-   */
+  /// A file with a text, which later ones overwrite.
   std::string
   file_with(const std::string &text, const std::string &ending)
   {
@@ -91,9 +89,7 @@ namespace
 
 
 
-  /**
-   * Read a file and an option --set by a program with few parameters.
-   */
+  /// Read a file and an option --set by a program with few parameters.
   void
   parse_parameters(const std::string              &content,
                    const std::vector<std::string> &settings)

@@ -20,9 +20,7 @@
 
 namespace
 {
-  /**
-   * Levels and smoothers in the form that deal.II's classes want.
-   */
+  /// Levels and smoothers in the form that deal.II's classes want.
   struct Operator : public Observable
   {
     void

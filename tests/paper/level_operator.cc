@@ -15,10 +15,8 @@
 
 namespace
 {
-  /**
-   * int phi_i phi_j + beta int grad phi_i grad phi_j for each component, with
-   * zero values at x = 0.
-   */
+  /// int phi_i phi_j + beta int grad phi_i grad phi_j for each component, with
+  /// zero values at x = 0.
   class MassAndLaplacian : public LevelOperator<2>
   {
   public:

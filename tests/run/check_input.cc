@@ -41,9 +41,7 @@ namespace
 
 
 
-  /**
-   * The values that replace the value of a line.
-   */
+  /// The values that replace the value of a line.
   std::vector<std::string>
   wrong_values(const std::string &value)
   {
@@ -175,9 +173,7 @@ namespace
 
 
 
-  /**
-   * Check that all results of a run are numbers.
-   */
+  /// Check that all results of a run are numbers.
   std::string
   flaw_of_results(const std::string &results, const bool is_benchmark)
   {
@@ -206,9 +202,7 @@ namespace
 
 
 
-  /**
-   * Return the fault of a message; empty if there is none.
-   */
+  /// Return the fault of a message; empty if there is none.
   std::string
   flaw_of_message(const std::string &message, const Case &c)
   {

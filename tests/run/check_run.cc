@@ -17,9 +17,7 @@ namespace
 
 
 
-  /**
-   * Return the output of @p action, or its message.
-   */
+  /// Return the output of @p action, or its message.
   std::string
   output_of(const std::function<void()> &action)
   {
@@ -56,9 +54,7 @@ namespace
 
 
 
-  /**
-   * The first process has what is printed.
-   */
+  /// The first process has what is printed.
   void
   has(const std::string              &name,
       const std::string              &text,

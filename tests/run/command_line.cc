@@ -52,9 +52,7 @@ namespace
 
 
 
-  /**
-   * Run a command line, of which the first word is the program.
-   */
+  /// Run a command line, of which the first word is the program.
   Answer
   answer_to(const Words &words)
   {
@@ -100,10 +98,8 @@ namespace
 
 
 
-  /**
-   * Check that a command line ends well and prints all of @p wanted. Returns
-   * what it prints.
-   */
+  /// Check that a command line ends well and prints all of @p wanted. Returns
+  /// what it prints.
   std::string
   accept(const Words &words, const Words &wanted = {})
   {
@@ -119,9 +115,7 @@ namespace
 
 
 
-  /**
-   * Check that a command line ends with 1 and prints @p message once.
-   */
+  /// Check that a command line ends with 1 and prints @p message once.
   void
   refuse(const std::string &message, const Words &words)
   {

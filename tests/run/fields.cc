@@ -37,11 +37,9 @@ namespace
 
 
 
-  /**
-   * The numbers of an array in a .vtu file as deal.II writes it: in base64, the
-   * number of blocks, which is one, its size, that of the last one and the
-   * compressed one, and the block.
-   */
+  /// The numbers of an array in a .vtu file as deal.II writes it: in base64,
+  /// the number of blocks, which is one, its size, that of the last one and the
+  /// compressed one, and the block.
   std::vector<double>
   numbers_of(const std::string &text)
   {
@@ -62,9 +60,7 @@ namespace
 
 
 
-  /**
-   * All points of a .vtu file with their arrays, by piece.
-   */
+  /// All points of a .vtu file with their arrays, by piece.
   std::vector<std::map<std::string, double>>
   read(const std::string &file)
   {
@@ -103,9 +99,7 @@ namespace
 
 
 
-  /**
-   * The same as a file of points.
-   */
+  /// The same as a file of points.
   void
   write_csv(const std::string &from, const std::string &to, const double body)
   {
@@ -226,9 +220,7 @@ namespace
 
 
 
-  /**
-   * Files of a grid of a body have the numbers of the whole run.
-   */
+  /// Files of a grid of a body have the numbers of the whole run.
   void
   check_numbers_of_surfaces()
   {
@@ -256,9 +248,7 @@ namespace
 
 
 
-  /**
-   * A second run begins where the first one ends, to the precision of files.
-   */
+  /// A second run begins where the first one ends, to the precision of files.
   void
   check_round_trip(const std::string              &name,
                    const Text                     &text,

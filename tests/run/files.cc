@@ -59,10 +59,8 @@ namespace
 
 
 
-  /**
-   * Iterations of Newton's method, of a run and of one that goes on with it
-   * after a step that the checkpoint does not have; units of all columns.
-   */
+  /// Iterations of Newton's method, of a run and of one that goes on with it
+  /// after a step that the checkpoint does not have; units of all columns.
   void
   check_newton(const Text &text)
   {
@@ -131,9 +129,7 @@ namespace
 
 
 
-  /**
-   * messages.log: a warning, and the error that ends a run.
-   */
+  /// messages.log: a warning, and the error that ends a run.
   void
   check_messages(const Text &text)
   {

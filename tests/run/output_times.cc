@@ -14,9 +14,7 @@ namespace
 {
   using Rows = std::vector<std::map<std::string, double>>;
 
-  /**
-   * The rows of a file of a run, on all processes.
-   */
+  /// The rows of a file of a run, on all processes.
   Rows
   rows_of(const std::string &name)
   {
@@ -36,9 +34,7 @@ namespace
     return rows;
   }
 
-  /**
-   * Run into a folder.
-   */
+  /// Run into a folder.
   template <int dim = 2>
   RunSummary
   write(const Text &text, const std::string &folder)
@@ -56,9 +52,7 @@ namespace
 
 
 
-  /**
-   * Rows and fields of a body that falls and spins not.
-   */
+  /// Rows and fields of a body that falls and spins not.
   void
   check_free_fall(const std::string &name, const Text &text)
   {
@@ -93,9 +87,7 @@ namespace
 
 
 
-  /**
-   * The velocities of a state in free fall, with the mass of its grid.
-   */
+  /// The velocities of a state in free fall, with the mass of its grid.
   void
   check_velocities(const std::string &name,
                    const State<2>    &state,
@@ -145,10 +137,8 @@ namespace
 
 
 
-  /**
-   * A bar between two walls that vibrates: kinetic energy at a time, in rows
-   * or as steps have it, and by how much the total energy of rows varies.
-   */
+  /// A bar between two walls that vibrates: kinetic energy at a time, in rows
+  /// or as steps have it, and by how much the total energy of rows varies.
   struct Vibration
   {
     double kinetic = 0., lagging = 0., variation = 0.;
@@ -205,9 +195,7 @@ namespace
     return Utilities::MPI::min<unsigned int>(condition, MPI_COMM_WORLD) == 1;
   }
 
-  /**
-   * All numbers that a checkpoint would have.
-   */
+  /// All numbers that a checkpoint would have.
   std::vector<double>
   numbers(const CoupledSimulations<2> &simulations)
   {
@@ -217,9 +205,7 @@ namespace
     return result;
   }
 
-  /**
-   * Return whether points have the same positions and stresses.
-   */
+  /// Return whether points have the same positions and stresses.
   bool
   same_positions(const State<2> &a, const State<2> &b)
   {
@@ -235,10 +221,8 @@ namespace
     return numbers[0] == numbers[1];
   }
 
-  /**
-   * Steps with output of all steps, of some or of none. What is shown belongs
-   * to the state before the step: its positions are there to the bit.
-   */
+  /// Steps with output of all steps, of some or of none. What is shown belongs
+  /// to the state before the step: its positions are there to the bit.
   void
   check_trajectory(const std::string &name, const Text &text)
   {
@@ -282,10 +266,8 @@ namespace
 
 
 
-  /**
-   * Runs that write much and little have the same rows and end in the same
-   * state.
-   */
+  /// Runs that write much and little have the same rows and end in the same
+  /// state.
   void
   check_files(const Text &text)
   {
@@ -306,9 +288,7 @@ namespace
 
 
 
-  /**
-   * Where a body hits a wall, rows are between the steps before and after.
-   */
+  /// Where a body hits a wall, rows are between the steps before and after.
   void
   check_impact(const std::string &name, const Text &text)
   {
@@ -337,9 +317,7 @@ namespace
 
 
 
-  /**
-   * The velocity of a wall that has a displacement.
-   */
+  /// The velocity of a wall that has a displacement.
   void
   check_wall(const Text &text)
   {
@@ -362,9 +340,7 @@ namespace
 
 
 
-  /**
-   * A step on a layer: the front of all points is that of the layer.
-   */
+  /// A step on a layer: the front of all points is that of the layer.
   void
   check_runout(const Text &text)
   {
@@ -388,9 +364,7 @@ namespace
 
 
 
-  /**
-   * A probe in the middle of a block that begins to shear in two directions.
-   */
+  /// A probe in the middle of a block that begins to shear in two directions.
   void
   check_probe_3d()
   {
@@ -409,10 +383,8 @@ namespace
 
 
 
-  /**
-   * What follows a copy of a state depends on the copy alone, also where
-   * contacts slide.
-   */
+  /// What follows a copy of a state depends on the copy alone, also where
+  /// contacts slide.
   void
   check_copy(const Text &text)
   {

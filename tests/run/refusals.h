@@ -47,9 +47,7 @@ namespace refusals
 
 
 
-  /**
-   * The text that a line stands for.
-   */
+  /// The text that a line stands for.
   inline std::string
   unescaped(const std::string &line)
   {
@@ -73,9 +71,7 @@ namespace refusals
 
 
 
-  /**
-   * "Stage one/Time/End = 2" as text of a parameter file.
-   */
+  /// "Stage one/Time/End = 2" as text of a parameter file.
   inline std::string
   parameter_text(const std::string &line)
   {
@@ -96,9 +92,7 @@ namespace refusals
 
 
 
-  /**
-   * Add an indented line to a case.
-   */
+  /// Add an indented line to a case.
   inline void
   add_line(Case &c, const std::string &line)
   {
@@ -136,9 +130,7 @@ namespace refusals
 
 
 
-  /**
-   * The texts of the bases by their names, and all cases.
-   */
+  /// The texts of the bases by their names, and all cases.
   inline std::pair<std::map<std::string, std::string>, std::vector<Case>>
   read_table(const std::string &file)
   {
@@ -181,9 +173,7 @@ namespace refusals
 
 
 
-  /**
-   * Write the files of a case, and remove the results of others.
-   */
+  /// Write the files of a case, and remove the results of others.
   inline void
   write_files(const Case &c)
   {
@@ -211,9 +201,7 @@ namespace refusals
 
 
 
-  /**
-   * Return true if a message is the wanted one, in which "..." is any text.
-   */
+  /// Return true if a message is the wanted one, in which "..." is any text.
   inline bool
   fits(const std::string &message, const std::string &wanted)
   {
@@ -252,9 +240,7 @@ namespace refusals
 
 
 
-  /**
-   * The answer to a case, from all processes.
-   */
+  /// The answer to a case, from all processes.
   inline std::vector<std::string>
   answers_to(const Case &c)
   {
@@ -283,10 +269,8 @@ namespace refusals
 
 
 
-/**
- * Run the cases of the bases that are wanted. If the test has an argument, only
- * those that have it in their title; their messages are printed.
- */
+/// Run the cases of the bases that are wanted. If the test has an argument,
+/// only those that have it in their title; their messages are printed.
 inline void
 check_refusals(const std::function<bool(const std::string &)> &is_wanted)
 {

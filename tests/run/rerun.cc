@@ -37,10 +37,8 @@ namespace
 
 
 
-  /**
-   * The files of a folder but for those with times of the clock; of solves.csv
-   * the columns before them.
-   */
+  /// The files of a folder but for those with times of the clock; of solves.csv
+  /// the columns before them.
   std::string
   results_of(const std::string &folder)
   {

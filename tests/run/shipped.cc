@@ -22,9 +22,7 @@ namespace
 
 
 
-  /**
-   * The parameters that a file sets, as the reference names them.
-   */
+  /// The parameters that a file sets, as the reference names them.
   void
   collect(const std::filesystem::path &file, std::set<Parameter> &result)
   {
@@ -53,9 +51,7 @@ namespace
 
 
 
-  /**
-   * The rows of the reference that no file sets, and their number.
-   */
+  /// The rows of the reference that no file sets, and their number.
   void
   check_rows(const std::filesystem::path &page, const std::set<Parameter> &set)
   {
@@ -93,9 +89,7 @@ namespace
 
 
 
-  /**
-   * The files of data that are compared with.
-   */
+  /// The files of data that are compared with.
   template <int dim>
   void
   read_data(const SimulationParameters &parameters)

@@ -11,10 +11,8 @@ namespace
 {
   constexpr unsigned int n_steps = 58;
 
-  /**
-   * All numbers of all points of this process, in their order, and what else
-   * the next step depends on.
-   */
+  /// All numbers of all points of this process, in their order, and what else
+  /// the next step depends on.
   std::vector<double>
   numbers(const Simulation<2> &simulation)
   {
@@ -32,10 +30,8 @@ namespace
 
 
 
-  /**
-   * One step that fails: the position of a point is NaN, or outside of the
-   * grid.
-   */
+  /// One step that fails: the position of a point is NaN, or outside of the
+  /// grid.
   void
   fail(Simulation<2> &simulation, const std::string &reason)
   {
@@ -69,11 +65,9 @@ namespace
     caught
   };
 
-  /**
-   * Steps to n_steps. In the middle, an error: the simulation goes back to the
-   * state that it has kept, or the program to a copy; or it goes on from the
-   * copy without an error.
-   */
+  /// Steps to n_steps. In the middle, an error: the simulation goes back to the
+  /// state that it has kept, or the program to a copy; or it goes on from the
+  /// copy without an error.
   std::unique_ptr<Simulated<2>>
   run(const Text &text, const Error error)
   {
@@ -95,10 +89,8 @@ namespace
 
 
 
-  /**
-   * With a copy, all numbers have the same bits as without the error, unless
-   * factorizations @p are_kept: then as with a copy and without an error.
-   */
+  /// With a copy, all numbers have the same bits as without the error, unless
+  /// factorizations @p are_kept: then as with a copy and without an error.
   void
   test(const std::string &what, const Text &text, const bool are_kept)
   {
@@ -134,10 +126,8 @@ namespace
   // Integrators that cannot be made: so many can, and then one cannot.
   int n_makes = 1000;
 
-  /**
-   * Two bodies with a grid each enter a stage, which fails for the second one:
-   * both are in the stage before, and go on as if nothing had happened.
-   */
+  /// Two bodies with a grid each enter a stage, which fails for the second one:
+  /// both are in the stage before, and go on as if nothing had happened.
   void
   test_stages()
   {

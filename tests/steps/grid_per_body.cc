@@ -11,9 +11,7 @@
 
 namespace
 {
-  /**
-   * Simulations with their parameters.
-   */
+  /// Simulations with their parameters.
   struct Together
   {
     explicit Together(const Text &text)
@@ -35,10 +33,8 @@ namespace
 
 
 
-  /**
-   * Initial position, position, velocity and stress of all points of a body on
-   * all processes, in the order of initial positions.
-   */
+  /// Initial position, position, velocity and stress of all points of a body on
+  /// all processes, in the order of initial positions.
   std::vector<std::array<double, 8>>
   points_of(const BodyList<2> &bodies, const std::string &name)
   {
@@ -68,10 +64,8 @@ namespace
     return result;
   }
 
-  /**
-   * The largest difference of the points of a body, relative to the largest
-   * number of each kind.
-   */
+  /// The largest difference of the points of a body, relative to the largest
+  /// number of each kind.
   double
   difference(const BodyList<2> &a,
              const BodyList<2> &b,
@@ -107,9 +101,7 @@ namespace
                                          "Placement = fitted",
                                          "Velocity = -2 + 2 * y; 0"};
 
-  /**
-   * A ball and a box in the same place.
-   */
+  /// A ball and a box in the same place.
   Text
   ball_and_box(const std::string &scheme, const std::string &mass)
   {
@@ -150,9 +142,7 @@ namespace
 
 
 
-  /**
-   * The parameters of one body on the whole of its grid.
-   */
+  /// The parameters of one body on the whole of its grid.
   SimulationParameters
   alone(SimulationParameters parameters, const std::string &body)
   {
@@ -172,10 +162,8 @@ namespace
 
 
 
-  /**
-   * Bodies in the same place with other cells and orders, which move through
-   * each other, are those that are alone on the whole of their grids.
-   */
+  /// Bodies in the same place with other cells and orders, which move through
+  /// each other, are those that are alone on the whole of their grids.
   void
   check_alone(const std::string &scheme, const std::string &mass)
   {
@@ -242,10 +230,8 @@ namespace
 
 
 
-  /**
-   * The part of the grid around a body gives what all of it gives: walls hold
-   * what they hold, loads are the same.
-   */
+  /// The part of the grid around a body gives what all of it gives: walls hold
+  /// what they hold, loads are the same.
   void
   check_shared(const std::string &scheme, const std::string &mass)
   {
@@ -308,10 +294,8 @@ namespace
 
 
 
-  /**
-   * The shortest step of all counts; a step that one of them rejects is tried
-   * again by all.
-   */
+  /// The shortest step of all counts; a step that one of them rejects is tried
+  /// again by all.
   void
   check_steps()
   {
@@ -372,9 +356,7 @@ namespace
 
 
 
-  /**
-   * A state is a value, and one that fails takes all back.
-   */
+  /// A state is a value, and one that fails takes all back.
   void
   check_states()
   {
@@ -422,9 +404,7 @@ namespace
 
 
 
-  /**
-   * Stages: a ball that is released by a wall.
-   */
+  /// Stages: a ball that is released by a wall.
   void
   check_stages()
   {

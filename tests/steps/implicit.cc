@@ -31,9 +31,7 @@ namespace
 
 
 
-  /**
-   * The error of a bar in its first mode, with large steps in time.
-   */
+  /// The error of a bar in its first mode, with large steps in time.
   double
   bar_error(const std::string              &scheme,
             const std::vector<std::string> &constants,
@@ -84,11 +82,9 @@ namespace
 
 
 
-  /**
-   * A bar of one cell in steps of omega dt = 1e4: the velocities of the scheme
-   * of Chung and Hulbert are (a + b n) (-rho)^n, so that
-   * v_n + 2 rho v_n-1 + rho^2 v_n-2 vanishes.
-   */
+  /// A bar of one cell in steps of omega dt = 1e4: the velocities of the scheme
+  /// of Chung and Hulbert are (a + b n) (-rho)^n, so that v_n + 2 rho v_n-1 +
+  /// rho^2 v_n-2 vanishes.
   void
   check_damping(const std::string &formulation, const std::string &rho)
   {
@@ -129,10 +125,8 @@ namespace
   const std::string total   = "Formulation = total Lagrangian",
                     updated = "Formulation = updated Lagrangian";
 
-  /**
-   * A block that a force of x and X on its points moves as a whole, and the
-   * iterations of Newton's method in a step at most.
-   */
+  /// A block that a force of x and X on its points moves as a whole, and the
+  /// iterations of Newton's method in a step at most.
   void
   check_body_force(const std::string &scheme, const std::string &formulation)
   {
@@ -185,10 +179,8 @@ namespace
 
 
 
-  /**
-   * Forces of x on points and of y on some of them, to equilibrium: it does not
-   * depend on the number of steps in which they grow.
-   */
+  /// Forces of x on points and of y on some of them, to equilibrium: it does
+  /// not depend on the number of steps in which they grow.
   template <int dim>
   void
   check_equilibrium()
@@ -228,10 +220,8 @@ namespace
 
 
 
-  /**
-   * A block in a potential, m (x - c) . K (x - c) / 2, has the energy that it
-   * had, and so says the balance.
-   */
+  /// A block in a potential, m (x - c) . K (x - c) / 2, has the energy that it
+  /// had, and so says the balance.
   void
   check_potential(const std::string &formulation)
   {
@@ -273,11 +263,9 @@ namespace
 
 
 
-  /**
-   * A column under its own weight, confined, nu = 0: the stress of all points
-   * is known. What is left is the error of sums over points that have moved,
-   * which falls with the order and the number of points.
-   */
+  /// A column under its own weight, confined, nu = 0: the stress of all points
+  /// is known. What is left is the error of sums over points that have moved,
+  /// which falls with the order and the number of points.
   double
   column_error(const std::string &model, const unsigned int p)
   {
@@ -307,9 +295,7 @@ namespace
 
 
 
-  /**
-   * The state at the end of a run.
-   */
+  /// The state at the end of a run.
   std::string
   message_of_run(const Text &text)
   {

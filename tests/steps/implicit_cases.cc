@@ -7,10 +7,8 @@
 
 namespace
 {
-  /**
-   * Cook's membrane with 16 cells: the displacement of the tip, mm, by that and
-   * the gradient of the point next to it.
-   */
+  /// Cook's membrane with 16 cells: the displacement of the tip, mm, by that
+  /// and the gradient of the point next to it.
   double
   membrane_tip(const unsigned int p)
   {
@@ -64,9 +62,7 @@ namespace
 
 
 
-  /**
-   * A block that flies over some of its lengths.
-   */
+  /// A block that flies over some of its lengths.
   void
   check_flight(const unsigned int p, const double speed_over_wave_speed)
   {
@@ -97,9 +93,7 @@ namespace
 
 
 
-  /**
-   * Steps of ten times the critical one of the consistent mass.
-   */
+  /// Steps of ten times the critical one of the consistent mass.
   void
   check_collision()
   {
@@ -130,10 +124,8 @@ namespace
 
 
 
-  /**
-   * Both ends turn by a tenth of a revolution in ten steps, and what is between
-   * them with them: their velocity is linear in the position.
-   */
+  /// Both ends turn by a tenth of a revolution in ten steps, and what is
+  /// between them with them: their velocity is linear in the position.
   void
   check_turning_walls()
   {
@@ -176,9 +168,7 @@ namespace
 
 
 
-  /**
-   * A shipped file on a coarse mesh, over its exact limit load (N / m).
-   */
+  /// A shipped file on a coarse mesh, over its exact limit load (N / m).
   double
   limit_load(const std::string &name,
              const std::string &cells,
@@ -209,10 +199,8 @@ namespace
 
 
 
-  /**
-   * The force of the floor bears the weight, and what it does not bear changes
-   * the momentum.
-   */
+  /// The force of the floor bears the weight, and what it does not bear changes
+  /// the momentum.
   void
   check_forces_of_walls()
   {

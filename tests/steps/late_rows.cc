@@ -14,9 +14,7 @@ namespace
 {
   using Columns = std::vector<std::pair<std::string, double>>;
 
-  /**
-   * Return the difference of energy and work.
-   */
+  /// Return the difference of energy and work.
   double
   open_balance(const Columns &row)
   {

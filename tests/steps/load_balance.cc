@@ -51,9 +51,7 @@ namespace
 
 
 
-  /**
-   * The largest difference of statistics, of momenta relative to m v.
-   */
+  /// The largest difference of statistics, of momenta relative to m v.
   template <int dim>
   double
   difference(const Statistics<dim> &a, const Statistics<dim> &b)
@@ -127,9 +125,7 @@ namespace
 
 
 
-  /**
-   * Work stays shared where a threshold is given, and each parameter counts.
-   */
+  /// Work stays shared where a threshold is given, and each parameter counts.
   void
   check_parameters()
   {
@@ -165,9 +161,7 @@ namespace
 
 
 
-  /**
-   * Copies from before a partition, and tables in files.
-   */
+  /// Copies from before a partition, and tables in files.
   void
   check_states()
   {

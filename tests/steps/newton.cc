@@ -15,9 +15,7 @@ namespace
 {
   using Values = std::vector<double>;
 
-  /**
-   * A system of one or two equations, and what Newton's method did.
-   */
+  /// A system of one or two equations, and what Newton's method did.
   struct System
   {
     std::function<Values(const Values &x)>             residual;
@@ -93,9 +91,7 @@ namespace
       x      = values(at);
     }
 
-    /**
-     * The fractions of corrections that were taken.
-     */
+    /// The fractions of corrections that were taken.
     Values
     steps() const
     {

@@ -19,9 +19,7 @@ namespace
 
 
 
-  /**
-   * Positions and velocities of all points of this process.
-   */
+  /// Positions and velocities of all points of this process.
   std::vector<double>
   values(const Simulation<2> &simulation)
   {
@@ -50,9 +48,7 @@ namespace
 
 
 
-  /**
-   * The mean displacement of a body.
-   */
+  /// The mean displacement of a body.
   Tensor<1, 2>
   moved(const Body<2> &body)
   {
@@ -70,9 +66,7 @@ namespace
 
 
 
-  /**
-   * Functions move across a normal only.
-   */
+  /// Functions move across a normal only.
   class Rail : public Contact<2>
   {
   public:

@@ -39,9 +39,7 @@ namespace
     return n;
   }
 
-  /**
-   * Run the text in a folder. Returns the message of its error.
-   */
+  /// Run the text in a folder. Returns the message of its error.
   std::string
   run(const Text        &text,
       const std::string &folder,
@@ -85,9 +83,7 @@ namespace
 
 
 
-  /**
-   * A run in two parts is the same as one in one part.
-   */
+  /// A run in two parts is the same as one in one part.
   void
   test_same_files(const std::string &name, const Text &text)
   {

@@ -31,9 +31,7 @@ namespace
 
 
 
-  /**
-   * A column that is loaded in the first stage, and free to move afterwards.
-   */
+  /// A column that is loaded in the first stage, and free to move afterwards.
   Text
   column(const std::vector<std::string> &scheme)
   {
@@ -87,9 +85,7 @@ namespace
 
 
 
-  /**
-   * A block that bounces in a box.
-   */
+  /// A block that bounces in a box.
   Text
   block(const std::string &scheme)
   {
@@ -145,9 +141,7 @@ namespace
 
 
 
-  /**
-   * Velocities at half steps, and those of the end of a step.
-   */
+  /// Velocities at half steps, and those of the end of a step.
   void
   check_free_fall(const std::string &first, const std::string &second)
   {
@@ -204,9 +198,7 @@ namespace
 
 
 
-  /**
-   * Squeezed by a wall, which vanishes; displacements begin anew.
-   */
+  /// Squeezed by a wall, which vanishes; displacements begin anew.
   void
   check_release()
   {
@@ -269,9 +261,7 @@ namespace
     MPI_Barrier(MPI_COMM_WORLD);
   }
 
-  /**
-   * The first and last column of a CSV.
-   */
+  /// The first and last column of a CSV.
   std::vector<std::pair<double, double>>
   first_and_last(const std::string &file)
   {
@@ -327,10 +317,8 @@ namespace
 
 
 
-  /**
-   * Confined compression: each step stretches by 1 - (d' - d) / L, as a wall
-   * holds the edge of the grid.
-   */
+  /// Confined compression: each step stretches by 1 - (d' - d) / L, as a wall
+  /// holds the edge of the grid.
   void
   check_compression()
   {
@@ -370,9 +358,7 @@ namespace
 
 
 
-  /**
-   * A single cell of order 1 moves as its walls do.
-   */
+  /// A single cell of order 1 moves as its walls do.
   void
   check_wall(const std::vector<std::string> &scheme, const std::string &step)
   {

@@ -195,10 +195,8 @@ namespace
 
 
 
-  /**
-   * The message of a run has all the words, and the state of the @p step is in
-   * the files that it names.
-   */
+  /// The message of a run has all the words, and the state of the @p step is in
+  /// the files that it names.
   void
   check_stopped(const std::string              &what,
                 const Text                     &text,

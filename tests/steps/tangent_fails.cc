@@ -66,10 +66,8 @@ namespace
   };
 
 
-  /**
-   * The weight of a block grows. The time that a run reaches, whose message
-   * names the point and the reason.
-   */
+  /// The weight of a block grows. The time that a run reaches, whose message
+  /// names the point and the reason.
   double
   reached_time(const double J)
   {

@@ -13,10 +13,8 @@ namespace
   constexpr double inner = 1., outer = 2.;   // m
   constexpr double lambda = 750., mu = 500.; // Pa
 
-  /**
-   * At a radius: where it is now, and the Cauchy stresses along the radius and
-   * around the axis.
-   */
+  /// At a radius: where it is now, and the Cauchy stresses along the radius and
+  /// around the axis.
   struct Radial
   {
     double r, radial, hoop;
@@ -24,9 +22,7 @@ namespace
 
 
 
-  /**
-   * Lame's solution for small strains.
-   */
+  /// Lame's solution for small strains.
   struct LameRing
   {
     static constexpr const char *law = "linear-elastic";
@@ -47,9 +43,7 @@ namespace
               A * (1. + b2 / (R * R))};
     }
 
-    /**
-     * The stress of F.
-     */
+    /// The stress of F.
     static SymmetricTensor<2, 2>
     stress(const Tensor<2, 2> &F)
     {
@@ -63,11 +57,9 @@ namespace
 
 
 
-  /**
-   * Radial equilibrium dP_R / dR = (P_T - P_R) / R of a neo-Hookean ring in
-   * plane strain, whose inner radius grows by a share, by shooting: the slope
-   * dr / dR at the inner wall is that with which the outer one is free.
-   */
+  /// Radial equilibrium dP_R / dR = (P_T - P_R) / R of a neo-Hookean ring in
+  /// plane strain, whose inner radius grows by a share, by shooting: the slope
+  /// dr / dR at the inner wall is that with which the outer one is free.
   struct NeoHookeanRing
   {
     static constexpr const char *law     = "neo-hookean";
@@ -86,9 +78,7 @@ namespace
       pressure = -(*this)(inner).radial;
     }
 
-    /**
-     * By Runge and Kutta's method of order 4.
-     */
+    /// By Runge and Kutta's method of order 4.
     void
     integrate(const double stretch, const double first_slope)
     {
@@ -110,19 +100,15 @@ namespace
         }
     }
 
-    /**
-     * The nominal stress along a direction with stretch @p a, where that across
-     * is @p b.
-     */
+    /// The nominal stress along a direction with stretch @p a, where that
+    /// across is @p b.
     static double
     nominal(const double a, const double b)
     {
       return (lambda * std::log(a * b) - mu) / a + mu * a;
     }
 
-    /**
-     * d^2 r / dR^2.
-     */
+    /// d^2 r / dR^2.
     static double
     change(const double R, const double r, const double s)
     {
@@ -133,9 +119,7 @@ namespace
       return ((nominal(q, s) - nominal(s, q)) - by_q * (s - q)) / (R * by_s);
     }
 
-    /**
-     * Between steps by Hermite's cubic polynomials.
-     */
+    /// Between steps by Hermite's cubic polynomials.
     Radial
     operator()(const double R) const
     {
@@ -173,9 +157,7 @@ namespace
 
 
 
-  /**
-   * The stress in the plane at an initial position.
-   */
+  /// The stress in the plane at an initial position.
   template <typename Ring>
   SymmetricTensor<2, 2>
   exact_stress(const Ring &ring, const Point<2> &X)
@@ -335,11 +317,9 @@ namespace
 
 
 
-  /**
-   * An imposed displacement is missed by the traction over the stiffness of its
-   * springs: by the strain times h / penalty. The error is of order 1 with a
-   * fixed penalty, and of order p + 1 where it grows with h^-p.
-   */
+  /// An imposed displacement is missed by the traction over the stiffness of
+  /// its springs: by the strain times h / penalty. The error is of order 1 with
+  /// a fixed penalty, and of order p + 1 where it grows with h^-p.
   void
   check_penalty()
   {

@@ -8,9 +8,7 @@ namespace
 {
   const std::vector<std::string> total = {"Formulation = total Lagrangian"};
 
-  /**
-   * The relative error of the manufactured solution of the shipped file.
-   */
+  /// The relative error of the manufactured solution of the shipped file.
   double
   mms_error(const unsigned int n,
             const unsigned int p,
@@ -68,9 +66,7 @@ namespace
 
 
 
-  /**
-   * A body that flies far out of the grid, without and with a deformation.
-   */
+  /// A body that flies far out of the grid, without and with a deformation.
   void
   check_flight()
   {
@@ -108,9 +104,7 @@ namespace
 
 
 
-  /**
-   * A block that is stretched to three times its length rests between walls.
-   */
+  /// A block that is stretched to three times its length rests between walls.
   void
   check_stretched_block()
   {
@@ -138,9 +132,7 @@ namespace
 
 
 
-  /**
-   * Bodies that do not share functions are alone.
-   */
+  /// Bodies that do not share functions are alone.
   void
   check_two_bodies()
   {
@@ -191,11 +183,9 @@ namespace
 
 
 
-  /**
-   * Initial stresses: a column in geostatic equilibrium stays at rest, in 2D
-   * and 3D; and stresses that are let go of swing about the state without any
-   * as far as from there.
-   */
+  /// Initial stresses: a column in geostatic equilibrium stays at rest, in 2D
+  /// and 3D; and stresses that are let go of swing about the state without any
+  /// as far as from there.
   template <int dim>
   void
   check_geostatic(const std::string &law, const std::string &scheme)
@@ -271,10 +261,8 @@ namespace
 
 
 
-  /**
-   * The shipped body from an STL file: its volume is exact, and the reaction of
-   * its hub balances the load.
-   */
+  /// The shipped body from an STL file: its volume is exact, and the reaction
+  /// of its hub balances the load.
   void
   check_gear()
   {

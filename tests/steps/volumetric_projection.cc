@@ -49,9 +49,7 @@ namespace
 
 
 
-  /**
-   * How far the end of the beam has come down.
-   */
+  /// How far the end of the beam has come down.
   template <int dim>
   double
   deflection(Simulated<dim> &simulated)
@@ -131,9 +129,7 @@ namespace
 
 
 
-  /**
-   * Half of a swing, which takes longer the softer the beam is.
-   */
+  /// Half of a swing, which takes longer the softer the beam is.
   void
   check_explicit()
   {
@@ -149,9 +145,7 @@ namespace
 
 
 
-  /**
-   * A uniform change of volume is not projected.
-   */
+  /// A uniform change of volume is not projected.
   void
   check_even_compression()
   {
@@ -186,9 +180,7 @@ namespace
 
 
 
-  /**
-   * Both names that do not go together.
-   */
+  /// Both names that do not go together.
   void
   check_refused()
   {

@@ -34,9 +34,7 @@ namespace
 
 
 
-  /**
-   * The balance of a run, relative to the work of the source @p main.
-   */
+  /// The balance of a run, relative to the work of the source @p main.
   void
   check_balance(const std::string &name,
                 const Text        &text,
@@ -144,10 +142,8 @@ namespace
 
 
 
-  /**
-   * Gravity that grows from zero, in explicit steps: with the kinetic energy at
-   * the end of a step the balance is open by an error of second order.
-   */
+  /// Gravity that grows from zero, in explicit steps: with the kinetic energy
+  /// at the end of a step the balance is open by an error of second order.
   void
   check_growing_gravity()
   {

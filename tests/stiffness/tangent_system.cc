@@ -43,9 +43,7 @@ namespace
         system.initialize(*vector);
     }
 
-    /**
-     * A vector of unknowns that does not depend on the number of processes.
-     */
+    /// A vector of unknowns that does not depend on the number of processes.
     void
     fill(VectorType &vector, const double scale) const
     {
@@ -66,9 +64,7 @@ namespace
       system.restrict(rows, force, &u);
     }
 
-    /**
-     * The derivative in one direction, against differences.
-     */
+    /// The derivative in one direction, against differences.
     double
     derivative_error()
     {
@@ -108,9 +104,7 @@ namespace
       return result.converged ? *result.iterations : 1000;
     }
 
-    /**
-     * Set-ups of several systems with these mass factors.
-     */
+    /// Set-ups of several systems with these mass factors.
     unsigned int
     n_set_ups(const std::vector<double> &factors)
     {
@@ -189,9 +183,7 @@ namespace
 
 
 
-  /**
-   * Poisson's ratio chooses the smoother.
-   */
+  /// Poisson's ratio chooses the smoother.
   template <int dim>
   void
   check_nearly_incompressible(const std::string &name, const Text &text)
@@ -211,9 +203,7 @@ namespace
 
 
 
-  /**
-   * A set-up serves systems that differ little.
-   */
+  /// A set-up serves systems that differ little.
   void
   check_reuse()
   {

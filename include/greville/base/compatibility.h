@@ -24,10 +24,8 @@
  */
 namespace greville
 {
-  /**
-   * The vector type of the project: the locally owned entries are contiguous,
-   * followed by ghost entries.
-   */
+  /// The vector type of the project: the locally owned entries are contiguous,
+  /// followed by ghost entries.
   using VectorType = dealii::LinearAlgebra::distributed::Vector<double>;
 
   /// A VectorType in @p Number.
@@ -38,9 +36,8 @@ namespace greville
   using DistributedTriangulation =
     dealii::parallel::distributed::Triangulation<dim>;
 
-  /**
-   * The base of classes to which deal.II's solvers and smoothers keep pointers.
-   */
+  /// The base of classes to which deal.II's solvers and smoothers keep
+  /// pointers.
 #if DEAL_II_VERSION_GTE(9, 7, 0)
   using Observable = dealii::EnableObserverPointer;
 #else

@@ -13,10 +13,8 @@
 
 namespace greville
 {
-  /**
-   * A line of a table whose columns are separated by commas. The first line
-   * contains the names of the columns.
-   */
+  /// A line of a table whose columns are separated by commas. The first line
+  /// contains the names of the columns.
   struct CsvLine
   {
     bool                     is_header;
@@ -24,10 +22,8 @@ namespace greville
     std::vector<std::string> words; // without spaces around them
     std::string where; // file, parameter and line, for messages: "...: "
 
-    /**
-     * Return the number in a column. Throws dealii::ExcMessage with the @p name
-     * of the column if there is none or it is not finite.
-     */
+    /// Return the number in a column. Throws dealii::ExcMessage with the
+    /// @p name of the column if there is none or it is not finite.
     double
     number(const unsigned int column, const std::string &name) const;
   };
@@ -47,28 +43,22 @@ namespace greville
 
 
 
-  /**
-   * A writer of a table whose columns are separated by commas, on the first
-   * process. All functions are collective, and throw dealii::ExcMessage if the
-   * file cannot be written.
-   */
+  /// A writer of a table whose columns are separated by commas, on the first
+  /// process. All functions are collective, and throw dealii::ExcMessage if the
+  /// file cannot be written.
   class CsvWriter
   {
   public:
-    /**
-     * Begin with the @p names of the columns. Numbers get @p precision digits.
-     */
+    /// Begin with the @p names of the columns. Numbers get @p precision digits.
     void
     open(const std::string              &file,
          const std::vector<std::string> &names,
          const unsigned int              precision,
          const MPI_Comm                  comm);
 
-    /**
-     * Continue a file of open() after its first @p n_bytes and remove the rest.
-     * Throws if the file is shorter or has other columns. If the file does not
-     * exist, a new one is opened and false is returned.
-     */
+    /// Continue a file of open() after its first @p n_bytes and remove the
+    /// rest. Throws if the file is shorter or has other columns. If the file
+    /// does not exist, a new one is opened and false is returned.
     bool
     resume(const std::string              &file,
            const std::vector<std::string> &names,
@@ -76,17 +66,13 @@ namespace greville
            const std::uint64_t             n_bytes,
            const MPI_Comm                  comm);
 
-    /**
-     * Write a line, which is in the file even if the process ends abnormally.
-     * Throws if the file has been removed or replaced.
-     */
+    /// Write a line, which is in the file even if the process ends abnormally.
+    /// Throws if the file has been removed or replaced.
     void
     write(const std::vector<double> &values);
 
-    /**
-     * Write the file to the disk. Returns its number of bytes, or 0 if it has
-     * not been opened.
-     */
+    /// Write the file to the disk. Returns its number of bytes, or 0 if it has
+    /// not been opened.
     std::uint64_t
     sync();
 

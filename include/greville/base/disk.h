@@ -21,18 +21,14 @@ namespace greville
   void
   make_file(const std::string &file, const std::uint64_t size);
 
-  /**
-   * Return the system's reason why a file cannot be extended, "No space left on
-   * device. ", or an empty text. Since the error that a library met is no
-   * longer available, writing at the end of the file is tried again.
-   */
+  /// Return the system's reason why a file cannot be extended, "No space left
+  /// on device. ", or an empty text. Since the error that a library met is no
+  /// longer available, writing at the end of the file is tried again.
   std::string
   system_reason(const std::string &file);
 
-  /**
-   * Make the system write a file or a folder to the disk. Throws
-   * dealii::ExcMessage if this fails.
-   */
+  /// Make the system write a file or a folder to the disk. Throws
+  /// dealii::ExcMessage if this fails.
   void
   write_to_disk(const std::string &file);
 
@@ -48,17 +44,13 @@ namespace greville
                  const std::vector<std::string> &own,
                  const MPI_Comm                  comm);
 
-  /**
-   * Collective. Return the range of @p n items for this process: the first item
-   * and the end. The numbers of items differ by at most one.
-   */
+  /// Collective. Return the range of @p n items for this process: the first
+  /// item and the end. The numbers of items differ by at most one.
   std::pair<std::uint64_t, std::uint64_t>
   share_of(const std::uint64_t n, const MPI_Comm comm);
 
-  /**
-   * Return a sum over numbers and their positions, which begin with @p first,
-   * so that each process can add up its own. It changes with each bit.
-   */
+  /// Return a sum over numbers and their positions, which begin with @p first,
+  /// so that each process can add up its own. It changes with each bit.
   std::uint64_t
   checksum(const std::vector<double> &values, const std::uint64_t first);
 
@@ -68,19 +60,15 @@ namespace greville
 
 
 
-  /**
-   * Collective. Append to a complete @p file the checksum of all of its bytes,
-   * as a line of 64 letters that HDF5 ignores. Each process reads its share of
-   * the file, piece by piece. Throws dealii::ExcMessage if this fails.
-   */
+  /// Collective. Append to a complete @p file the checksum of all of its bytes,
+  /// as a line of 64 letters that HDF5 ignores. Each process reads its share of
+  /// the file, piece by piece. Throws dealii::ExcMessage if this fails.
   void
   seal_file(const std::string &file, const MPI_Comm comm);
 
-  /**
-   * Collective. Throw dealii::ExcMessage if @p file cannot be read or does not
-   * end with the checksum of its preceding bytes, that is, if any byte has been
-   * changed or is missing. Reads as seal_file().
-   */
+  /// Collective. Throw dealii::ExcMessage if @p file cannot be read or does not
+  /// end with the checksum of its preceding bytes, that is, if any byte has
+  /// been changed or is missing. Reads as seal_file().
   void
   check_seal(const std::string &file, const MPI_Comm comm);
 } // namespace greville

@@ -15,10 +15,8 @@
 
 namespace greville
 {
-  /**
-   * Return the message of an exception in one paragraph, without deal.II's
-   * decoration.
-   */
+  /// Return the message of an exception in one paragraph, without deal.II's
+  /// decoration.
   std::string
   message_of(const std::exception &exception);
 
@@ -60,56 +58,42 @@ namespace greville
     return keys;
   }
 
-  /**
-   * Return " Did you mean <lumped>?" if @p known contains a word close to @p
-   * word, otherwise an empty text.
-   */
+  /// Return " Did you mean <lumped>?" if @p known contains a word close to
+  /// @p word, otherwise an empty text.
   std::string
   did_you_mean(const std::string &word, const std::vector<std::string> &known);
 
-  /**
-   * Collective. Return the message of the first process whose @p message is not
-   * empty, or an empty text.
-   */
+  /// Collective. Return the message of the first process whose @p message is
+  /// not empty, or an empty text.
   std::string
   first_of_all(const std::string &message, const MPI_Comm comm);
 
-  /**
-   * The exception of throw_on_all(), which all processes catch and after which
-   * they may continue together.
-   */
+  /// The exception of throw_on_all(), which all processes catch and after which
+  /// they may continue together.
   class ErrorOnAll : public dealii::ExcMessage
   {
   public:
     using dealii::ExcMessage::ExcMessage;
   };
 
-  /**
-   * Collective. Throw ErrorOnAll on all processes with the message of the first
-   * process whose @p message is not empty, if there is one. Otherwise, an error
-   * of a single process would leave the others waiting.
-   */
+  /// Collective. Throw ErrorOnAll on all processes with the message of the
+  /// first process whose @p message is not empty, if there is one. Otherwise,
+  /// an error of a single process would leave the others waiting.
   void
   throw_on_all(const std::string &message, const MPI_Comm comm);
 
-  /**
-   * Collective. Call @p action, which must not communicate, and throw its
-   * exception on any process on all processes.
-   */
+  /// Collective. Call @p action, which must not communicate, and throw its
+  /// exception on any process on all processes.
   void
   run_on_all(const std::function<void()> &action, const MPI_Comm comm);
 
-  /**
-   * Collective. Call @p action on the first process, and throw its exception on
-   * all.
-   */
+  /// Collective. Call @p action on the first process, and throw its exception
+  /// on all.
   void
   run_on_first(const std::function<void()> &action, const MPI_Comm comm);
 
-  /**
-   * Throw dealii::ExcMessage if a list given by the @p parameter contains an
-   * entry twice.
-   */
+  /// Throw dealii::ExcMessage if a list given by the @p parameter contains an
+  /// entry twice.
   template <typename T>
   void
   check_different(const std::vector<T> &entries,

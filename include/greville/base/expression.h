@@ -12,17 +12,13 @@
 
 namespace greville
 {
-  /**
-   * A formula of a parameter file.
-   */
+  /// A formula of a parameter file.
   class Expression
   {
   public:
     using Function = Formulas::Function;
 
-    /**
-     * Throws as Formulas.
-     */
+    /// Throws as Formulas.
     Expression(const std::string              &text,
                const std::string              &parameter,
                const std::vector<std::string> &variables,
@@ -44,10 +40,8 @@ namespace greville
 
 
 
-  /**
-   * Return the variables for which the letters of @p kinds stand: x, y (and z);
-   * X, Y (and Z); t.
-   */
+  /// Return the variables for which the letters of @p kinds stand: x, y (and
+  /// z); X, Y (and Z); t.
   template <int dim>
   std::vector<std::string>
   variables_of(const std::string &kinds)
@@ -83,11 +77,9 @@ namespace greville
 
 
 
-  /**
-   * A vector whose components are formulas, separated by semicolons in one
-   * parameter. Throws as split_formulas() and Formulas; zero if constructed
-   * without arguments.
-   */
+  /// A vector whose components are formulas, separated by semicolons in one
+  /// parameter. Throws as split_formulas() and Formulas; zero if constructed
+  /// without arguments.
   template <int n>
   class VectorExpression
   {

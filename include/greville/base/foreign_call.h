@@ -23,10 +23,8 @@ namespace greville
   class ForeignCall
   {
   public:
-    /**
-     * Make faults in calls end the process; to be called before calls whose
-     * time limit (s) is @p time_limit, or 0 for none.
-     */
+    /// Make faults in calls end the process; to be called before calls whose
+    /// time limit (s) is @p time_limit, or 0 for none.
     static void
     catch_faults(const double time_limit);
 
@@ -47,19 +45,16 @@ namespace greville
     ForeignCall &
     operator=(const ForeignCall &) = delete;
 
-    /**
-     * Write a message that the code @p what, such as "has aborted", to a @p
-     * buffer of @p size letters without allocating memory: for signal handlers.
-     */
+    /// Write a message that the code @p what, such as "has aborted", to a
+    /// @p buffer of @p size letters without allocating memory: for signal
+    /// handlers.
     virtual void
     write_message(char             *buffer,
                   const std::size_t size,
                   const char       *what) const = 0;
 
-    /**
-     * Return whether an @p address is in the memory around the arguments of the
-     * call.
-     */
+    /// Return whether an @p address is in the memory around the arguments of
+    /// the call.
     virtual bool
     is_beyond(const void * /*address*/) const
     {
@@ -82,11 +77,9 @@ namespace greville
 
 
 
-  /**
-   * A guard during the lifetime of the program: a library that calls exit()
-   * outside a ForeignCall, for instance in a thread or in a law of a plugin,
-   * ends the process with a message and the exit status 1.
-   */
+  /// A guard during the lifetime of the program: a library that calls exit()
+  /// outside a ForeignCall, for instance in a thread or in a law of a plugin,
+  /// ends the process with a message and the exit status 1.
   class ExitGuard
   {
   public:
@@ -99,10 +92,8 @@ namespace greville
     ExitGuard &
     operator=(const ExitGuard &) = delete;
 
-    /**
-     * Allow exit() to end the process, after the program has reported the
-     * reason.
-     */
+    /// Allow exit() to end the process, after the program has reported the
+    /// reason.
     static void
     release();
   };

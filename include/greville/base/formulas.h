@@ -33,10 +33,8 @@ namespace greville
   class Formulas
   {
   public:
-    /**
-     * A function that formulas may call with any number of arguments, in
-     * addition to muParser's functions.
-     */
+    /// A function that formulas may call with any number of arguments, in
+    /// addition to muParser's functions.
     struct Function
     {
       std::string name;
@@ -57,11 +55,9 @@ namespace greville
 
     ~Formulas();
 
-    /**
-     * Return the value of formula number @p k for the @p values of the
-     * variables. Throws dealii::ExcMessage with the parameter and the values of
-     * the variables if it is not finite or its magnitude exceeds 1e100.
-     */
+    /// Return the value of formula number @p k for the @p values of the
+    /// variables. Throws dealii::ExcMessage with the parameter and the values
+    /// of the variables if it is not finite or its magnitude exceeds 1e100.
     double
     value(const unsigned int                     k,
           const dealii::ArrayView<const double> &values) const;
@@ -80,17 +76,14 @@ namespace greville
     unsigned int
     n_precomputed() const;
 
-    /**
-     * Return in @p precomputed the values of the names that depend only on
-     * constant variables, if a formula or a name of other variables uses them.
-     */
+    /// Return in @p precomputed the values of the names that depend only on
+    /// constant variables, if a formula or a name of other variables uses them.
     void
     precompute(const dealii::ArrayView<const double> &values,
                const dealii::ArrayView<double>       &precomputed) const;
 
-    /**
-     * Return whether a formula, or a name that it uses, contains this variable.
-     */
+    /// Return whether a formula, or a name that it uses, contains this
+    /// variable.
     bool
     depends_on(const std::string &variable) const;
 
@@ -117,10 +110,8 @@ namespace greville
     double
     checked_value(const unsigned int k) const;
 
-    /**
-     * Set the variables and the names that depend on changed ones; @p
-     * precomputed may be null.
-     */
+    /// Set the variables and the names that depend on changed ones;
+    /// @p precomputed may be null.
     void
     set(const dealii::ArrayView<const double> &values,
         const double                          *precomputed) const;
@@ -141,18 +132,14 @@ namespace greville
 
 
 
-  /**
-   * Return the words of a formula that can be names: words that begin with a
-   * letter or an underscore.
-   */
+  /// Return the words of a formula that can be names: words that begin with a
+  /// letter or an underscore.
   std::vector<std::string>
   names_in_formula(const std::string &text);
 
-  /**
-   * Return the @p n formulas in @p text, which are separated by semicolons,
-   * each followed by its definitions (NamedFormulas::attach()). Throws
-   * dealii::ExcMessage if their number is not @p n.
-   */
+  /// Return the @p n formulas in @p text, which are separated by semicolons,
+  /// each followed by its definitions (NamedFormulas::attach()). Throws
+  /// dealii::ExcMessage if their number is not @p n.
   std::vector<std::string>
   split_formulas(const std::string &text,
                  const std::string &parameter,

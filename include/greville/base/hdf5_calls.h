@@ -16,10 +16,8 @@
  */
 namespace greville
 {
-  /**
-   * An object of HDF5, with the function that closes it. Throws if HDF5 has not
-   * made the object.
-   */
+  /// An object of HDF5, with the function that closes it. Throws if HDF5 has
+  /// not made the object.
   class HDF5Handle
   {
   public:
@@ -45,10 +43,8 @@ namespace greville
 
 
 
-  /**
-   * Suppresses, during its lifetime, the error messages that HDF5 prints on all
-   * processes.
-   */
+  /// Suppresses, during its lifetime, the error messages that HDF5 prints on
+  /// all processes.
   class HDF5Silence
   {
   public:

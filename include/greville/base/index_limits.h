@@ -12,16 +12,12 @@
 #include <type_traits>
 #include <vector>
 
-/**
- * Checks of 32-bit limits: numbers in libraries that are built with 32-bit
- * indices, and the lengths of messages, which MPI counts by int.
- */
+/// Checks of 32-bit limits: numbers in libraries that are built with 32-bit
+/// indices, and the lengths of messages, which MPI counts by int.
 namespace greville
 {
-  /**
-   * Return @p number as an Index of a library. Throws dealii::ExcMessage with
-   * the description @p what if the Index has too few bits for it.
-   */
+  /// Return @p number as an Index of a library. Throws dealii::ExcMessage with
+  /// the description @p what if the Index has too few bits for it.
   template <typename Index>
   Index
   checked_index(const std::uint64_t number, const std::string &what)
@@ -39,10 +35,8 @@ namespace greville
 
 
 
-  /**
-   * Throw dealii::ExcMessage if a message of @p n_bytes is too long for deal.II
-   * and MPI. Data packed by Boost (@p is_packed) may be longer.
-   */
+  /// Throw dealii::ExcMessage if a message of @p n_bytes is too long for
+  /// deal.II and MPI. Data packed by Boost (@p is_packed) may be longer.
   inline void
   check_message_size(const std::uint64_t n_bytes, const bool is_packed)
   {
@@ -58,9 +52,8 @@ namespace greville
 
 
 
-  /**
-   * Collective. Return the sum of @p number over the processes before this one.
-   */
+  /// Collective. Return the sum of @p number over the processes before this
+  /// one.
   inline std::uint64_t
   sum_before(const std::uint64_t number, const MPI_Comm comm)
   {
@@ -73,10 +66,8 @@ namespace greville
 
 
 
-  /**
-   * Collective. Call dealii::Utilities::MPI::some_to_some() for lists, and
-   * throw if they are too long for a message.
-   */
+  /// Collective. Call dealii::Utilities::MPI::some_to_some() for lists, and
+  /// throw if they are too long for a message.
   template <typename T>
   std::map<unsigned int, std::vector<T>>
   exchange_lists(const MPI_Comm                                comm,

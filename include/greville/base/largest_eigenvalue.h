@@ -22,10 +22,8 @@ namespace greville
 
 
 
-  /**
-   * Collective. A function that computes y = A x for the unknowns of this
-   * process.
-   */
+  /// Collective. A function that computes y = A x for the unknowns of this
+  /// process.
   using LinearAction =
     std::function<void(std::vector<double> &y, const std::vector<double> &x)>;
 

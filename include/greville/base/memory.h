@@ -22,10 +22,8 @@ namespace greville
                         const std::string &parameter,
                         const MPI_Comm     comm);
 
-  /**
-   * Return the bytes that this process has allocated, empty if the system does
-   * not tell.
-   */
+  /// Return the bytes that this process has allocated, empty if the system does
+  /// not tell.
   std::optional<unsigned long>
   allocated_memory();
 } // namespace greville

@@ -7,11 +7,9 @@
 
 namespace greville
 {
-  /**
-   * The finalizer of MurmurHash3: a bijection of 64 bits that spreads each bit
-   * over all of them, so that different sets of numbers have different sums,
-   * except by chance.
-   */
+  /// The finalizer of MurmurHash3: a bijection of 64 bits that spreads each bit
+  /// over all of them, so that different sets of numbers have different sums,
+  /// except by chance.
   inline std::uint64_t
   mixed_bits(std::uint64_t x)
   {

@@ -37,10 +37,8 @@ namespace greville
     }
   };
 
-  /**
-   * Declare a parameter that is a formula and may contain names of the section
-   * 'Formulas'. Used like add_parameter().
-   */
+  /// Declare a parameter that is a formula and may contain names of the section
+  /// 'Formulas'. Used like add_parameter().
   inline auto
   add_formula(dealii::ParameterHandler &prm,
               const std::string        &name,
@@ -53,42 +51,32 @@ namespace greville
 
 
 
-  /**
-   * The formulas of the section 'Formulas', which other formulas use by their
-   * names.
-   */
+  /// The formulas of the section 'Formulas', which other formulas use by their
+  /// names.
   class NamedFormulas
   {
   public:
     NamedFormulas() = default;
 
-    /**
-     * Throws dealii::ExcMessage for invalid or reserved names, for texts that
-     * are not formulas of positions and time, and for circular definitions. The
-     * formulas may contain @p functions.
-     */
+    /// Throws dealii::ExcMessage for invalid or reserved names, for texts that
+    /// are not formulas of positions and time, and for circular definitions.
+    /// The formulas may contain @p functions.
     NamedFormulas(const std::map<std::string, std::string> &formulas,
                   const std::vector<std::string>           &functions);
 
-    /**
-     * Return the text of a formula, followed by lines "name = formula" for all
-     * names that it needs, each after the names that it uses.
-     */
+    /// Return the text of a formula, followed by lines "name = formula" for all
+    /// names that it needs, each after the names that it uses.
     std::string
     attach(const std::string &text) const;
 
-    /**
-     * Call attach() for the values of all parameters of @p prm that have the
-     * FormulaPattern.
-     */
+    /// Call attach() for the values of all parameters of @p prm that have the
+    /// FormulaPattern.
     void
     attach_to(dealii::ParameterHandler &prm) const;
 
   private:
-    /**
-     * Append to @p order the names that @p text uses, each after the names that
-     * its formula uses. @p path contains the names that lead to the text.
-     */
+    /// Append to @p order the names that @p text uses, each after the names
+    /// that its formula uses. @p path contains the names that lead to the text.
     void
     collect(const std::string        &text,
             std::vector<std::string> &path,
@@ -97,19 +85,16 @@ namespace greville
     std::map<std::string, std::string> formulas;
   };
 
-  /**
-   * Return the text of a formula without the definitions that attach() appends.
-   */
+  /// Return the text of a formula without the definitions that attach()
+  /// appends.
   inline std::string
   formula_text(const std::string &text)
   {
     return text.substr(0, text.find('\n'));
   }
 
-  /**
-   * Return a formula of the initial positions x, y (, z) that may use X, Y (,
-   * Z) as other names of these.
-   */
+  /// Return a formula of the initial positions x, y (, z) that may use X, Y (,
+  /// Z) as other names of these.
   template <int dim>
   std::string
   with_initial_positions(std::string text)

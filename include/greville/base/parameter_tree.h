@@ -14,10 +14,8 @@
 
 namespace greville
 {
-  /**
-   * Return whether a parameter file is in JSON or XML, judging by the
-   * extension.
-   */
+  /// Return whether a parameter file is in JSON or XML, judging by the
+  /// extension.
   bool
   is_parameter_tree(const std::string &file);
 
@@ -45,9 +43,7 @@ namespace greville
   std::vector<ParameterLine>
   parameter_lines_of_tree(std::istream &stream, const std::string &file);
 
-  /**
-   * Write the text of a .prm file as JSON: its sections, names and values.
-   */
+  /// Write the text of a .prm file as JSON: its sections, names and values.
   void
   write_as_json(std::ostream &out, const std::string &text);
 } // namespace greville

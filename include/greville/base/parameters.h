@@ -16,10 +16,8 @@
 
 namespace greville
 {
-  /**
-   * A line 'set NAME = VALUE' of a parameter file in its section, or a setting
-   * of the command line.
-   */
+  /// A line 'set NAME = VALUE' of a parameter file in its section, or a setting
+  /// of the command line.
   struct ParameterLine
   {
     std::string section, name, value;
@@ -50,10 +48,8 @@ namespace greville
   std::vector<ParameterLine>
   parameter_lines_of(const std::string &text, const std::string &name);
 
-  /**
-   * A section, a parameter, or a value of a parameter, that older files have,
-   * and the advice for them.
-   */
+  /// A section, a parameter, or a value of a parameter, that older files have,
+  /// and the advice for them.
   struct FormerParameter
   {
     /// "SECTION/" or "SECTION/PARAMETER"; sections of a stage count, too.
@@ -67,19 +63,15 @@ namespace greville
   names_in_section(const dealii::ParameterHandler &prm,
                    const std::string              &section);
 
-  /**
-   * Throw dealii::ExcMessage if @p value is none of @p allowed, words that are
-   * separated by '|'.
-   */
+  /// Throw dealii::ExcMessage if @p value is none of @p allowed, words that are
+  /// separated by '|'.
   void
   check_word(const std::string &value,
              const std::string &parameter,
              const std::string &allowed);
 
-  /**
-   * Throw dealii::ExcMessage, with the nearest known name, if @p value is none
-   * of @p known. The message describes these names as @p allowed.
-   */
+  /// Throw dealii::ExcMessage, with the nearest known name, if @p value is none
+  /// of @p known. The message describes these names as @p allowed.
   void
   check_known(const std::string              &value,
               const std::string              &parameter,
@@ -119,10 +111,8 @@ namespace greville
     return "";
   }
 
-  /**
-   * Declare a parameter that takes one of the words of an enumeration, as
-   * add_parameter() does.
-   */
+  /// Declare a parameter that takes one of the words of an enumeration, as
+  /// add_parameter() does.
   template <typename Enumeration>
   auto
   add_choice(dealii::ParameterHandler   &prm,
@@ -146,11 +136,9 @@ namespace greville
     };
   }
 
-  /**
-   * Let @p parameters declare themselves in a section of @p prm by declare(prm,
-   * arguments...). Their members are the defaults, and later receive the values
-   * read by @p prm: they must not move while @p prm exists.
-   */
+  /// Let @p parameters declare themselves in a section of @p prm by
+  /// declare(prm, arguments...). Their members are the defaults, and later
+  /// receive the values read by @p prm: they must not move while @p prm exists.
   template <typename Parameters, typename... Arguments>
   void
   declare_section(dealii::ParameterHandler &prm,
@@ -181,69 +169,53 @@ namespace greville
                 const std::string              &name,
                 const std::string              &value);
 
-  /**
-   * A function that uses a reference: a ParameterHandler in which all
-   * parameters have been declared.
-   */
+  /// A function that uses a reference: a ParameterHandler in which all
+  /// parameters have been declared.
   using UseParameters =
     std::function<void(const dealii::ParameterHandler &prm)>;
 
-  /**
-   * Return the words that a parameter, "Section/Parameter", may have as its
-   * value or in its list of values; empty if other values are allowed.
-   */
+  /// Return the words that a parameter, "Section/Parameter", may have as its
+  /// value or in its list of values; empty if other values are allowed.
   std::vector<std::string>
   words_of_parameter(const dealii::ParameterHandler &prm,
                      const std::string              &parameter);
 
-  /**
-   * Describe @p what: the parameters of a section, or a parameter
-   * "Section/Parameter". Throws dealii::ExcMessage, with the nearest name, if
-   * there is neither.
-   */
+  /// Describe @p what: the parameters of a section, or a parameter
+  /// "Section/Parameter". Throws dealii::ExcMessage, with the nearest name, if
+  /// there is neither.
   void
   describe_parameter(std::ostream                   &out,
                      const dealii::ParameterHandler &prm,
                      const std::string              &what);
 
-  /**
-   * Write all parameters of @p prm as a page of Markdown: a table per section
-   * with defaults, allowed values and meanings, preceded by the first similar
-   * section in the parameter files @p examples.
-   */
+  /// Write all parameters of @p prm as a page of Markdown: a table per section
+  /// with defaults, allowed values and meanings, preceded by the first similar
+  /// section in the parameter files @p examples.
   void
   print_parameter_reference(std::ostream                   &out,
                             const std::string              &program,
                             const dealii::ParameterHandler &prm,
                             const std::string              &examples);
 
-  /**
-   * Return a function of x, y (and z) from its expression; a constant if the
-   * expression is a number. @p name is the parameter for error messages.
-   */
+  /// Return a function of x, y (and z) from its expression; a constant if the
+  /// expression is a number. @p name is the parameter for error messages.
   template <int dim>
   std::unique_ptr<dealii::Function<dim>>
   make_function(const std::string &expression, const std::string &name);
 
-  /**
-   * Make a folder and its parents. Throws dealii::ExcMessage with the name of
-   * the @p parameter if it cannot be made or is not writable.
-   */
+  /// Make a folder and its parents. Throws dealii::ExcMessage with the name of
+  /// the @p parameter if it cannot be made or is not writable.
   void
   create_folder(const std::string &folder, const std::string &parameter);
 
-  /**
-   * Return "Cannot write <FILE>: No space left on device." with the system's
-   * last error.
-   */
+  /// Return "Cannot write <FILE>: No space left on device." with the system's
+  /// last error.
   std::string
   write_error(const std::string &file);
 
-  /**
-   * Write a file under a temporary name and rename it at the end, so that no
-   * half-written file is ever visible. The folder must exist. Throws
-   * dealii::ExcMessage with the file if this fails.
-   */
+  /// Write a file under a temporary name and rename it at the end, so that no
+  /// half-written file is ever visible. The folder must exist. Throws
+  /// dealii::ExcMessage with the file if this fails.
   void
   write_atomically(const std::string &file, const std::string &content);
 } // namespace greville

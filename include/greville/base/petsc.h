@@ -36,9 +36,7 @@ namespace greville
     };
   } // namespace internal
 
-  /**
-   * An owned PETSc object: PetscHandle<Mat, MatDestroy>.
-   */
+  /// An owned PETSc object: PetscHandle<Mat, MatDestroy>.
   template <typename Handle, PetscErrorCode (*destroy)(Handle *)>
   using PetscHandle = std::unique_ptr<std::remove_pointer_t<Handle>,
                                       internal::PetscDeleter<Handle, destroy>>;
@@ -46,10 +44,8 @@ namespace greville
   using PetscMatrix = PetscHandle<Mat, MatDestroy>;
   using PetscVector = PetscHandle<Vec, VecDestroy>;
 
-  /**
-   * A PETSc vector without memory of its own: PETSc works on the owned entries
-   * of a VectorType in place.
-   */
+  /// A PETSc vector without memory of its own: PETSc works on the owned entries
+  /// of a VectorType in place.
   class PetscVectorView
   {
   public:

@@ -12,10 +12,8 @@
 
 namespace greville
 {
-  /**
-   * An option of a program: "--NAME", "--NAME VALUE", or both if the value is
-   * optional.
-   */
+  /// An option of a program: "--NAME", "--NAME VALUE", or both if the value is
+  /// optional.
   struct ProgramOption
   {
     std::string name;
@@ -24,10 +22,8 @@ namespace greville
     std::string meaning;
     bool        value_is_needed = true;
     bool        may_be_repeated = false;
-    /**
-     * The allowed values; empty if all are allowed. The word after an option is
-     * its optional value only if it is one of these.
-     */
+    /// The allowed values; empty if all are allowed. The word after an option
+    /// is its optional value only if it is one of these.
     std::vector<std::string> words = {};
     /// True if runs with this option take several files, one after the other.
     bool takes_several_files = false;
@@ -35,10 +31,8 @@ namespace greville
 
 
 
-  /**
-   * The options given on a command line, with their values in the order of the
-   * command line.
-   */
+  /// The options given on a command line, with their values in the order of the
+  /// command line.
   using GivenOptions = std::map<std::string, std::vector<std::string>>;
 
 
@@ -49,10 +43,8 @@ namespace greville
     std::string name;
     /// A parameter "Section/Parameter" whose allowed words are listed.
     std::string parameter;
-    /**
-     * A function that returns the words, separated by '|', if they are not the
-     * allowed words of a parameter.
-     */
+    /// A function that returns the words, separated by '|', if they are not the
+    /// allowed words of a parameter.
     std::function<std::string()> words;
   };
 
@@ -79,11 +71,9 @@ namespace greville
     std::vector<ProgramOption> options;
     /// Collective. Run a parameter file.
     std::function<void(const std::string &file, const GivenOptions &given)> run;
-    /**
-     * Return the text of a parameter file in a style of ParameterHandler, with
-     * all parameters, their values and meanings: the values that result from a
-     * file, or the defaults for an empty name.
-     */
+    /// Return the text of a parameter file in a style of ParameterHandler, with
+    /// all parameters, their values and meanings: the values that result from a
+    /// file, or the defaults for an empty name.
     std::function<
       std::string(const std::string                          &file,
                   const std::vector<std::string>             &settings,
@@ -91,10 +81,8 @@ namespace greville
       all_parameters;
     /// Call a function with the reference of all parameters.
     std::function<void(const UseParameters &use)> reference;
-    /**
-     * The text of parameter files whose sections the reference shows as
-     * examples.
-     */
+    /// The text of parameter files whose sections the reference shows as
+    /// examples.
     std::string                  examples;
     std::vector<ProgramList>     lists;
     std::vector<ProgramTemplate> templates;

@@ -12,10 +12,8 @@ namespace greville
   /// The treatment of the results of an earlier run in the folder of a new one.
   enum class EarlierResults
   {
-    /**
-     * They are moved to the first folder among earlier_1, earlier_2, ... in it
-     * that does not exist.
-     */
+    /// They are moved to the first folder among earlier_1, earlier_2, ... in it
+    /// that does not exist.
     move_aside,
     /// The new run ends with a message.
     refuse,
@@ -56,11 +54,9 @@ namespace greville
 
     ~RunFolder();
 
-    /**
-     * Collective. Treat earlier results as requested: to be called when the new
-     * run has been fully checked, before it writes its first file. Throws
-     * dealii::ExcMessage if they cannot be moved or removed.
-     */
+    /// Collective. Treat earlier results as requested: to be called when the
+    /// new run has been fully checked, before it writes its first file. Throws
+    /// dealii::ExcMessage if they cannot be moved or removed.
     void
     make_room();
 

@@ -26,11 +26,9 @@ namespace greville
 
     ~SignalCatcher();
 
-    /**
-     * Collective. Return the number of a signal that any process has received
-     * since the last call, 0 if none. Signals to end take precedence over
-     * SIGUSR1. All processes return the same number.
-     */
+    /// Collective. Return the number of a signal that any process has received
+    /// since the last call, 0 if none. Signals to end take precedence over
+    /// SIGUSR1. All processes return the same number.
     static int
     take(const MPI_Comm comm);
 

@@ -12,19 +12,15 @@
 
 namespace greville
 {
-  /**
-   * A vector of @p n numbers, in one register if the machine has registers of
-   * this width. (The VectorizedArray of a deal.II that was compiled for generic
-   * machines, as in distributions, holds one double only.)
-   */
+  /// A vector of @p n numbers, in one register if the machine has registers of
+  /// this width. (The VectorizedArray of a deal.II that was compiled for
+  /// generic machines, as in distributions, holds one double only.)
   template <typename Number, int n>
   using FixedSimd =
     std::experimental::simd<Number,
                             std::experimental::simd_abi::deduce_t<Number, n>>;
 
-  /**
-   * A vector of as many doubles as a register of the machine holds.
-   */
+  /// A vector of as many doubles as a register of the machine holds.
   using NativeSimd = std::experimental::native_simd<double>;
 
   constexpr unsigned int native_simd_width = NativeSimd::size();

@@ -19,17 +19,13 @@ namespace greville
 
 
 
-  /**
-   * Thrown if a step fails regardless of its length. The state is left as it is
-   * at that moment, so the caller must restore it.
-   */
+  /// Thrown if a step fails regardless of its length. The state is left as it
+  /// is at that moment, so the caller must restore it.
   class StepFailed : public std::runtime_error
   {
   public:
-    /**
-     * If materials may be the cause, @p by_materials adds information about
-     * them to messages.
-     */
+    /// If materials may be the cause, @p by_materials adds information about
+    /// them to messages.
     StepFailed(const std::string &message, const bool by_materials = true)
       : std::runtime_error(message)
       , by_materials(by_materials)
@@ -38,20 +34,16 @@ namespace greville
     const bool by_materials;
   };
 
-  /**
-   * Thrown by Simulation::step() on all processes if a step fails; the state is
-   * the last good one.
-   */
+  /// Thrown by Simulation::step() on all processes if a step fails; the state
+  /// is the last good one.
   class StepGivenUp : public ErrorOnAll
   {
   public:
     using ErrorOnAll::ErrorOnAll;
   };
 
-  /**
-   * Collective. Call an action, and throw StepFailed with its message if it
-   * throws ErrorOnAll. Other exceptions, of one process only, are not changed.
-   */
+  /// Collective. Call an action, and throw StepFailed with its message if it
+  /// throws ErrorOnAll. Other exceptions, of one process only, are not changed.
   template <typename Action>
   void
   fail_with(const Action &action, const bool by_materials = true)
@@ -66,10 +58,8 @@ namespace greville
       }
   }
 
-  /**
-   * Collective. Throw StepFailed on all processes, with the message of the
-   * first process whose @p message is not empty, if there is one.
-   */
+  /// Collective. Throw StepFailed on all processes, with the message of the
+  /// first process whose @p message is not empty, if there is one.
   inline void
   fail_on_all(const std::string &message, const MPI_Comm comm)
   {

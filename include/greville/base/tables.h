@@ -11,10 +11,8 @@
 
 namespace greville
 {
-  /**
-   * Rows of numbers distributed over the processes: all rows of the first
-   * process come before the rows of the second.
-   */
+  /// Rows of numbers distributed over the processes: all rows of the first
+  /// process come before the rows of the second.
   struct DistributedTable
   {
     std::string              name;
@@ -28,10 +26,8 @@ namespace greville
       return columns.empty() ? 0 : values.size() / columns.size();
     }
 
-    /**
-     * Collective. Return the values of all rows on all processes, for small
-     * tables.
-     */
+    /// Collective. Return the values of all rows on all processes, for small
+    /// tables.
     std::vector<double>
     gather(const MPI_Comm comm) const;
   };
@@ -44,9 +40,8 @@ namespace greville
     std::map<std::string, std::string> texts;
     std::vector<DistributedTable>      tables;
 
-    /**
-     * Return the table with a name. Throws dealii::ExcMessage if there is none.
-     */
+    /// Return the table with a name. Throws dealii::ExcMessage if there is
+    /// none.
     const DistributedTable &
     table(const std::string &name) const;
 

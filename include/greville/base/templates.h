@@ -11,18 +11,14 @@
 /// Parameter files that are part of the program.
 namespace greville
 {
-  /**
-   * Return the templates: prm/templates, and the examples of the guide in
-   * doc/user/examples.
-   */
+  /// Return the templates: prm/templates, and the examples of the guide in
+  /// doc/user/examples.
   std::vector<ProgramTemplate>
   simulation_templates();
 
-  /**
-   * Return the sections that the references of the programs show as examples:
-   * the files of prm/simulation/sections and prm/mass/sections, one after
-   * another.
-   */
+  /// Return the sections that the references of the programs show as examples:
+  /// the files of prm/simulation/sections and prm/mass/sections, one after
+  /// another.
   std::string
   simulation_examples();
 

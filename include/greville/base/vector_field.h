@@ -9,9 +9,7 @@
 
 namespace greville
 {
-  /**
-   * A vector field of the grid: one vector of coefficients per component.
-   */
+  /// A vector field of the grid: one vector of coefficients per component.
   template <int dim>
   using VectorField = std::array<VectorType, dim>;
 

@@ -9,11 +9,9 @@
 
 namespace greville
 {
-  /**
-   * Call an action with a number, one of @p numbers, as a compile-time
-   * constant: action(std::integral_constant<int, number>()). Returns whether it
-   * is one of them.
-   */
+  /// Call an action with a number, one of @p numbers, as a compile-time
+  /// constant: action(std::integral_constant<int, number>()). Returns whether
+  /// it is one of them.
   template <int... numbers, typename Action>
   bool
   with_one_of(const int number, const Action &action)
@@ -23,9 +21,7 @@ namespace greville
             ...);
   }
 
-  /**
-   * The largest number of columns of with_width().
-   */
+  /// The largest number of columns of with_width().
   constexpr unsigned int max_width = 8;
 
   /// Call an action with a number of columns as a constant.
@@ -37,10 +33,8 @@ namespace greville
     AssertThrow(is_known, dealii::ExcInternalError());
   }
 
-  /**
-   * Call an action with the number p + 1 of functions of an order p per
-   * direction as a constant.
-   */
+  /// Call an action with the number p + 1 of functions of an order p per
+  /// direction as a constant.
   template <typename Action>
   void
   with_order(const unsigned int degree, const Action &action)

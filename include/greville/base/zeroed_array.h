@@ -10,10 +10,8 @@
 
 namespace greville
 {
-  /**
-   * An array of zeros, aligned to 64 bytes, whose pages the system provides
-   * when they are first written: untouched entries use no memory.
-   */
+  /// An array of zeros, aligned to 64 bytes, whose pages the system provides
+  /// when they are first written: untouched entries use no memory.
   template <typename Number>
   class ZeroedArray
   {

@@ -19,10 +19,8 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * A list of variants of p-multigrid solvers, and the allowed values,
-     * separated by '|'.
-     */
+    /// A list of variants of p-multigrid solvers, and the allowed values,
+    /// separated by '|'.
     struct Variants
     {
       std::string               name;
@@ -62,10 +60,8 @@ namespace greville
   class Benchmark
   {
   public:
-    /**
-     * @p program is the name of the program in messages. Calls
-     * add_paper_parts().
-     */
+    /// @p program is the name of the program in messages. Calls
+    /// add_paper_parts().
     Benchmark(const std::string &program = "greville_benchmark");
 
     void
@@ -80,10 +76,8 @@ namespace greville
     void
     run(const std::string &file, const std::vector<std::string> &settings = {});
 
-    /**
-     * Read and check a file as run() does, and return the text of a file with
-     * all parameters, their values and meanings.
-     */
+    /// Read and check a file as run() does, and return the text of a file with
+    /// all parameters, their values and meanings.
     std::string
     read(const std::string                          &file,
          const std::vector<std::string>             &settings,
@@ -103,9 +97,7 @@ namespace greville
     void
     run_problem(BenchmarkProblem<dim> &problem, const SolveRecord &record);
 
-    /**
-     * Run all variants of a solver. @p record describes the system.
-     */
+    /// Run all variants of a solver. @p record describes the system.
     template <int dim>
     void
     run_solver(BenchmarkProblem<dim> &problem, const SolveRecord &record);
@@ -114,9 +106,7 @@ namespace greville
     SolveRecord
     solve(BenchmarkProblem<dim> &problem, SolveRecord record);
 
-    /**
-     * Return the p-multigrid parameters of an operator, before any sweep.
-     */
+    /// Return the p-multigrid parameters of an operator, before any sweep.
     PMultigridParameters &
     multigrid_of(const std::string &operator_name)
     {
@@ -124,10 +114,8 @@ namespace greville
                                        : multigrid_parameters;
     }
 
-    /**
-     * Check what the parameter patterns cannot check, and read the published
-     * tables, whose names are relative to @p directory.
-     */
+    /// Check what the parameter patterns cannot check, and read the published
+    /// tables, whose names are relative to @p directory.
     void
     check_parameters(const std::string &directory);
 

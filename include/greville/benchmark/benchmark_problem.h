@@ -14,36 +14,28 @@
 
 namespace greville
 {
-  /**
-   * A linear system with its solver, in the parts that are timed. All functions
-   * are collective.
-   */
+  /// A linear system with its solver, in the parts that are timed. All
+  /// functions are collective.
   class BenchmarkSystem
   {
   public:
     virtual ~BenchmarkSystem() = default;
 
-    /**
-     * Compute the matrix entries and other data of the operators.
-     */
+    /// Compute the matrix entries and other data of the operators.
     virtual void
     assemble() = 0;
 
     virtual void
     make_right_hand_side() = 0;
 
-    /**
-     * Make transfers, smoothers and factorizations.
-     */
+    /// Make transfers, smoothers and factorizations.
     virtual void
     setup() = 0;
 
     virtual SolveResult
     solve() = 0;
 
-    /**
-     * Return the relative error of the solution; empty if it is unknown.
-     */
+    /// Return the relative error of the solution; empty if it is unknown.
     virtual std::optional<double>
     error()
     {
@@ -53,46 +45,36 @@ namespace greville
 
 
 
-  /**
-   * An operator on a body and a mesh. All functions are collective.
-   */
+  /// An operator on a body and a mesh. All functions are collective.
   template <int dim>
   class BenchmarkProblem
   {
   public:
     virtual ~BenchmarkProblem() = default;
 
-    /**
-     * Set up splines of order @p p and the levels of a coarsening, in place of
-     * earlier ones.
-     */
+    /// Set up splines of order @p p and the levels of a coarsening, in place of
+    /// earlier ones.
     virtual void
     discretize(const unsigned int p, const std::string &coarsening) = 0;
 
     virtual unsigned long
     n_unknowns() const = 0;
 
-    /**
-     * Return the number of functions per class, for extended B-splines.
-     */
+    /// Return the number of functions per class, for extended B-splines.
     virtual typename Extension<dim>::Counts
     count_functions() const
     {
       return {};
     }
 
-    /**
-     * Return a solver by its name, with the current p-multigrid parameters.
-     */
+    /// Return a solver by its name, with the current p-multigrid parameters.
     virtual std::unique_ptr<BenchmarkSystem>
     make_system(const std::string          &solver,
                 const PMultigridParameters &multigrid,
                 const SmootherParameters   &smoother) = 0;
 
-    /**
-     * Return the throughput of the operators; empty if it is not measured for
-     * them.
-     */
+    /// Return the throughput of the operators; empty if it is not measured for
+    /// them.
     virtual std::optional<OperatorRecord>
     throughput()
     {
@@ -118,35 +100,27 @@ namespace greville
     return operator_name.find("elasticity") != std::string::npos;
   }
 
-  /**
-   * Return the names of the solvers of operators other than the mass, for the
-   * description of a parameter.
-   */
+  /// Return the names of the solvers of operators other than the mass, for the
+  /// description of a parameter.
   std::string
   solvers_beside_mass();
 
-  /**
-   * Throw dealii::ExcMessage, which names the @p parameter, if the operator
-   * does not support the solver.
-   */
+  /// Throw dealii::ExcMessage, which names the @p parameter, if the operator
+  /// does not support the solver.
   void
   check_solver(const std::string &solver,
                const std::string &operator_name,
                const std::string &parameter);
 
-  /**
-   * Return whether the solver uses the p-multigrid parameters, and whether it
-   * uses the smoother parameter.
-   */
+  /// Return whether the solver uses the p-multigrid parameters, and whether it
+  /// uses the smoother parameter.
   bool
   takes_cycle(const std::string &solver);
 
   bool
   takes_smoother(const std::string &solver);
 
-  /**
-   * The method and parameters of a solver of an operator other than the mass.
-   */
+  /// The method and parameters of a solver of an operator other than the mass.
   struct LevelSolver
   {
     LevelMethod method             = LevelMethod::cg;
@@ -170,10 +144,8 @@ namespace greville
 
 
 
-  /**
-   * Return the mass problem of the density, or of a @p body of material points.
-   * All arguments are kept by reference.
-   */
+  /// Return the mass problem of the density, or of a @p body of material
+  /// points. All arguments are kept by reference.
   template <int dim>
   std::unique_ptr<BenchmarkProblem<dim>>
   make_mass_benchmark(const ProblemParameters       &parameters,
@@ -182,10 +154,8 @@ namespace greville
                       const unsigned int             n_points,
                       DistributedTriangulation<dim> &triangulation);
 
-  /**
-   * Return the Laplace problem on the box, with zero values at clamped walls.
-   * The solution is a pseudo-random spline.
-   */
+  /// Return the Laplace problem on the box, with zero values at clamped walls.
+  /// The solution is a pseudo-random spline.
   template <int dim>
   std::unique_ptr<BenchmarkProblem<dim>>
   make_laplace_benchmark(const ProblemParameters       &parameters,

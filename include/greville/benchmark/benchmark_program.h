@@ -7,9 +7,7 @@
 
 namespace greville
 {
-  /**
-   * The program greville_benchmark, which solves linear systems.
-   */
+  /// The program greville_benchmark, which solves linear systems.
   Program
   benchmark_program();
 } // namespace greville

@@ -9,26 +9,20 @@
 
 namespace greville
 {
-  /**
-   * Add int grad N_i . grad N_j dx over all owned cells. All functions must
-   * have a row.
-   */
+  /// Add int grad N_i . grad N_j dx over all owned cells. All functions must
+  /// have a row.
   template <int dim>
   void
   add_laplace_matrix(StencilMatrix<dim> &matrix);
 
-  /**
-   * The Laplacian of one order on a box by Gauss quadrature, as an assembled
-   * matrix. Constrained functions have the coefficient zero.
-   */
+  /// The Laplacian of one order on a box by Gauss quadrature, as an assembled
+  /// matrix. Constrained functions have the coefficient zero.
   template <int dim>
   class LaplaceLevel : public LevelOperator<dim>
   {
   public:
-    /**
-     * Collective. The space is kept by reference. Local functions with a
-     * nonzero entry in @p constrained are constrained.
-     */
+    /// Collective. The space is kept by reference. Local functions with a
+    /// nonzero entry in @p constrained are constrained.
     LaplaceLevel(const SplineSpace<dim>           &space,
                  const std::vector<unsigned char> &constrained);
 

@@ -7,11 +7,9 @@
 
 namespace greville
 {
-  /**
-   * The throughput of the operators in degrees of freedom per second, the bytes
-   * that all processes send to others in one tensor-product solve, and the
-   * bytes of the assembled matrix.
-   */
+  /// The throughput of the operators in degrees of freedom per second, the
+  /// bytes that all processes send to others in one tensor-product solve, and
+  /// the bytes of the assembled matrix.
   struct OperatorRecord
   {
     unsigned int  dim = 0, cells = 0, p = 0, processes = 0;
@@ -20,19 +18,15 @@ namespace greville
     unsigned long bytes_sent = 0, matrix_bytes = 0;
   };
 
-  /**
-   * Collective. Make, measure and free the operators of a level. Returns the
-   * record without the number of cells.
-   */
+  /// Collective. Make, measure and free the operators of a level. Returns the
+  /// record without the number of cells.
   template <int dim>
   OperatorRecord
   measure_operators(AssembledMassLevel<dim> &level);
 
-  /**
-   * Return the memory bandwidth of all processes together in bytes per second:
-   * the best of some sweeps a_i = b_i + s c_i over arrays larger than the
-   * cache, with three numbers per i (J. McCalpin's STREAM triad).
-   */
+  /// Return the memory bandwidth of all processes together in bytes per second:
+  /// the best of some sweeps a_i = b_i + s c_i over arrays larger than the
+  /// cache, with three numbers per i (J. McCalpin's STREAM triad).
   double
   measure_bandwidth(const MPI_Comm comm);
 } // namespace greville

@@ -11,28 +11,22 @@
 
 namespace greville
 {
-  /**
-   * The parameters of the body: a box, its density or material points, clamped
-   * walls, and acceleration.
-   */
+  /// The parameters of the body: a box, its density or material points, clamped
+  /// walls, and acceleration.
   struct ProblemParameters
   {
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Check what the parameter patterns cannot check.
-     */
+    /// Check what the parameter patterns cannot check.
     void
     check(const unsigned int dim) const;
 
     std::map<std::string, std::string>
     formulas() const;
 
-    /**
-     * Return the placement of @p n points per cell and direction in the named
-     * body. Its surfaces cut cells.
-     */
+    /// Return the placement of @p n points per cell and direction in the named
+    /// body. Its surfaces cut cells.
     template <int dim>
     PointPlacement
     placement(const std::string      &body,

@@ -15,10 +15,8 @@
 
 namespace greville
 {
-  /**
-   * One solve: a row of solves.csv. Times in seconds of wall clock (the slowest
-   * process), memory in bytes (all processes).
-   */
+  /// One solve: a row of solves.csv. Times in seconds of wall clock (the
+  /// slowest process), memory in bytes (all processes).
   struct SolveRecord
   {
     /// See operator_names().
@@ -48,24 +46,18 @@ namespace greville
     /// True if prolongation or coarsening is part of the variant's name.
     bool names_prolongation = false, names_coarsening = false;
 
-    /**
-     * Return the solver with its variant, the key of a table.
-     */
+    /// Return the solver with its variant, the key of a table.
     std::string
     variant() const;
   };
 
-  /**
-   * Published iterations of a solver, by (cells, p).
-   */
+  /// Published iterations of a solver, by (cells, p).
   using PublishedTable =
     std::map<std::pair<unsigned int, unsigned int>, unsigned int>;
 
-  /**
-   * Read a file with lines "elements,p1,p2,..." and "cells,iterations,...";
-   * lines with # are comments. Throws with the name of the @p parameter and the
-   * line if the file cannot be read.
-   */
+  /// Read a file with lines "elements,p1,p2,..." and "cells,iterations,...";
+  /// lines with # are comments. Throws with the name of the @p parameter and
+  /// the line if the file cannot be read.
   PublishedTable
   read_published_table(const std::string &file, const std::string &parameter);
 
@@ -76,10 +68,8 @@ namespace greville
   operators_csv(const std::vector<OperatorRecord> &records,
                 const double                       bandwidth);
 
-  /**
-   * Print tables of iterations (rows: cells, columns: p) and of times for each
-   * variant. Failed solves are marked and explained.
-   */
+  /// Print tables of iterations (rows: cells, columns: p) and of times for each
+  /// variant. Failed solves are marked and explained.
   void
   print_iterations(std::ostream &out, const std::vector<SolveRecord> &records);
 
@@ -91,22 +81,18 @@ namespace greville
                   const std::vector<OperatorRecord> &records,
                   const double                       bandwidth);
 
-  /**
-   * Compare measured and published iterations of @p solver in the dimension of
-   * the first record. Prints text to @p out, and returns the lines of
-   * comparison.csv.
-   */
+  /// Compare measured and published iterations of @p solver in the dimension of
+  /// the first record. Prints text to @p out, and returns the lines of
+  /// comparison.csv.
   std::string
   compare_with_published(std::ostream                   &out,
                          const std::vector<SolveRecord> &records,
                          const std::string              &solver,
                          const PublishedTable           &published);
 
-  /**
-   * A line that is rewritten on a terminal: the current system, the number of
-   * solves done and in total, and the remaining time. Prints nothing if the
-   * output is no terminal.
-   */
+  /// A line that is rewritten on a terminal: the current system, the number of
+  /// solves done and in total, and the remaining time. Prints nothing if the
+  /// output is no terminal.
   class ProgressLine
   {
   public:

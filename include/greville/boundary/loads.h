@@ -8,11 +8,9 @@
 
 namespace greville
 {
-  /**
-   * All loads: gravity g(t), which acts on the mass of the grid; loads on
-   * points, whose sum is stored in the points as an acceleration, the field
-   * "load"; and loads on surfaces.
-   */
+  /// All loads: gravity g(t), which acts on the mass of the grid; loads on
+  /// points, whose sum is stored in the points as an acceleration, the field
+  /// "load"; and loads on surfaces.
   template <int dim>
   class Loads
   {
@@ -20,23 +18,18 @@ namespace greville
     /// Throws dealii::ExcMessage for invalid formulas.
     Loads(const SimulationParameters &parameters);
 
-    /**
-     * Add the field "load" and the fields of the point loads, if there are any.
-     */
+    /// Add the field "load" and the fields of the point loads, if there are
+    /// any.
     void
     add_fields(PointLayout<dim> &layout) const;
 
-    /**
-     * Collective. Let the point loads find their points at their initial
-     * positions; throws dealii::ExcMessage if a load has no points.
-     */
+    /// Collective. Let the point loads find their points at their initial
+    /// positions; throws dealii::ExcMessage if a load has no points.
     void
     find_points(std::vector<Body<dim>> &bodies, const MPI_Comm comm) const;
 
-    /**
-     * Precompute data that depend only on the initial positions of points,
-     * after these have changed.
-     */
+    /// Precompute data that depend only on the initial positions of points,
+    /// after these have changed.
     void
     precompute(std::vector<Body<dim>> &bodies) const;
 
@@ -53,20 +46,16 @@ namespace greville
       return surface_loads;
     }
 
-    /**
-     * Set the accelerations of points at time @p t, s, by all loads or, without
-     * @p with_following, by those that following() does not contain.
-     */
+    /// Set the accelerations of points at time @p t, s, by all loads or,
+    /// without @p with_following, by those that following() does not contain.
     void
     set(std::vector<Body<dim>> &bodies,
         const double            t,
         const bool              with_following = true);
 
-    /**
-     * Return the bodies with the sum of the point loads at time @p t that
-     * depend on the current positions of points, for TangentSystem; empty if
-     * there are none. The result refers to the bodies and to this object.
-     */
+    /// Return the bodies with the sum of the point loads at time @p t that
+    /// depend on the current positions of points, for TangentSystem; empty if
+    /// there are none. The result refers to the bodies and to this object.
     std::vector<LoadedSurface<dim>>
     following(const std::vector<Body<dim>> &bodies, const double t) const;
 
@@ -86,10 +75,8 @@ namespace greville
                          const double   h,
                          const MPI_Comm comm) const;
 
-    /**
-     * Return gravity, m / s^2. Throws ErrorOnAll if a formula fails on any
-     * process.
-     */
+    /// Return gravity, m / s^2. Throws ErrorOnAll if a formula fails on any
+    /// process.
     dealii::Tensor<1, dim>
     gravity(const double t) const;
 

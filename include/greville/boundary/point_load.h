@@ -38,27 +38,21 @@ namespace greville
     add_fields(PointLayout<dim> &) const
     {}
 
-    /**
-     * Collective. Fill these fields, with all points at their initial
-     * positions. Throws dealii::ExcMessage if no point bears the load.
-     */
+    /// Collective. Fill these fields, with all points at their initial
+    /// positions. Throws dealii::ExcMessage if no point bears the load.
     virtual void
     find_points(std::vector<Body<dim>> &, const MPI_Comm) const
     {}
 
-    /**
-     * Fill the data that depend only on the initial positions of @p points.
-     * Called whenever these are set.
-     */
+    /// Fill the data that depend only on the initial positions of @p points.
+    /// Called whenever these are set.
     virtual void
     precompute(MaterialPoints<dim> &) const
     {}
 
-    /**
-     * Add the acceleration at time @p t (s), m / s^2, to number @p first and
-     * the following numbers of all @p points. It may be called several times
-     * for the same time: for repeated steps, and for output.
-     */
+    /// Add the acceleration at time @p t (s), m / s^2, to number @p first and
+    /// the following numbers of all @p points. It may be called several times
+    /// for the same time: for repeated steps, and for output.
     virtual void
     add_acceleration(MaterialPoints<dim> &points,
                      const unsigned int   first,
@@ -96,10 +90,8 @@ namespace greville
 
 
 
-  /**
-   * A vector given by formulas of x, X and t. Named formulas of X alone are
-   * precomputed and stored in the points.
-   */
+  /// A vector given by formulas of x, X and t. Named formulas of X alone are
+  /// precomputed and stored in the points.
   template <int dim>
   class LoadFormulas
   {
@@ -151,10 +143,8 @@ namespace greville
       return result;
     }
 
-    /**
-     * Add the values for all @p points to number @p first and the following
-     * numbers.
-     */
+    /// Add the values for all @p points to number @p first and the following
+    /// numbers.
     void
     add(MaterialPoints<dim> &points,
         const unsigned int   first,
@@ -183,10 +173,8 @@ namespace greville
     }
 
   private:
-    /**
-     * The name includes the number of values, which may differ in another
-     * stage.
-     */
+    /// The name includes the number of values, which may differ in another
+    /// stage.
     std::string
     field() const
     {

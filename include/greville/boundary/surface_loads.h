@@ -13,11 +13,9 @@
 
 namespace greville
 {
-  /**
-   * The loads on the surfaces of bodies, see SurfaceLoadParameters. Each has a
-   * Surface in the State, in the same order; behind them are those of bodies
-   * that contacts name, whose loads others set.
-   */
+  /// The loads on the surfaces of bodies, see SurfaceLoadParameters. Each has a
+  /// Surface in the State, in the same order; behind them are those of bodies
+  /// that contacts name, whose loads others set.
   template <int dim>
   class SurfaceLoads
   {
@@ -31,25 +29,19 @@ namespace greville
       return loads.size();
     }
 
-    /**
-     * Return the parameters that scale the loads, with their values, for
-     * messages.
-     */
+    /// Return the parameters that scale the loads, with their values, for
+    /// messages.
     std::string
     description() const;
 
-    /**
-     * Collective. Return the surfaces of the bodies. If bodies have an initial
-     * displacement, the points are still in the cells of their original
-     * positions. Throws dealii::ExcMessage if a surface has no points.
-     */
+    /// Collective. Return the surfaces of the bodies. If bodies have an initial
+    /// displacement, the points are still in the cells of their original
+    /// positions. Throws dealii::ExcMessage if a surface has no points.
     std::vector<Surface<dim>>
     make_surfaces(const std::vector<Body<dim>> &bodies,
                   const SplineSpace<dim>       &space) const;
 
-    /**
-     * Set the loads of points at time @p t (s).
-     */
+    /// Set the loads of points at time @p t (s).
     void
     set(std::vector<Surface<dim>> &surfaces, const double t) const;
 
@@ -57,17 +49,13 @@ namespace greville
     void
     clear(std::vector<Surface<dim>> &surfaces) const;
 
-    /**
-     * Return the @p surfaces with their loads at time @p t, for TangentSystem.
-     * The result refers to the surfaces and to this object.
-     */
+    /// Return the @p surfaces with their loads at time @p t, for TangentSystem.
+    /// The result refers to the surfaces and to this object.
     std::vector<LoadedSurface<dim>>
     loaded(const std::vector<Surface<dim>> &surfaces, const double t) const;
 
-    /**
-     * Collective. Return the name of each load and its force at time @p t, N
-     * (in 2D N / m).
-     */
+    /// Collective. Return the name of each load and its force at time @p t, N
+    /// (in 2D N / m).
     std::vector<std::pair<std::string, dealii::Tensor<1, dim>>>
     resultants(const std::vector<Surface<dim>> &surfaces,
                const double                     t,

@@ -12,10 +12,8 @@
 
 namespace greville
 {
-  /**
-   * The time at which moving walls have a velocity: @p t if their velocity is
-   * given; the mean from @p begin to @p end if their displacement is given.
-   */
+  /// The time at which moving walls have a velocity: @p t if their velocity is
+  /// given; the mean from @p begin to @p end if their displacement is given.
   struct WallTime
   {
     double t, begin, end;
@@ -78,10 +76,8 @@ namespace greville
     static std::array<bool, dim>
     periodic_directions(const WallParameters &parameters);
 
-    /**
-     * Set the space of the fields for the other functions. It is kept by
-     * reference.
-     */
+    /// Set the space of the fields for the other functions. It is kept by
+    /// reference.
     void
     reinit(const SplineSpace<dim> &space);
 
@@ -97,10 +93,8 @@ namespace greville
                 const double            end,
                 const bool              walls_have_to_stay) const;
 
-    /**
-     * Return the local numbers of the owned coefficients of a component that
-     * are constrained, for any space. Some may occur twice.
-     */
+    /// Return the local numbers of the owned coefficients of a component that
+    /// are constrained, for any space. Some may occur twice.
     std::vector<unsigned int>
     constrained_functions(const SplineSpace<dim> &space,
                           const unsigned int      component) const;
@@ -124,49 +118,39 @@ namespace greville
       return friction[wall];
     }
 
-    /**
-     * Return the local numbers of the owned functions that do not vanish at a
-     * wall.
-     */
+    /// Return the local numbers of the owned functions that do not vanish at a
+    /// wall.
     const std::vector<unsigned int> &
     functions(const unsigned int wall) const
     {
       return coefficients[wall];
     }
 
-    /**
-     * Collective if walls move. Set constrained coefficients to the velocity of
-     * their walls. Throws StepFailed if a formula fails.
-     */
+    /// Collective if walls move. Set constrained coefficients to the velocity
+    /// of their walls. Throws StepFailed if a formula fails.
     void
     impose_velocity(VectorField<dim> &velocity, const WallTime &time) const;
 
-    /**
-     * Collective if walls move. Set constrained coefficients to the mean
-     * acceleration from the velocity at @p before to the velocity at @p after,
-     * in the time @p dt. Throws StepFailed if a formula fails.
-     */
+    /// Collective if walls move. Set constrained coefficients to the mean
+    /// acceleration from the velocity at @p before to the velocity at @p after,
+    /// in the time @p dt. Throws StepFailed if a formula fails.
     void
     impose_acceleration(VectorField<dim> &acceleration,
                         const WallTime   &before,
                         const WallTime   &after,
                         const double      dt) const;
 
-    /**
-     * Return the components (bits) that a wall constrains, and the components
-     * in which it has a force.
-     */
+    /// Return the components (bits) that a wall constrains, and the components
+    /// in which it has a force.
     unsigned char
     constrained_components(const unsigned int wall) const;
 
     unsigned char
     components_with_force(const unsigned int wall) const;
 
-    /**
-     * Add value(c, i) over the coefficients that each wall constrains,
-     * component c of the owned function i. A coefficient constrained by two
-     * walls counts for the wall that determines its value.
-     */
+    /// Add value(c, i) over the coefficients that each wall constrains,
+    /// component c of the owned function i. A coefficient constrained by two
+    /// walls counts for the wall that determines its value.
     template <typename Value>
     void
     add_constrained(WallSums<dim> &sums, const Value &value) const
@@ -182,20 +166,16 @@ namespace greville
     WallSums<dim>
     constrained_sums(const VectorField<dim> &field) const;
 
-    /**
-     * Apply friction walls with a diagonal mass: change the new velocity and
-     * the acceleration that led to it in the time @p dt. Returns the changes of
-     * momentum on this process.
-     */
+    /// Apply friction walls with a diagonal mass: change the new velocity and
+    /// the acceleration that led to it in the time @p dt. Returns the changes
+    /// of momentum on this process.
     WallSums<dim>
     add_contact(VectorField<dim> &velocity,
                 VectorField<dim> &acceleration,
                 const double      dt,
                 const VectorType &lumped_mass) const;
 
-    /**
-     * Friction walls: stop what goes into them, without friction.
-     */
+    /// Friction walls: stop what goes into them, without friction.
     void
     stop(VectorField<dim> &velocity) const;
 
@@ -220,18 +200,14 @@ namespace greville
                 const dealii::Point<dim> &x,
                 const WallTime           &time) const;
 
-    /**
-     * Collective if walls move. Set the constrained coefficients at each wall
-     * to @p value(wall, position). Throws StepFailed if a formula fails.
-     */
+    /// Collective if walls move. Set the constrained coefficients at each wall
+    /// to @p value(wall, position). Throws StepFailed if a formula fails.
     template <typename Value>
     void
     impose(VectorField<dim> &field, const Value &value) const;
 
-    /**
-     * Set the constrained coefficients of this process; some processes have
-     * none. Exceptions of @p value are passed on.
-     */
+    /// Set the constrained coefficients of this process; some processes have
+    /// none. Exceptions of @p value are passed on.
     template <typename Value>
     void
     set_constrained(VectorField<dim> &field, const Value &value) const;

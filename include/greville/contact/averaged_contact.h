@@ -20,17 +20,13 @@ namespace greville
   /// The constants of a contact, see AveragedContact.
   struct ContactLaw
   {
-    /**
-     * The derivatives of the pressure by the gap and of the shear stress by
-     * slip, Pa / m.
-     */
+    /// The derivatives of the pressure by the gap and of the shear stress by
+    /// slip, Pa / m.
     double stiffness = 0., shear_stiffness = 0.;
     /// The derivative of both by the velocity, Pa s / m.
     double viscosity = 0.;
-    /**
-     * The resistance to sliding, null for smooth surfaces; and the adhesion,
-     * which is added to its strength under pressure, Pa.
-     */
+    /// The resistance to sliding, null for smooth surfaces; and the adhesion,
+    /// which is added to its strength under pressure, Pa.
     std::shared_ptr<const FrictionLaw> friction;
     double                             adhesion = 0.;
     /// Gaps up to this size count as closed in a ContactTangent, m.
@@ -39,10 +35,8 @@ namespace greville
     std::array<bool, 2> has_pores{{true, true}};
     /// True if both sides deform; otherwise only points of side 0 are given.
     bool has_two_sides = true;
-    /**
-     * True if gaps and slip of side 1 count, too. Only side 0 counts if it
-     * consists of material points, which have no surface.
-     */
+    /// True if gaps and slip of side 1 count, too. Only side 0 counts if it
+    /// consists of material points, which have no surface.
     bool both_measure = true;
 
     bool
@@ -67,10 +61,8 @@ namespace greville
     /// The force on side 0, N (2D: N / m), and its moment about a point.
     dealii::Tensor<1, dim>                force;
     dealii::Tensor<1, dim == 2 ? 1 : dim> moment;
-    /**
-     * The smallest gap of a point, m, infinite if no point faces the other
-     * side; and the area under pressure, m^2 (2D: m).
-     */
+    /// The smallest gap of a point, m, infinite if no point faces the other
+    /// side; and the area under pressure, m^2 (2D: m).
     double gap = 0., area = 0.;
   };
 
@@ -101,10 +93,8 @@ namespace greville
   {
     bool                                      is_first_round = true;
     std::unordered_map<std::uint64_t, double> given, found;
-    /**
-     * The direction of the shear stress, of length 1, of keys that slide in the
-     * last tangent.
-     */
+    /// The direction of the shear stress, of length 1, of keys that slide in
+    /// the last tangent.
     std::unordered_map<std::uint64_t, dealii::Tensor<1, dim>> sliding;
   };
 
@@ -152,10 +142,8 @@ namespace greville
   class AveragedContact
   {
   public:
-    /**
-     * The lattice of hat functions is given by one of its corners and the size
-     * of its cells, m.
-     */
+    /// The lattice of hat functions is given by one of its corners and the size
+    /// of its cells, m.
     AveragedContact(const ContactLaw             &law,
                     const dealii::Point<dim>     &corner,
                     const dealii::Tensor<1, dim> &cell_size,

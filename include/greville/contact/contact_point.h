@@ -9,10 +9,8 @@
 
 namespace greville
 {
-  /**
-   * The state of contact at a point: open, sticking or sliding. Without
-   * friction, all closed points slide.
-   */
+  /// The state of contact at a point: open, sticking or sliding. Without
+  /// friction, all closed points slide.
   enum class ContactState : unsigned char
   {
     open  = 0,
@@ -22,28 +20,22 @@ namespace greville
 
 
 
-  /**
-   * A point of a surface in a contact of two sides, which are numbered 0 and 1.
-   */
+  /// A point of a surface in a contact of two sides, which are numbered 0 and
+  /// 1.
   template <int dim>
   struct ContactPoint
   {
     unsigned int side = 0;
-    /**
-     * The position, and the outward unit normal. The normal of a material point
-     * is zero: it faces all surfaces nearby.
-     */
+    /// The position, and the outward unit normal. The normal of a material
+    /// point is zero: it faces all surfaces nearby.
     dealii::Point<dim>     x;
     dealii::Tensor<1, dim> normal;
-    /**
-     * The distance of the surface in front of a material point, m; otherwise 0.
-     */
+    /// The distance of the surface in front of a material point, m; otherwise
+    /// 0.
     double radius = 0.;
-    /**
-     * The current area, m^2 (in 2D m, in axisymmetry m^2 per radian), and the
-     * area divided by the length in the plane: the distance from the axis in
-     * axisymmetry, m, otherwise 1.
-     */
+    /// The current area, m^2 (in 2D m, in axisymmetry m^2 per radian), and the
+    /// area divided by the length in the plane: the distance from the axis in
+    /// axisymmetry, m, otherwise 1.
     double area      = 0.;
     double thickness = 1.;
     /// The displacement in the step, m.
@@ -60,16 +52,12 @@ namespace greville
 
     /// The pressure at the start of the step, Pa, see KeyMemory.
     double start_pressure = 0.;
-    /**
-     * The pressure of the pore water, Pa, which is a part of the contact
-     * pressure; 0 without water.
-     */
+    /// The pressure of the pore water, Pa, which is a part of the contact
+    /// pressure; 0 without water.
     double pore_pressure = 0.;
 
-    /**
-     * True if the other side is in front of the point, or the point is slightly
-     * inside it.
-     */
+    /// True if the other side is in front of the point, or the point is
+    /// slightly inside it.
     bool is_facing = false;
     /// The distance from the other side less the radius, negative inside, m.
     double gap = 0.;
@@ -77,20 +65,16 @@ namespace greville
     double distance = std::numeric_limits<double>::infinity();
     /// The outward normal of the other side at the closest point.
     dealii::Tensor<1, dim> target_normal;
-    /**
-     * The displacement in the step, m, of the other side's material that is now
-     * at the closest point; for rigid bodies only.
-     */
+    /// The displacement in the step, m, of the other side's material that is
+    /// now at the closest point; for rigid bodies only.
     dealii::Tensor<1, dim> target_motion;
 
     /// The contact force, N (2D: N / m), and the slip at the end of the step.
     dealii::Tensor<1, dim> force, new_slip;
     /// The state of the larger part of the point's keys under pressure.
     ContactState state = ContactState::open;
-    /**
-     * The stiffness against a common displacement of all points of its side, N
-     * / m (2D: N / m^2), if requested, see ContactTangent.
-     */
+    /// The stiffness against a common displacement of all points of its side, N
+    /// / m (2D: N / m^2), if requested, see ContactTangent.
     dealii::Tensor<2, dim> stiffness;
   };
 } // namespace greville

@@ -40,11 +40,9 @@ namespace greville
   class ContactTangent
   {
   public:
-    /**
-     * Collective. Compute the forces due to displacements of all points, in the
-     * order of the points, and due to changes of the pore pressure, unless
-     * null.
-     */
+    /// Collective. Compute the forces due to displacements of all points, in
+    /// the order of the points, and due to changes of the pore pressure, unless
+    /// null.
     void
     multiply(const std::vector<dealii::Tensor<1, dim>> &displacements,
              std::vector<dealii::Tensor<1, dim>>       &forces,
@@ -55,17 +53,13 @@ namespace greville
     {
       double                 inverse_weights[2] = {0., 0.};
       dealii::Tensor<2, dim> stiffness; // w_k D_k
-      /**
-       * The derivative by the mean pore pressure: -w_k tau'_k d_k over the sum
-       * of a_s psi_k.
-       */
+      /// The derivative by the mean pore pressure: -w_k tau'_k d_k over the sum
+      /// of a_s psi_k.
       dealii::Tensor<1, dim> by_pore_pressure;
     };
 
-    /**
-     * Collective. Begin with the keys of this process, numbered from @p first
-     * on, and with all @p numbers of keys of its points.
-     */
+    /// Collective. Begin with the keys of this process, numbered from @p first
+    /// on, and with all @p numbers of keys of its points.
     void
     begin(std::vector<Key>                &&own_keys,
           const std::uint64_t               first,
@@ -81,10 +75,8 @@ namespace greville
     add_share(const std::uint64_t number, const double weight);
 
   private:
-    /**
-     * A point's share of a key: the place of the key in the vector, and a_s
-     * psi_k.
-     */
+    /// A point's share of a key: the place of the key in the vector, and a_s
+    /// psi_k.
     struct Share
     {
       unsigned int place;
@@ -98,10 +90,8 @@ namespace greville
     std::vector<bool>          have_pores; // points
     std::vector<std::size_t>   ends;       // of the shares of points
     std::vector<Share>         shares;
-    /**
-     * Sums of the displacements of both sides and of the pore pressure, and
-     * then forces.
-     */
+    /// Sums of the displacements of both sides and of the pore pressure, and
+    /// then forces.
     mutable VectorType values;
   };
 } // namespace greville

@@ -29,10 +29,8 @@ namespace greville
     virtual double
     strength(const double pressure, const double speed) const = 0;
 
-    /**
-     * Return the derivatives of a finite strength by pressure and speed, for
-     * the tangents of implicit steps; finite differences by default.
-     */
+    /// Return the derivatives of a finite strength by pressure and speed, for
+    /// the tangents of implicit steps; finite differences by default.
     struct Slopes
     {
       double by_pressure, by_speed;
@@ -40,10 +38,8 @@ namespace greville
     virtual Slopes
     slopes(const double pressure, const double speed) const;
 
-    /**
-     * Return whether the strength is independent of pressure and speed, as for
-     * smooth and rough surfaces: tangents are then symmetric.
-     */
+    /// Return whether the strength is independent of pressure and speed, as for
+    /// smooth and rough surfaces: tangents are then symmetric.
     virtual bool
     is_symmetric() const
     {
@@ -53,9 +49,7 @@ namespace greville
 
 
 
-  /**
-   * The law of Coulomb, mu p.
-   */
+  /// The law of Coulomb, mu p.
   class CoulombFriction : public FrictionLaw
   {
   public:
@@ -87,18 +81,14 @@ namespace greville
 
 
 
-  /**
-   * A function that makes a law from the numbers in parentheses after its name.
-   * Throws dealii::ExcMessage if they are invalid.
-   */
+  /// A function that makes a law from the numbers in parentheses after its
+  /// name. Throws dealii::ExcMessage if they are invalid.
   using MakeFrictionLaw = std::function<std::unique_ptr<const FrictionLaw>(
     const std::vector<double> &numbers)>;
 
-  /**
-   * Add a law, so that parameter files can contain @p name or name(number, ...)
-   * for `Friction`. To be called before simulations are made. Returns true, so
-   * that it can initialize a static variable.
-   */
+  /// Add a law, so that parameter files can contain @p name or name(number,
+  /// ...) for `Friction`. To be called before simulations are made. Returns
+  /// true, so that it can initialize a static variable.
   bool
   add_friction_law(const std::string &name, const MakeFrictionLaw &make);
 

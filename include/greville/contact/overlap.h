@@ -10,10 +10,8 @@
 
 namespace greville
 {
-  /**
-   * A material point of one of two sides, with its current volume, m^3 (2D:
-   * m^2, also in axisymmetry).
-   */
+  /// A material point of one of two sides, with its current volume, m^3 (2D:
+  /// m^2, also in axisymmetry).
   template <int dim>
   struct VolumePoint
   {

@@ -21,10 +21,8 @@ namespace greville
     double t = 0., dt = 0.;
     /// The time between the velocities of this step and of the previous one, s.
     double velocity_dt = 0.;
-    /**
-     * Contact force at t, N (2D: N / m), moment about the reference point, N m
-     * (2D: N), and gravity, m / s^2.
-     */
+    /// Contact force at t, N (2D: N / m), moment about the reference point, N m
+    /// (2D: N), and gravity, m / s^2.
     dealii::Tensor<1, dim> force;
     RotationVector<dim>    moment;
     dealii::Tensor<1, dim> gravity;
@@ -51,20 +49,16 @@ namespace greville
     RigidPosition<dim>
     position_at_start(const double t) const;
 
-    /**
-     * Move it from its position @p now, reached from @p before in the previous
-     * step, to the end of the step.
-     */
+    /// Move it from its position @p now, reached from @p before in the previous
+    /// step, to the end of the step.
     void
     move(RigidPosition<dim>   &now,
          RigidPosition<dim>   &before,
          const RigidStep<dim> &step) const;
 
-    /**
-     * Set ContactPoint::is_facing, gap, target_normal and target_motion of the
-     * points that are closer than @p reach, m, to the body in its position @p
-     * now, which was @p before at the start of the step.
-     */
+    /// Set ContactPoint::is_facing, gap, target_normal and target_motion of the
+    /// points that are closer than @p reach, m, to the body in its position
+    /// @p now, which was @p before at the start of the step.
     void
     find_gaps(std::vector<ContactPoint<dim>> &points,
               const double                    reach,
@@ -90,31 +84,25 @@ namespace greville
       return surface->contains(initial_position(now, x));
     }
 
-    /**
-     * Return whether some part of the body may be closer than @p margin (m) to
-     * a @p region; parts of a formula that are much smaller than the region may
-     * be missed.
-     */
+    /// Return whether some part of the body may be closer than @p margin (m) to
+    /// a @p region; parts of a formula that are much smaller than the region
+    /// may be missed.
     bool
     may_be_near(const dealii::BoundingBox<dim> &region,
                 const double                    margin,
                 const RigidPosition<dim>       &now) const;
 
-    /**
-     * Return the largest displacement (m) of a point of the body between two
-     * positions; of its part in the @p region if the extent of the body is not
-     * known.
-     */
+    /// Return the largest displacement (m) of a point of the body between two
+    /// positions; of its part in the @p region if the extent of the body is not
+    /// known.
     double
     way(const RigidPosition<dim>       &before,
         const RigidPosition<dim>       &now,
         const dealii::BoundingBox<dim> &region) const;
 
-    /**
-     * Return a mesh of its surface in the initial position, see
-     * ClosestSurface::mesh(), for a box around the body @p now. The mesh is
-     * valid until the next call.
-     */
+    /// Return a mesh of its surface in the initial position, see
+    /// ClosestSurface::mesh(), for a box around the body @p now. The mesh is
+    /// valid until the next call.
     const ClosedSurface<dim> &
     mesh(const RigidPosition<dim>       &now,
          const dealii::BoundingBox<dim> &region) const;
@@ -138,20 +126,16 @@ namespace greville
       return mass;
     }
 
-    /**
-     * Return the inertia of a free body in its current rotation: R I R^T, kg
-     * m^2 (2D: kg m).
-     */
+    /// Return the inertia of a free body in its current rotation: R I R^T, kg
+    /// m^2 (2D: kg m).
     dealii::Tensor<2, dim == 2 ? 1 : 3>
     current_inertia(const RigidPosition<dim> &position) const;
 
   private:
     static constexpr int n_rotations = dim == 2 ? 1 : 3;
 
-    /**
-     * Move it by its formulas: velocities are integrated with three Gauss
-     * points.
-     */
+    /// Move it by its formulas: velocities are integrated with three Gauss
+    /// points.
     void
     follow(RigidPosition<dim> &position, const double t, const double dt) const;
 
@@ -167,10 +151,8 @@ namespace greville
     /// ClosestSurface::box(), which is expensive.
     dealii::BoundingBox<dim> extent;
 
-    /**
-     * The last mesh, and the box for it, in the initial position: the box
-     * matters if the extent of the body is not known.
-     */
+    /// The last mesh, and the box for it, in the initial position: the box
+    /// matters if the extent of the body is not known.
     mutable ClosedSurface<dim>       last_mesh;
     mutable dealii::BoundingBox<dim> last_region;
     mutable bool                     has_end = false;

@@ -15,11 +15,9 @@ namespace greville
   struct ClosestPoint
   {
     dealii::Point<dim> point;
-    /**
-     * The outward unit normal. At edges and corners, it is the direction from
-     * the closest point to the place, or the opposite direction inside the
-     * body.
-     */
+    /// The outward unit normal. At edges and corners, it is the direction from
+    /// the closest point to the place, or the opposite direction inside the
+    /// body.
     dealii::Tensor<1, dim> normal;
     /// The distance from the surface, negative inside the body (m).
     double distance = 0.;
@@ -40,29 +38,23 @@ namespace greville
   public:
     virtual ~ClosestSurface() = default;
 
-    /**
-     * Return the closest point, or nothing if the surface is further away than
-     * @p within (m), which may be infinite.
-     */
+    /// Return the closest point, or nothing if the surface is further away than
+    /// @p within (m), which may be infinite.
     virtual std::optional<ClosestPoint<dim>>
     closest(const dealii::Point<dim> &x, const double within) const = 0;
 
     virtual bool
     contains(const dealii::Point<dim> &x) const = 0;
 
-    /**
-     * Return a box around the body, which may be up to a quarter too large, or
-     * infinite if the extent of the body is not known. Throws
-     * dealii::ExcMessage for a shape that is certainly empty.
-     */
+    /// Return a box around the body, which may be up to a quarter too large, or
+    /// infinite if the extent of the body is not known. Throws
+    /// dealii::ExcMessage for a shape that is certainly empty.
     virtual dealii::BoundingBox<dim>
     box() const = 0;
 
-    /**
-     * Return a closed mesh of the body: its facets if it is given by facets,
-     * otherwise dual_contours() of its formula, restricted to the box @p region
-     * if the extent of the body is not known.
-     */
+    /// Return a closed mesh of the body: its facets if it is given by facets,
+    /// otherwise dual_contours() of its formula, restricted to the box
+    /// @p region if the extent of the body is not known.
     virtual ClosedSurface<dim>
     mesh(const dealii::BoundingBox<dim> &region) const = 0;
   };

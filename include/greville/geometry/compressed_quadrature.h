@@ -7,10 +7,8 @@
 
 namespace greville
 {
-  /**
-   * Return the number of linearly independent polynomials of total degree at
-   * most @p degree.
-   */
+  /// Return the number of linearly independent polynomials of total degree at
+  /// most @p degree.
   template <int dim>
   unsigned int
   n_polynomials(const unsigned int degree);

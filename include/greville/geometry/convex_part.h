@@ -17,10 +17,8 @@ namespace greville
     double             weight;
   };
 
-  /**
-   * A quadrature point of a surface: the weight is an area, the normal has
-   * length 1.
-   */
+  /// A quadrature point of a surface: the weight is an area, the normal has
+  /// length 1.
   template <int dim>
   struct WeightedSurfacePoint
   {
@@ -43,18 +41,14 @@ namespace greville
     }
   };
 
-  /**
-   * A convex polygon in a plane, given by its corners in order; in 2D a segment
-   * with two ends.
-   */
+  /// A convex polygon in a plane, given by its corners in order; in 2D a
+  /// segment with two ends.
   template <int dim>
   using Facet = std::vector<dealii::Point<dim>>;
 
-  /**
-   * Cut @p facet along a plane. Parts without extent are empty. Points closer
-   * to the plane than @p tolerance lie in it, and a facet in the plane is @p
-   * below.
-   */
+  /// Cut @p facet along a plane. Parts without extent are empty. Points closer
+  /// to the plane than @p tolerance lie in it, and a facet in the plane is
+  /// @p below.
   template <int dim>
   void
   split_facet(const Facet<dim> &facet,
@@ -68,9 +62,7 @@ namespace greville
   dealii::Point<dim>
   center_of(const Facet<dim> &facet);
 
-  /**
-   * Append points that integrate polynomials of degree 2 n - 1 over @p facet.
-   */
+  /// Append points that integrate polynomials of degree 2 n - 1 over @p facet.
   template <int dim>
   void
   append_quadrature(const Facet<dim>                       &facet,
@@ -80,10 +72,8 @@ namespace greville
 
 
 
-  /**
-   * A convex polygon or polyhedron, stored as the facets around it: a box from
-   * which planes cut off parts.
-   */
+  /// A convex polygon or polyhedron, stored as the facets around it: a box from
+  /// which planes cut off parts.
   template <int dim>
   class ConvexPart
   {
@@ -109,10 +99,8 @@ namespace greville
     dealii::Point<dim>
     center() const;
 
-    /**
-     * Append points that integrate polynomials of degree 2 n - 1, with positive
-     * weights.
-     */
+    /// Append points that integrate polynomials of degree 2 n - 1, with
+    /// positive weights.
     void
     append_quadrature(const unsigned int               n,
                       std::vector<WeightedPoint<dim>> &points) const;

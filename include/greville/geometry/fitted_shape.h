@@ -12,10 +12,8 @@
 
 namespace greville
 {
-  /**
-   * The part of a cell inside a shape, in coordinates of the cell, which are in
-   * [0, 1].
-   */
+  /// The part of a cell inside a shape, in coordinates of the cell, which are
+  /// in [0, 1].
   template <int dim>
   struct CellPart
   {
@@ -45,11 +43,9 @@ namespace greville
     contains(const dealii::Point<dim> &x) const = 0;
   };
 
-  /**
-   * A shape of level sets. Parts between planes, and those next to
-   * one curved surface, are found exactly up to the quadrature; where curved
-   * surfaces meet others cells are divided, and the smallest parts have planes.
-   */
+  /// A shape of level sets. Parts between planes, and those next to one curved
+  /// surface, are found exactly up to the quadrature; where curved surfaces
+  /// meet others cells are divided, and the smallest parts have planes.
   template <int dim>
   class LevelSetShape : public FittedShape<dim>
   {

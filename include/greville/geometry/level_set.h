@@ -15,10 +15,8 @@
 
 namespace greville
 {
-  /**
-   * A smooth function that is negative on one side of a surface: a plane, a
-   * quadric (ball, cylinder without ends), or a formula.
-   */
+  /// A smooth function that is negative on one side of a surface: a plane, a
+  /// quadric (ball, cylinder without ends), or a formula.
   template <int dim>
   struct LevelSet
   {
@@ -32,10 +30,8 @@ namespace greville
     double
     value(const dealii::Point<dim> &x) const;
 
-    /**
-     * Return the gradient; for formulas, from differences of sixth order over
-     * hundredths of @p size.
-     */
+    /// Return the gradient; for formulas, from differences of sixth order over
+    /// hundredths of @p size.
     dealii::Tensor<1, dim>
     gradient(const dealii::Point<dim>     &x,
              const dealii::Tensor<1, dim> &size) const;
@@ -45,10 +41,8 @@ namespace greville
 
     Kind       kind = plane;
     Plane<dim> as_plane;
-    /**
-     * Data of a quadric, (x - center) . metric (x - center) / (2 radius) -
-     * radius / 2.
-     */
+    /// Data of a quadric, (x - center) . metric (x - center) / (2 radius) -
+    /// radius / 2.
     dealii::Point<dim>              center;
     dealii::SymmetricTensor<2, dim> metric;
     double                          radius = 0.;
@@ -58,10 +52,8 @@ namespace greville
 
 
 
-  /**
-   * A level set in the coordinates of a cell, which are in [0, 1]. Derivatives
-   * of formulas are differences of sixth and fourth order.
-   */
+  /// A level set in the coordinates of a cell, which are in [0, 1]. Derivatives
+  /// of formulas are differences of sixth and fourth order.
   template <int dim>
   class CellLevelSet : public dealii::Function<dim>
   {
@@ -82,18 +74,14 @@ namespace greville
     hessian(const dealii::Point<dim> &xi,
             const unsigned int        component = 0) const override;
 
-    /**
-     * Return -1 or 1 if the function has one sign in a box, which may be flat,
-     * or 0 if this is not known.
-     */
+    /// Return -1 or 1 if the function has one sign in a box, which may be flat,
+    /// or 0 if this is not known.
     int
     sign(const dealii::BoundingBox<dim> &box) const;
 
-    /**
-     * Return the largest number f such that one derivative is at least f times
-     * the norm of the gradient at the center, everywhere in a box; not positive
-     * if each derivative may be zero.
-     */
+    /// Return the largest number f such that one derivative is at least f times
+    /// the norm of the gradient at the center, everywhere in a box; not
+    /// positive if each derivative may be zero.
     double
     flatness(const dealii::BoundingBox<dim> &box) const;
 
@@ -123,11 +111,9 @@ namespace greville
 
 
 
-  /**
-   * A shape as unions and intersections of level sets and their complements,
-   * from the formula of a Shape. Supported are shapes, their combinations (also
-   * by & and |), comparisons f < g and level_set(f).
-   */
+  /// A shape as unions and intersections of level sets and their complements,
+  /// from the formula of a Shape. Supported are shapes, their combinations
+  /// (also by & and |), comparisons f < g and level_set(f).
   template <int dim>
   class ShapeTree
   {
@@ -140,16 +126,12 @@ namespace greville
       outside = 1
     };
 
-    /**
-     * Throws dealii::ExcMessage with the name of the @p parameter if the
-     * formula is not made of level sets.
-     */
+    /// Throws dealii::ExcMessage with the name of the @p parameter if the
+    /// formula is not made of level sets.
     ShapeTree(const std::string &formula, const std::string &parameter);
 
-    /**
-     * Return the side of the shape from the sides of the level sets. If it is
-     * unknown, the level sets on which it depends are added to @p active.
-     */
+    /// Return the side of the shape from the sides of the level sets. If it is
+    /// unknown, the level sets on which it depends are added to @p active.
     Side
     evaluate(const std::vector<Side> &sides, std::vector<bool> &active) const;
 

@@ -28,10 +28,8 @@ namespace greville
 
 
 
-  /**
-   * The method by which a shape is filled with points, see the parameters of
-   * the same names.
-   */
+  /// The method by which a shape is filled with points, see the parameters of
+  /// the same names.
   struct PointPlacement
   {
     std::string               shape;
@@ -51,10 +49,8 @@ namespace greville
   struct PlacedPoint
   {
     dealii::Point<dim> x;
-    /**
-     * The position in the shape: x, or a period away if it is beyond a periodic
-     * wall.
-     */
+    /// The position in the shape: x, or a period away if it is beyond a
+    /// periodic wall.
     dealii::Point<dim> image;
     double             volume;
     std::uint64_t      id;

@@ -56,10 +56,8 @@ namespace greville
                  const bool                                   is_axisymmetric,
                  const SplineSpace<dim>                      &space);
 
-  /**
-   * Return the file, parameter and line of all points at @p x in the file of
-   * points_of_file(), as "...: " for messages.
-   */
+  /// Return the file, parameter and line of all points at @p x in the file of
+  /// points_of_file(), as "...: " for messages.
   template <int dim>
   std::vector<std::string>
   find_in_points_file(const std::string        &file,

@@ -48,10 +48,8 @@ namespace greville
 
 
 
-  /**
-   * Return the rotation about an axis by an angle (rad), which is the length of
-   * the vector: in 3D by Rodrigues' formula.
-   */
+  /// Return the rotation about an axis by an angle (rad), which is the length
+  /// of the vector: in 3D by Rodrigues' formula.
   template <int dim>
   dealii::Tensor<2, dim>
   rotation_matrix(const RotationVector<dim> &vector)
@@ -89,10 +87,8 @@ namespace greville
 
 
 
-  /**
-   * Return the initial position of the material at @p x: the inverse of
-   * current_position().
-   */
+  /// Return the initial position of the material at @p x: the inverse of
+  /// current_position().
   template <int dim>
   dealii::Point<dim>
   initial_position(const RigidPosition<dim> &body, const dealii::Point<dim> &x)

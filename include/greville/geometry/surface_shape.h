@@ -16,11 +16,9 @@ namespace greville
 
 
 
-  /**
-   * A closed surface of triangles (in 2D segments), whose normals point
-   * outwards: corners are counterclockwise when seen from outside, in 2D the
-   * inside is on the left.
-   */
+  /// A closed surface of triangles (in 2D segments), whose normals point
+  /// outwards: corners are counterclockwise when seen from outside, in 2D the
+  /// inside is on the left.
   template <int dim>
   using ClosedSurface = std::vector<Facet<dim>>;
 
@@ -68,19 +66,15 @@ namespace greville
     contains(const dealii::Point<dim> &x) const override;
 
   private:
-    /**
-     * A part of a facet with the facet's plane, since the part may be too small
-     * to determine it.
-     */
+    /// A part of a facet with the facet's plane, since the part may be too
+    /// small to determine it.
     struct PlaneFacet
     {
       Facet<dim> facet;
       Plane<dim> plane;
     };
 
-    /**
-     * Sort facets by cells of the lattice and of a layer around it.
-     */
+    /// Sort facets by cells of the lattice and of a layer around it.
     void
     sort_by_cells();
 

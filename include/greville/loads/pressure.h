@@ -8,9 +8,7 @@
 
 namespace greville
 {
-  /**
-   * A pressure p(x, X, t), Pa, against the current normal: -p J F^-T N.
-   */
+  /// A pressure p(x, X, t), Pa, against the current normal: -p J F^-T N.
   class Pressure : public SurfaceLoadKindOf<Pressure>
   {
   public:

@@ -10,17 +10,13 @@
 
 namespace greville
 {
-  /**
-   * Springs of stiffness k (Pa / m) that pull points to their initial positions
-   * plus u: -k (x - X - u(X, t)).
-   */
+  /// Springs of stiffness k (Pa / m) that pull points to their initial
+  /// positions plus u: -k (x - X - u(X, t)).
   template <int dim>
   class SpringLoad : public SurfaceLoad<dim>
   {
   public:
-    /**
-     * Construct with zero displacement if its text is empty.
-     */
+    /// Construct with zero displacement if its text is empty.
     SpringLoad(const double       k,
                const std::string &displacement,
                const std::string &parameter)
@@ -49,9 +45,7 @@ namespace greville
 
 
 
-  /**
-   * Springs to the initial positions: an elastic foundation.
-   */
+  /// Springs to the initial positions: an elastic foundation.
   class Springs : public SurfaceLoadKindOf<Springs>
   {
   public:
@@ -90,9 +84,7 @@ namespace greville
 
 
 
-  /**
-   * A displacement u(X, t) that springs impose.
-   */
+  /// A displacement u(X, t) that springs impose.
   class GivenDisplacement : public SurfaceLoadKindOf<GivenDisplacement>
   {
   public:

@@ -16,34 +16,26 @@
 
 namespace greville
 {
-  /**
-   * A load on the points of a surface, as a force per initial area.
-   */
+  /// A load on the points of a surface, as a force per initial area.
   template <int dim>
   class SurfaceLoad
   {
   public:
     virtual ~SurfaceLoad() = default;
 
-    /**
-     * Return the load on a point at time @p t (s), Pa. Throws
-     * dealii::ExcMessage if a formula has no value there.
-     */
+    /// Return the load on a point at time @p t (s), Pa. Throws
+    /// dealii::ExcMessage if a formula has no value there.
     virtual dealii::Tensor<1, dim>
     load(const SurfaceState<dim> &state, const double t) const = 0;
 
-    /**
-     * Return Surface::stiffness, Pa / m.
-     */
+    /// Return Surface::stiffness, Pa / m.
     virtual double
     stiffness() const
     {
       return 0.;
     }
 
-    /**
-     * Return Surface::damping, Pa s / m.
-     */
+    /// Return Surface::damping, Pa s / m.
     virtual double
     damping() const
     {
@@ -53,9 +45,7 @@ namespace greville
 
 
 
-  /**
-   * The body and the section of a surface load.
-   */
+  /// The body and the section of a surface load.
   struct LoadedBody
   {
     /// Section of the load, for messages.
@@ -79,25 +69,19 @@ namespace greville
   public:
     virtual ~SurfaceLoadKind() = default;
 
-    /**
-     * Declare the parameters of this kind in the current section of @p prm.
-     * Parsed values are stored in this object.
-     */
+    /// Declare the parameters of this kind in the current section of @p prm.
+    /// Parsed values are stored in this object.
     virtual void
     declare(dealii::ParameterHandler &prm) = 0;
 
-    /**
-     * Throw dealii::ExcMessage, which names the @p section, if a parameter is
-     * missing or contradicts another one.
-     */
+    /// Throw dealii::ExcMessage, which names the @p section, if a parameter is
+    /// missing or contradicts another one.
     virtual void
     check(const std::string & /*section*/) const
     {}
 
-    /**
-     * Return the names and values of the parameters that determine the strength
-     * of the load, for messages. Messages omit empty values.
-     */
+    /// Return the names and values of the parameters that determine the
+    /// strength of the load, for messages. Messages omit empty values.
     virtual std::vector<std::pair<std::string, std::string>>
     strengths() const
     {
@@ -123,11 +107,9 @@ namespace greville
 
 
 
-  /**
-   * Implements SurfaceLoadKind for a class Kind with a member template Load of
-   * the dimension, which derives from SurfaceLoad. The constructor of Load
-   * takes the Kind and the LoadedBody.
-   */
+  /// Implements SurfaceLoadKind for a class Kind with a member template Load of
+  /// the dimension, which derives from SurfaceLoad. The constructor of Load
+  /// takes the Kind and the LoadedBody.
   template <typename Kind>
   class SurfaceLoadKindOf : public SurfaceLoadKind
   {
@@ -151,17 +133,13 @@ namespace greville
 
   using MakeSurfaceLoadKind = std::unique_ptr<SurfaceLoadKind> (*)();
 
-  /**
-   * Add a kind to the list, before parameters are read. Not thread-safe.
-   */
+  /// Add a kind to the list, before parameters are read. Not thread-safe.
   void
   add_surface_load_kind(const std::string        &name,
                         const MakeSurfaceLoadKind make);
 
-  /**
-   * Add a kind by its class, which needs a default constructor and a static
-   * name.
-   */
+  /// Add a kind by its class, which needs a default constructor and a static
+  /// name.
   template <typename Kind>
   void
   add_surface_load_kind()
@@ -171,25 +149,19 @@ namespace greville
     });
   }
 
-  /**
-   * Return the names of all kinds, separated by '|'.
-   */
+  /// Return the names of all kinds, separated by '|'.
   std::string
   surface_load_kinds();
 
-  /**
-   * Return a kind by name. Throws dealii::ExcMessage with the @p parameter and
-   * surface_load_kinds() for an unknown @p name.
-   */
+  /// Return a kind by name. Throws dealii::ExcMessage with the @p parameter and
+  /// surface_load_kinds() for an unknown @p name.
   std::unique_ptr<SurfaceLoadKind>
   make_surface_load_kind(const std::string &name, const std::string &parameter);
 
 
 
-  /**
-   * Throw dealii::ExcMessage if a parameter that this @p kind of load needs has
-   * no value.
-   */
+  /// Throw dealii::ExcMessage if a parameter that this @p kind of load needs
+  /// has no value.
   void
   check_is_given(const bool         is_given,
                  const std::string &section,

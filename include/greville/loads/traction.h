@@ -9,10 +9,8 @@
 
 namespace greville
 {
-  /**
-   * A traction t(x, X, t), Pa, per initial area or, multiplied by |J F^-T N|,
-   * per current area.
-   */
+  /// A traction t(x, X, t), Pa, per initial area or, multiplied by |J F^-T N|,
+  /// per current area.
   class Traction : public SurfaceLoadKindOf<Traction>
   {
   public:

@@ -48,10 +48,8 @@ namespace greville
                              : yield_stress * regularization);
     }
 
-    /**
-     * tau_y (x exp(-x) + exp(-x) - 1) / (2 g^3), x = m g, by its power series
-     * for small x.
-     */
+    /// tau_y (x exp(-x) + exp(-x) - 1) / (2 g^3), x = m g, by its power series
+    /// for small x.
     double
     viscosity_slope(const double square) const
     {

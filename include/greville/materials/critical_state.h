@@ -19,10 +19,8 @@ namespace greville
 
 
 
-  /**
-   * ln(P / a) and q at the end of a step, and their derivatives by eps_v and q
-   * of the trial state.
-   */
+  /// ln(P / a) and q at the end of a step, and their derivatives by eps_v and q
+  /// of the trial state.
   struct CriticalStateReturn
   {
     double log_pressure, q;
@@ -93,10 +91,8 @@ namespace greville
       return this->names_with(names);
     }
 
-    /**
-     * Throw dealii::ExcMessage for a mean stress beyond the attraction, and for
-     * q > M P, beyond the critical state.
-     */
+    /// Throw dealii::ExcMessage for a mean stress beyond the attraction, and
+    /// for q > M P, beyond the critical state.
     void
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const override

@@ -101,11 +101,9 @@ namespace greville
         }
     }
 
-    /**
-     * The energy is exact to round-off relative to itself, see NeoHookean: with
-     * ln(det(b)) = 3 q, tr(bbar) / 3 - 1 = exp(-q) (tr(b) / 3 - 1 - (exp(q) -
-     * 1)), in which all terms linear in b - 1 cancel.
-     */
+    /// The energy is exact to round-off relative to itself, see NeoHookean:
+    /// with ln(det(b)) = 3 q, tr(bbar) / 3 - 1 = exp(-q) (tr(b) / 3 - 1 -
+    /// (exp(q) - 1)), in which all terms linear in b - 1 cancel.
     EnergyLanes
     energies(const MaterialLanes &points) const override
     {

@@ -128,10 +128,8 @@ namespace greville
       return reduction_of_strength.at(time);
     }
 
-    /**
-     * An opening that closes without stress takes its volumetric strain out of
-     * the trial state, for which the flow rule has no counterpart.
-     */
+    /// An opening that closes without stress takes its volumetric strain out of
+    /// the trial state, for which the flow rule has no counterpart.
     bool
     has_symmetric_tangent() const override
     {

@@ -153,11 +153,9 @@ namespace greville
 
 
 
-  /**
-   * A base class of laws with elastic constants: derives from @p Base, a
-   * Material or a MaterialLaw, and holds an ElasticConstants or another elastic
-   * law with the same functions.
-   */
+  /// A base class of laws with elastic constants: derives from @p Base, a
+  /// Material or a MaterialLaw, and holds an ElasticConstants or another
+  /// elastic law with the same functions.
   template <typename Base, typename Elastic = ElasticConstants>
   class ElasticMaterial : public Base
   {

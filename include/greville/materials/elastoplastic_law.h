@@ -57,9 +57,8 @@ namespace greville
   protected:
     static constexpr unsigned int plastic_strain = 6, work = 7, more = 8;
 
-    /**
-     * Return the names of the state variables, followed by the names @p of_law.
-     */
+    /// Return the names of the state variables, followed by the names
+    /// @p of_law.
     static std::vector<std::string>
     names_with(const std::vector<std::string> &of_law)
     {

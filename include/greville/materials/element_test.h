@@ -12,18 +12,14 @@
 
 namespace greville
 {
-  /**
-   * The parameters of an element test: its initial state and its path. Strains
-   * and stresses are positive in compression, as in soil mechanics.
-   */
+  /// The parameters of an element test: its initial state and its path. Strains
+  /// and stresses are positive in compression, as in soil mechanics.
   struct ElementTestParameters
   {
     static constexpr char section[] = "Element test";
 
-    /**
-     * Declare the section with these defaults in a simulation's parameter file,
-     * which does not use its values.
-     */
+    /// Declare the section with these defaults in a simulation's parameter
+    /// file, which does not use its values.
     static void
     declare_section(dealii::ParameterHandler &prm);
 
@@ -44,10 +40,8 @@ namespace greville
 
 
 
-  /**
-   * The results: the names of columns, and a row for the start and for each
-   * step.
-   */
+  /// The results: the names of columns, and a row for the start and for each
+  /// step.
   struct ElementTestTable
   {
     std::vector<std::string>         names;

@@ -8,11 +8,9 @@
 
 #include <greville/materials/spectral_decomposition.h>
 
-/**
- * Logarithmic (Hencky) strains of symmetric 3D tensors. Left Cauchy-Green
- * tensors b = F F^T are kept as e = b - 1, which holds small strains to full
- * precision: the principal logarithmic strains are ln(1 + e_a) / 2.
- */
+/// Logarithmic (Hencky) strains of symmetric 3D tensors. Left Cauchy-Green
+/// tensors b = F F^T are kept as e = b - 1, which holds small strains to full
+/// precision: the principal logarithmic strains are ln(1 + e_a) / 2.
 namespace greville
 {
   using Principal = std::array<double, 3>;
@@ -44,10 +42,8 @@ namespace greville
 
 
 
-  /**
-   * Return the principal logarithmic strains ln(1 + e_a) / 2 from the principal
-   * values e_a of b - 1, for one or several points.
-   */
+  /// Return the principal logarithmic strains ln(1 + e_a) / 2 from the
+  /// principal values e_a of b - 1, for one or several points.
   template <typename Number>
   std::array<Number, 3>
   logarithmic_strains(const std::array<Number, 3> &e)
@@ -71,9 +67,7 @@ namespace greville
 
 
 
-  /**
-   * The spectral decomposition of one symmetric tensor.
-   */
+  /// The spectral decomposition of one symmetric tensor.
   class Spectrum : public SpectralDecomposition<double>
   {
   public:

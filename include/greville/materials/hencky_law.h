@@ -7,11 +7,9 @@
 
 namespace greville
 {
-  /**
-   * Principal Kirchhoff stresses tau_a of points, their derivatives d tau_a / d
-   * eps_b by the trial strains, and (tau_a - tau_b) / (eps_a - eps_b) for (a,
-   * b) = (0, 1), (0, 2), (1, 2), Pa.
-   */
+  /// Principal Kirchhoff stresses tau_a of points, their derivatives d tau_a /
+  /// d eps_b by the trial strains, and (tau_a - tau_b) / (eps_a - eps_b) for
+  /// (a, b) = (0, 1), (0, 2), (1, 2), Pa.
   struct PrincipalTangent
   {
     std::array<Lanes, 3>                stress;
@@ -177,10 +175,8 @@ namespace greville
     }
 
   private:
-    /**
-     * Return 1 / J, or NaN if J is not positive: b = F F^T does not depend on
-     * the sign of J.
-     */
+    /// Return 1 / J, or NaN if J is not positive: b = F F^T does not depend on
+    /// the sign of J.
     static Lanes
     inverse_of(const Lanes &J)
     {

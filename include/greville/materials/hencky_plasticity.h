@@ -62,10 +62,8 @@ namespace greville
                                          : std::vector<std::string>());
     }
 
-    /**
-     * Initialize the state. Throws dealii::ExcMessage for a stress outside the
-     * yield surface by more than 1e-10 of its norm.
-     */
+    /// Initialize the state. Throws dealii::ExcMessage for a stress outside the
+    /// yield surface by more than 1e-10 of its norm.
     void
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const override
@@ -186,10 +184,9 @@ namespace greville
     }
 
   protected:
-    /**
-     * Return the equivalent plastic strain of a return from the Kirchhoff
-     * stress @p trial to @p returned: 2 G dev(d eps_p) = dev(trial - returned).
-     */
+    /// Return the equivalent plastic strain of a return from the Kirchhoff
+    /// stress @p trial to @p returned: 2 G dev(d eps_p) = dev(trial -
+    /// returned).
     double
     equivalent_strain(const Principal &trial, const Principal &returned) const
     {
@@ -208,10 +205,8 @@ namespace greville
     using ElastoplasticLaw<Law>::work;
     static constexpr unsigned int opening = ElastoplasticLaw<Law>::more;
 
-    /**
-     * Close the part of an opening that the elastic strain closes, and return
-     * it.
-     */
+    /// Close the part of an opening that the elastic strain closes, and return
+    /// it.
     double
     close(std::array<Lanes, 3> &eps,
           const unsigned int    lane,

@@ -8,11 +8,9 @@
 
 namespace greville
 {
-  /**
-   * The history variables of one point, or of several if Number is Lanes. The
-   * first numbers are stored in the object, so that laws with a short history
-   * never allocate memory.
-   */
+  /// The history variables of one point, or of several if Number is Lanes. The
+  /// first numbers are stored in the object, so that laws with a short history
+  /// never allocate memory.
   template <typename Number>
   struct History
   {

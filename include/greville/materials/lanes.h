@@ -10,10 +10,8 @@
 
 namespace greville
 {
-  /**
-   * One number for each of several points, in one SIMD register if the machine
-   * has registers of this width.
-   */
+  /// One number for each of several points, in one SIMD register if the machine
+  /// has registers of this width.
   using Lanes = FixedSimd<double, 4>;
 
   constexpr unsigned int n_lanes = Lanes::size();
@@ -132,10 +130,8 @@ namespace greville
     return std::expm1(x);
   }
 
-  /**
-   * By the power series for |x| < 0.4; for |x| < 1.6 also by squaring twice,
-   * exp(2 x) - 1 = (exp(x) - 1) (exp(x) + 1).
-   */
+  /// By the power series for |x| < 0.4; for |x| < 1.6 also by squaring twice,
+  /// exp(2 x) - 1 = (exp(x) - 1) (exp(x) + 1).
   inline Lanes
   exp_less_one(Lanes x)
   {

@@ -22,10 +22,8 @@ namespace greville
 
 
 
-  /**
-   * Bulk and shear modulus (Pa), and the largest dynamic viscosities (Pa s) of
-   * shear and of changes of volume.
-   */
+  /// Bulk and shear modulus (Pa), and the largest dynamic viscosities (Pa s) of
+  /// shear and of changes of volume.
   struct Moduli
   {
     double bulk           = 0.;
@@ -60,26 +58,20 @@ namespace greville
   public:
     virtual ~Material() = default;
 
-    /**
-     * Declare the density and the parameters of the law in the section that @p
-     * prm is in. Values read by @p prm are written into this object.
-     */
+    /// Declare the density and the parameters of the law in the section that
+    /// @p prm is in. Values read by @p prm are written into this object.
     virtual void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Compute derived constants; to be called after reading and before any
-     * other function. Throws dealii::ExcMessage with the @p section if
-     * parameters contradict each other.
-     */
+    /// Compute derived constants; to be called after reading and before any
+    /// other function. Throws dealii::ExcMessage with the @p section if
+    /// parameters contradict each other.
     virtual void
     reinit(const std::string & /*section*/)
     {}
 
-    /**
-     * Return the names of history variables, after reinit(), in the order of
-     * MaterialPoint::state.
-     */
+    /// Return the names of history variables, after reinit(), in the order of
+    /// MaterialPoint::state.
     virtual std::vector<std::string>
     state_names() const
     {
@@ -120,10 +112,8 @@ namespace greville
       return false;
     }
 
-    /**
-     * Update several points. The result must not depend on the stress at the
-     * beginning of the step.
-     */
+    /// Update several points. The result must not depend on the stress at the
+    /// beginning of the step.
     virtual void
     update_lanes(MaterialLanes & /*points*/) const
     {
@@ -148,11 +138,9 @@ namespace greville
              const dealii::ArrayView<MaterialTangent>     &result,
              const unsigned int                            dim) const;
 
-    /**
-     * Return whether J (D_ijkl + sigma_ij delta_kl - sigma_il delta_jk), the
-     * derivative of the first Piola-Kirchhoff stress, is symmetric under ij <->
-     * kl in all states, as for hyperelastic and associated laws.
-     */
+    /// Return whether J (D_ijkl + sigma_ij delta_kl - sigma_il delta_jk), the
+    /// derivative of the first Piola-Kirchhoff stress, is symmetric under ij
+    /// <-> kl in all states, as for hyperelastic and associated laws.
     virtual bool
     has_symmetric_tangent() const
     {
@@ -170,11 +158,9 @@ namespace greville
       return 0.;
     }
 
-    /**
-     * Return strain_energy() and dissipation() of several points at once, to
-     * round-off, for sums over all points. The default calls the two functions
-     * point by point.
-     */
+    /// Return strain_energy() and dissipation() of several points at once, to
+    /// round-off, for sums over all points. The default calls the two functions
+    /// point by point.
     virtual EnergyLanes
     energies(const MaterialLanes &points) const;
 
@@ -202,18 +188,14 @@ namespace greville
       return false;
     }
 
-    /**
-     * Return the moduli in the stress-free state and bounds of the viscosity in
-     * any state, which determine the critical time step.
-     */
+    /// Return the moduli in the stress-free state and bounds of the viscosity
+    /// in any state, which determine the critical time step.
     virtual Moduli
     moduli() const = 0;
 
-    /**
-     * Return whether bodies of this material spread into layers thinner than a
-     * cell or break up into drops and grains, for which the exact mass matrix
-     * is not worth its cost.
-     */
+    /// Return whether bodies of this material spread into layers thinner than a
+    /// cell or break up into drops and grains, for which the exact mass matrix
+    /// is not worth its cost.
     virtual bool
     spreads() const
     {
@@ -278,10 +260,8 @@ namespace greville
   std::string
   material_names();
 
-  /**
-   * Return a new material. Throws dealii::ExcMessage with material_names() and
-   * the name of the @p parameter if @p name is unknown.
-   */
+  /// Return a new material. Throws dealii::ExcMessage with material_names() and
+  /// the name of the @p parameter if @p name is unknown.
   std::unique_ptr<Material>
   make_material(const std::string &name, const std::string &parameter);
 } // namespace greville

@@ -8,10 +8,8 @@
 
 namespace greville
 {
-  /**
-   * Several points at once, see MaterialPoint for the numbers. Lanes without a
-   * point are stress-free. Energies do not depend on the last four members.
-   */
+  /// Several points at once, see MaterialPoint for the numbers. Lanes without a
+  /// point are stress-free. Energies do not depend on the last four members.
   struct MaterialLanes
   {
     MaterialLanes() = default;
@@ -20,10 +18,8 @@ namespace greville
       : MaterialLanes(&point, 1)
     {}
 
-    /**
-     * Copy @p count points into the first lanes and repeat the last one in the
-     * others.
-     */
+    /// Copy @p count points into the first lanes and repeat the last one in the
+    /// others.
     MaterialLanes(const MaterialPoint *points, const unsigned int count)
       : count(count)
       , n_state(History<double>::n_first + points->state.more.size())
@@ -86,9 +82,7 @@ namespace greville
 
 
 
-  /**
-   * Energies per volume of the stress-free state, J / m^3.
-   */
+  /// Energies per volume of the stress-free state, J / m^3.
   struct EnergyLanes
   {
     Lanes strain = 0., dissipation = 0.;
@@ -247,10 +241,8 @@ namespace greville
 
 
 
-  /**
-   * Return f b f^T - 1 from @p e = b - 1, the elastic left Cauchy-Green tensor
-   * less one at the end of a step without plastic flow.
-   */
+  /// Return f b f^T - 1 from @p e = b - 1, the elastic left Cauchy-Green tensor
+  /// less one at the end of a step without plastic flow.
   inline std::array<Lanes, 6>
   push_forward(const std::array<Lanes, 9> &f, const std::array<Lanes, 6> &e)
   {
@@ -320,9 +312,8 @@ namespace greville
 
 
 
-  /**
-   * Return exp(x) - 1 - x, with a relative error of round-off also for small x.
-   */
+  /// Return exp(x) - 1 - x, with a relative error of round-off also for small
+  /// x.
   inline Lanes
   exp_less_one_less(const Lanes &x)
   {

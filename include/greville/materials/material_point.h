@@ -11,10 +11,8 @@
 
 namespace greville
 {
-  /**
-   * The data of one point in one time step that a material reads and writes.
-   * Tensors are 3D; in plane strain the displacement along z is zero.
-   */
+  /// The data of one point in one time step that a material reads and writes.
+  /// Tensors are 3D; in plane strain the displacement along z is zero.
   struct MaterialPoint
   {
     /// f = F_(n+1) F_n^-1 = 1 + dt grad v.
@@ -27,22 +25,16 @@ namespace greville
     double dt = 0.;
     /// Material::strength_reduction() at the end of the step.
     double strength_reduction = 1.;
-    /**
-     * The Cauchy stress, Pa, at the beginning of the step; after update() at
-     * its end.
-     */
+    /// The Cauchy stress, Pa, at the beginning of the step; after update() at
+    /// its end.
     dealii::SymmetricTensor<2, 3> stress;
-    /**
-     * The history, see Material::state_names(), at the beginning of the step;
-     * after update() at its end.
-     */
+    /// The history, see Material::state_names(), at the beginning of the step;
+    /// after update() at its end.
     History<double> state{};
     /// The modulus K + 4 G / 3 of pressure waves, Pa, written by update().
     double wave_modulus = 0.;
-    /**
-     * For user-defined laws: the position, m, the time at the end of the step,
-     * s, and the dimension of the simulation, 2 or 3.
-     */
+    /// For user-defined laws: the position, m, the time at the end of the step,
+    /// s, and the dimension of the simulation, 2 or 3.
     dealii::Point<3> position;
     double           time = 0.;
     unsigned int     dim  = 3;

@@ -181,10 +181,8 @@ namespace greville
         return p;
       }
 
-      /**
-       * Solve by Newton's method, with bisection (of logarithms) if it leaves
-       * the interval.
-       */
+      /// Solve by Newton's method, with bisection (of logarithms) if it leaves
+      /// the interval.
       double
       solve() const
       {

@@ -59,10 +59,8 @@ namespace greville
       return true;
     }
 
-    /**
-     * Symmetric for associated flow without softening; see DruckerPrager for
-     * materials that bear tension.
-     */
+    /// Symmetric for associated flow without softening; see DruckerPrager for
+    /// materials that bear tension.
     bool
     has_symmetric_tangent() const override;
 
@@ -82,10 +80,8 @@ namespace greville
                  std::min(tau[0], std::min(tau[1], tau[2])));
     }
 
-    /**
-     * Return the mean stress of the apex, which a strength reduction does not
-     * move; infinite without friction.
-     */
+    /// Return the mean stress of the apex, which a strength reduction does not
+    /// move; infinite without friction.
     double
     largest_mean_stress(const double alpha) const
     {
@@ -130,10 +126,8 @@ namespace greville
     }
 
   private:
-    /**
-     * The coefficients of a yield surface: sin(phi), 2 c cos(phi), c cot(phi);
-     * and sin(psi).
-     */
+    /// The coefficients of a yield surface: sin(phi), 2 c cos(phi), c cot(phi);
+    /// and sin(psi).
     struct Surface
     {
       double sine, strength, apex, sin_dilatancy;
@@ -233,10 +227,8 @@ namespace greville
                     const double     apex,
                     const double     m) const;
 
-    /**
-     * Solve h(x) = alpha + d alpha(x) - x = 0, beginning with the @p growth d
-     * alpha for the old strength; set @p alpha to x and return the stress.
-     */
+    /// Solve h(x) = alpha + d alpha(x) - x = 0, beginning with the @p growth d
+    /// alpha for the old strength; set @p alpha to x and return the stress.
     Principal
     soften(const Principal &trial,
            const double     growth,
@@ -247,11 +239,9 @@ namespace greville
     Surface
     slope_of_surface(const double alpha, const double reduction) const;
 
-    /**
-     * Compute the tangent of a return of sorted stresses, with the original
-     * numbers @p order, to the surface at @p alpha. @p grows says whether alpha
-     * has grown in this return.
-     */
+    /// Compute the tangent of a return of sorted stresses, with the original
+    /// numbers @p order, to the surface at @p alpha. @p grows says whether
+    /// alpha has grown in this return.
     void
     differentiate(ReturnTangent                     &tangent,
                   const Principal                   &trial,

@@ -35,10 +35,8 @@ namespace greville
   public:
     static constexpr const char *name = "neo-hookean";
 
-    /**
-     * Solve b_1 b_2 b_3 = J^2 for ln J with the principal values b_a = 1 + e_a,
-     * e_a = (J sigma_a - lambda ln(J)) / mu.
-     */
+    /// Solve b_1 b_2 b_3 = J^2 for ln J with the principal values b_a = 1 +
+    /// e_a, e_a = (J sigma_a - lambda ln(J)) / mu.
     void
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const override
@@ -109,11 +107,9 @@ namespace greville
         }
     }
 
-    /**
-     * The energy is exact to round-off relative to itself for small strains,
-     * too: steps that conserve energy divide its change by the change of
-     * strain.
-     */
+    /// The energy is exact to round-off relative to itself for small strains,
+    /// too: steps that conserve energy divide its change by the change of
+    /// strain.
     EnergyLanes
     energies(const MaterialLanes &points) const override
     {

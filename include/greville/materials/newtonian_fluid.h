@@ -7,11 +7,9 @@
 
 namespace greville
 {
-  /**
-   * A weakly compressible Newtonian fluid: TaitFluid (pressure, rate d, state,
-   * exceptions) with the shear stress 2 mu dev(d), mu the parameter
-   * "Viscosity", Pa s.
-   */
+  /// A weakly compressible Newtonian fluid: TaitFluid (pressure, rate d, state,
+  /// exceptions) with the shear stress 2 mu dev(d), mu the parameter
+  /// "Viscosity", Pa s.
   class NewtonianFluid : public TaitFluid<NewtonianFluid>
   {
   public:

@@ -133,9 +133,7 @@ namespace greville
     }
 
   private:
-    /**
-     * Derivatives by m, ln P(trial), q(trial) and e.
-     */
+    /// Derivatives by m, ln P(trial), q(trial) and e.
     struct Slopes
     {
       double by_m = 0., by_x = 0., by_q = 0., by_e = 0.;
@@ -156,10 +154,8 @@ namespace greville
       }
     };
 
-    /**
-     * The state for one m: y = ln(P / a), q, ln(P_i / a), and the logarithm of
-     * the ratio of both sides of the equation, with their derivatives.
-     */
+    /// The state for one m: y = ln(P / a), q, ln(P_i / a), and the logarithm of
+    /// the ratio of both sides of the equation, with their derivatives.
     struct Point
     {
       double y, q, log_size, residual;
@@ -211,10 +207,8 @@ namespace greville
         return p;
       }
 
-      /**
-       * Solve by Newton's method, with bisection (of logarithms) if it leaves
-       * the interval.
-       */
+      /// Solve by Newton's method, with bisection (of logarithms) if it leaves
+      /// the interval.
       double
       solve() const
       {

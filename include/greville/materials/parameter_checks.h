@@ -24,10 +24,8 @@ namespace greville
 
 
 
-  /**
-   * Throw dealii::ExcMessage with the parameter, its value and the @p allowed
-   * values if not @p valid.
-   */
+  /// Throw dealii::ExcMessage with the parameter, its value and the @p allowed
+  /// values if not @p valid.
   inline void
   check_parameter(const bool         valid,
                   const std::string &section,
@@ -43,11 +41,9 @@ namespace greville
 
 
 
-  /**
-   * Throw dealii::ExcMessage with the @p material, its Cauchy @p stress and the
-   * @p reason if not @p possible. The reason is a text, or a function that
-   * makes it, since each point is checked.
-   */
+  /// Throw dealii::ExcMessage with the @p material, its Cauchy @p stress and
+  /// the @p reason if not @p possible. The reason is a text, or a function that
+  /// makes it, since each point is checked.
   template <typename Reason>
   void
   check_stress(const bool                           possible,

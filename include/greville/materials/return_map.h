@@ -8,10 +8,9 @@
 /// Functions shared by returns to a yield surface in principal stresses.
 namespace greville
 {
-  /**
-   * Derivatives d tau_a / d tau_b(trial) of returned stresses, and (tau_a -
-   * tau_b) / (tau_a(trial) - tau_b(trial)) for (a, b) = (0, 1), (0, 2), (1, 2).
-   */
+  /// Derivatives d tau_a / d tau_b(trial) of returned stresses, and (tau_a -
+  /// tau_b) / (tau_a(trial) - tau_b(trial)) for (a, b) = (0, 1), (0, 2), (1,
+  /// 2).
   struct ReturnTangent
   {
     double slopes[3][3];
@@ -49,11 +48,9 @@ namespace greville
 
 
 
-  /**
-   * Compute the tangent of a return that scales the deviator. The new radius
-   * sqrt(J2) and mean stress depend on q = sqrt(J2) and p of the trial stress
-   * with the given derivatives.
-   */
+  /// Compute the tangent of a return that scales the deviator. The new radius
+  /// sqrt(J2) and mean stress depend on q = sqrt(J2) and p of the trial stress
+  /// with the given derivatives.
   inline void
   set_tangent(ReturnTangent   &tangent,
               const Principal &trial,

@@ -15,11 +15,9 @@
 
 namespace greville
 {
-  /**
-   * A factor r(t) that divides the cohesion and tan(phi) of a frictional law:
-   * its value at which a slope fails is the factor of safety (@ref Matsui1992
-   * "Matsui and San, 1992"). The apex c cot(phi) stays fixed.
-   */
+  /// A factor r(t) that divides the cohesion and tan(phi) of a frictional law:
+  /// its value at which a slope fails is the factor of safety (@ref Matsui1992
+  /// "Matsui and San, 1992"). The apex c cot(phi) stays fixed.
   class StrengthReduction
   {
   public:
@@ -32,10 +30,8 @@ namespace greville
         "reduced friction angle. Unit: none.");
     }
 
-    /**
-     * Parse the formula. Throws dealii::ExcMessage if it is not a formula of t
-     * or not positive at t = 0.
-     */
+    /// Parse the formula. Throws dealii::ExcMessage if it is not a formula of t
+    /// or not positive at t = 0.
     void
     reinit(const std::string &section)
     {
@@ -69,10 +65,8 @@ namespace greville
       return formula.has_value();
     }
 
-    /**
-     * Return the angle (radians) whose tangent is tan(@p degrees) / @p
-     * reduction.
-     */
+    /// Return the angle (radians) whose tangent is tan(@p degrees) /
+    /// @p reduction.
     static double
     reduced_angle(const double degrees, const double reduction)
     {

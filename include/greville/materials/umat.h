@@ -108,18 +108,14 @@ namespace greville
               const unsigned int   count,
               Increment           *increments);
 
-    /**
-     * Call the function with the arguments in the memory and check what it has
-     * written. @p first, the beginning of the history, receives SSE, SPD and
-     * SCD. The @p point is for messages; it is null without an increment.
-     */
+    /// Call the function with the arguments in the memory and check what it has
+    /// written. @p first, the beginning of the history, receives SSE, SPD and
+    /// SCD. The @p point is for messages; it is null without an increment.
     void
     invoke(const MaterialPoint *point, double *first) const;
 
-    /**
-     * Call the UMAT once: compute stress, state and wave_modulus of @p point at
-     * the end of the step, and DDSDDE[i][j] = d sigma_i / d eps_j.
-     */
+    /// Call the UMAT once: compute stress, state and wave_modulus of @p point
+    /// at the end of the step, and DDSDDE[i][j] = d sigma_i / d eps_j.
     void
     call(MaterialPoint   &point,
          const Increment &increment,

@@ -22,29 +22,23 @@ namespace greville
 
 
 
-  /**
-   * The call of a UMAT during its lifetime, which lets messages name the law
-   * and the point. A fault that ends the process does so between steps of all
-   * processes, so that no file is left half written.
-   */
+  /// The call of a UMAT during its lifetime, which lets messages name the law
+  /// and the point. A fault that ends the process does so between steps of all
+  /// processes, so that no file is left half written.
   class UmatCall : public ForeignCall
   {
   public:
-    /**
-     * The section and the library of a law, and the time limit of a call, s, or
-     * 0 without a limit.
-     */
+    /// The section and the library of a law, and the time limit of a call, s,
+    /// or 0 without a limit.
     struct Law
     {
       std::string section, library;
       double      time_limit = 0.;
     };
 
-    /**
-     * Begin a call with the @p point at the end of the step, or a null pointer
-     * if the stiffness without an increment is called for. The arguments must
-     * outlive the object.
-     */
+    /// Begin a call with the @p point at the end of the step, or a null pointer
+    /// if the stiffness without an increment is called for. The arguments must
+    /// outlive the object.
     UmatCall(const Law           &law,
              const MaterialPoint *point,
              const UmatMemory    &memory);

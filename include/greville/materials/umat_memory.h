@@ -59,9 +59,7 @@ namespace greville
            const double               element_length,
            const unsigned int         n_state_variables);
 
-    /**
-     * Make room for NTENS = @p n.
-     */
+    /// Make room for NTENS = @p n.
     void
     prepare(const unsigned int n)
     {
@@ -100,10 +98,8 @@ namespace greville
     bool
     is_intact() const;
 
-    /**
-     * Return the fault of a call, such as "has written beyond STATEV, which has
-     * 3 entries", and restore the memory.
-     */
+    /// Return the fault of a call, such as "has written beyond STATEV, which
+    /// has 3 entries", and restore the memory.
     std::string
     damage();
 
@@ -111,16 +107,12 @@ namespace greville
     bool
     is_finite() const;
 
-    /**
-     * Return the first entry of STRESS, DDSDDE, STATEV, SSE, SPD and SCD that
-     * is infinite or NaN, as in "nan in STATEV(2)", or an empty text.
-     */
+    /// Return the first entry of STRESS, DDSDDE, STATEV, SSE, SPD and SCD that
+    /// is infinite or NaN, as in "nan in STATEV(2)", or an empty text.
     std::string
     not_finite() const;
 
-    /**
-     * Return whether an @p address lies in the pages around the arguments.
-     */
+    /// Return whether an @p address lies in the pages around the arguments.
     bool
     is_beyond(const void *address) const;
 

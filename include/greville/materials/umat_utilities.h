@@ -29,10 +29,8 @@ namespace greville
             const int    *ndi,
             const int    *nshr);
 
-    /**
-     * Compute the principal values, and AN(k, i), component i of the direction
-     * of PS(k).
-     */
+    /// Compute the principal values, and AN(k, i), component i of the direction
+    /// of PS(k).
     void
     sprind_(const double *s,
             double       *ps,

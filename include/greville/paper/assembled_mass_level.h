@@ -8,29 +8,23 @@
 
 namespace greville
 {
-  /**
-   * A MassLevel that is assembled if a smoother or solver needs a PETSc matrix.
-   * For IC(0) it uses the Schwarz smoother of add_paper_parts().
-   */
+  /// A MassLevel that is assembled if a smoother or solver needs a PETSc
+  /// matrix. For IC(0) it uses the Schwarz smoother of add_paper_parts().
   template <int dim>
   class AssembledMassLevel : public MassLevel<dim>
   {
   public:
     using MassLevel<dim>::MassLevel;
 
-    /**
-     * Collective. Make the operators. vmult() applies the assembled matrix if
-     * @p apply_matrix, which implies @p with_matrix. ICT needs @p with_entries,
-     * which both imply.
-     */
+    /// Collective. Make the operators. vmult() applies the assembled matrix if
+    /// @p apply_matrix, which implies @p with_matrix. ICT needs
+    /// @p with_entries, which both imply.
     void
     assemble(const bool with_matrix,
              const bool apply_matrix,
              const bool with_entries = false);
 
-    /**
-     * Free the operators.
-     */
+    /// Free the operators.
     void
     clear()
     {
@@ -39,9 +33,7 @@ namespace greville
       apply_matrix = false;
     }
 
-    /**
-     * Return the matrix; null without one.
-     */
+    /// Return the matrix; null without one.
     const MassMatrix<dim> *
     assembled() const
     {

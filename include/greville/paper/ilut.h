@@ -23,22 +23,16 @@ namespace greville
   class ILUT
   {
   public:
-    /**
-     * Factorize. Throws dealii::ExcMessage with the row if a pivot vanishes.
-     */
+    /// Factorize. Throws dealii::ExcMessage with the row if a pivot vanishes.
     ILUT(const Mat    matrix,
          const double drop_tolerance,
          const double fill_factor);
 
-    /**
-     * x = (L U)^-1 x.
-     */
+    /// x = (L U)^-1 x.
     void
     solve(double *x) const;
 
-    /**
-     * x = (L U)^-T x.
-     */
+    /// x = (L U)^-T x.
     void
     solve_transpose(double *x) const;
 

@@ -10,10 +10,8 @@
 
 namespace greville
 {
-  /**
-   * The iteration for A x = b with a preconditioner B: x += B (b - A x), or a
-   * Krylov method. flexible_cg and fgmres support a nonlinear preconditioner.
-   */
+  /// The iteration for A x = b with a preconditioner B: x += B (b - A x), or a
+  /// Krylov method. flexible_cg and fgmres support a nonlinear preconditioner.
   enum class LevelMethod
   {
     stationary,
@@ -22,11 +20,9 @@ namespace greville
     fgmres
   };
 
-  /**
-   * Collective. Begin with x = 0, call @p run, which finds x and fills in the
-   * iterations and the reason of a failure, and compute the residual. Fails
-   * without a call if the right-hand side is not finite.
-   */
+  /// Collective. Begin with x = 0, call @p run, which finds x and fills in the
+  /// iterations and the reason of a failure, and compute the residual. Fails
+  /// without a call if the right-hand side is not finite.
   template <int dim>
   SolveResult
   solve_and_check(const LevelOperator<dim>                 &A,
@@ -35,11 +31,9 @@ namespace greville
                   const double                              tolerance,
                   const std::function<void(SolveResult &)> &run);
 
-  /**
-   * Collective. Iterate from @p x = 0 until the Euclidean norm of the residual
-   * has fallen by the tolerance; for solve_and_check(). A null preconditioner
-   * is the unit matrix.
-   */
+  /// Collective. Iterate from @p x = 0 until the Euclidean norm of the residual
+  /// has fallen by the tolerance; for solve_and_check(). A null preconditioner
+  /// is the unit matrix.
   template <int dim>
   void
   iterate(const LevelMethod         method,

@@ -8,19 +8,15 @@
 
 namespace greville
 {
-  /**
-   * The entries of an ExtendedMass as a PETSc matrix (MPIAIJ), with the numbers
-   * of the space. Inactive functions have a diagonal entry only.
-   */
+  /// The entries of an ExtendedMass as a PETSc matrix (MPIAIJ), with the
+  /// numbers of the space. Inactive functions have a diagonal entry only.
   template <int dim>
   class MassMatrix
   {
   public:
-    /**
-     * Collective. @p entries is the result of ExtendedMass::local_entries() on
-     * this process. @p inactive lists the owned functions that are not
-     * unknowns; they have the diagonal entry @p inactive_diagonal.
-     */
+    /// Collective. @p entries is the result of ExtendedMass::local_entries() on
+    /// this process. @p inactive lists the owned functions that are not
+    /// unknowns; they have the diagonal entry @p inactive_diagonal.
     MassMatrix(const ExtendedMass<dim>         &mass,
                const UpperTriangle             &entries,
                const std::vector<unsigned int> &inactive,
@@ -41,9 +37,7 @@ namespace greville
       });
     }
 
-    /**
-     * Return the bytes of entries and column numbers on this process.
-     */
+    /// Return the bytes of entries and column numbers on this process.
     std::size_t
     memory_consumption() const
     {

@@ -20,17 +20,13 @@ namespace greville
 
 
 
-  /**
-   * The mass matrix of a density on all orders of a hierarchy.
-   */
+  /// The mass matrix of a density on all orders of a hierarchy.
   template <int dim>
   class MassHierarchy
   {
   public:
-    /**
-     * Collective. Evaluate the density. A MassSolver makes the operators. The
-     * hierarchy is kept by reference.
-     */
+    /// Collective. Evaluate the density. A MassSolver makes the operators. The
+    /// hierarchy is kept by reference.
     MassHierarchy(const OrderHierarchy<dim>   &orders,
                   const dealii::Function<dim> &density)
     {
@@ -39,11 +35,9 @@ namespace greville
           std::make_unique<AssembledMassLevel<dim>>(orders[l], density));
     }
 
-    /**
-     * Collective. Set zero weights at the 2 p + 1 Gauss points per direction,
-     * for the matrix of material points. Fill them before a MassSolver
-     * assembles.
-     */
+    /// Collective. Set zero weights at the 2 p + 1 Gauss points per direction,
+    /// for the matrix of material points. Fill them before a MassSolver
+    /// assembles.
     MassHierarchy(const OrderHierarchy<dim> &orders)
     {
       for (unsigned int l = 0; l < orders.n_levels(); ++l)
@@ -58,9 +52,7 @@ namespace greville
       return *levels.back();
     }
 
-    /**
-     * Return the levels from the coarsest to the finest.
-     */
+    /// Return the levels from the coarsest to the finest.
     const std::vector<std::unique_ptr<AssembledMassLevel<dim>>> &
     all_levels() const
     {
@@ -103,44 +95,32 @@ namespace greville
   class MassSolver
   {
   public:
-    /**
-     * Return the names, with fmpm-K for any K.
-     */
+    /// Return the names, with fmpm-K for any K.
     static std::string
     names();
 
-    /**
-     * Throw dealii::ExcMessage, which names the @p parameter, if @p name is not
-     * in names().
-     */
+    /// Throw dealii::ExcMessage, which names the @p parameter, if @p name is
+    /// not in names().
     static void
     check_name(const std::string &name, const std::string &parameter);
 
-    /**
-     * @p name is one of names(). The other arguments are kept by reference.
-     */
+    /// @p name is one of names(). The other arguments are kept by reference.
     MassSolver(const std::string          &name,
                MassHierarchy<dim>         &hierarchy,
                const MassSolverParameters &parameters,
                const PMultigridParameters &multigrid_parameters,
                const SmootherParameters   &smoother_parameters);
 
-    /**
-     * Collective. Make the operators and matrices of the levels that the solver
-     * or its smoother needs.
-     */
+    /// Collective. Make the operators and matrices of the levels that the
+    /// solver or its smoother needs.
     void
     assemble();
 
-    /**
-     * Collective. Make transfers, smoothers and factorizations.
-     */
+    /// Collective. Make transfers, smoothers and factorizations.
     void
     setup();
 
-    /**
-     * Collective. Solve M x = b from zero, whatever x is.
-     */
+    /// Collective. Solve M x = b from zero, whatever x is.
     SolveResult
     solve(VectorType &x, const VectorType &b) const;
 

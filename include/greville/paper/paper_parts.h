@@ -32,9 +32,7 @@ namespace greville
 
 
 
-  /**
-   * The parameters of the cycle with all variants in the tables.
-   */
+  /// The parameters of the cycle with all variants in the tables.
   struct PaperMultigridParameters : PMultigridParameters
   {
     PaperMultigridParameters()
@@ -46,17 +44,13 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
   };
 
-  /**
-   * Declare the orders of the levels, the type of the cycle and the transfers
-   * of a cycle, and its smoothing steps and coarse solver.
-   */
+  /// Declare the orders of the levels, the type of the cycle and the transfers
+  /// of a cycle, and its smoothing steps and coarse solver.
   void
   declare_levels(dealii::ParameterHandler &prm,
                  PMultigridParameters     &parameters);
 
-  /**
-   * The parameters of all smoothers of the list.
-   */
+  /// The parameters of all smoothers of the list.
   struct PaperSmootherParameters : SmootherParameters
   {
     void

@@ -12,15 +12,11 @@
 
 namespace greville
 {
-  /**
-   * An approximate inverse of a sequential matrix, or its transpose, applied to
-   * x in place.
-   */
+  /// An approximate inverse of a sequential matrix, or its transpose, applied
+  /// to x in place.
   using LocalSolver = std::function<void(double *x, const bool transpose)>;
 
-  /**
-   * Return the upper triangle of a sequential matrix (SeqAIJ).
-   */
+  /// Return the upper triangle of a sequential matrix (SeqAIJ).
   UpperTriangle
   upper_triangle(const Mat matrix);
 
@@ -69,15 +65,11 @@ namespace greville
     }
 
   private:
-    /**
-     * local = @f$ R_s @f$ @p src, weighted for the symmetric combination.
-     */
+    /// local = @f$ R_s @f$ @p src, weighted for the symmetric combination.
     void
     restrict_to_domain(const VectorType &src, const bool transpose) const;
 
-    /**
-     * @p dst = @f$ \sum_s R_s^T @f$ local, weighted or restricted.
-     */
+    /// @p dst = @f$ \sum_s R_s^T @f$ local, weighted or restricted.
     void
     prolongate(VectorType &dst, const bool transpose) const;
 
@@ -87,10 +79,8 @@ namespace greville
     void
     set_weights();
 
-    /**
-     * Collective. Return a lower estimate of the largest eigenvalue of the
-     * product with the matrix of @p level.
-     */
+    /// Collective. Return a lower estimate of the largest eigenvalue of the
+    /// product with the matrix of @p level.
     double
     largest_eigenvalue_with(const LevelOperator<dim> &level) const;
 

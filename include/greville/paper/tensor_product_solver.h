@@ -24,14 +24,10 @@ namespace greville
   class TensorProductSolver
   {
   public:
-    /**
-     * Collective.
-     */
+    /// Collective.
     TensorProductSolver(const SplineSpace<dim> &space);
 
-    /**
-     * Overwrite the owned entries of @p x by the solution.
-     */
+    /// Overwrite the owned entries of @p x by the solution.
     void
     solve(VectorType &x) const;
 
@@ -41,10 +37,8 @@ namespace greville
       return space->n_locally_owned_dofs();
     }
 
-    /**
-     * Return the diagonal entry of @f$ M_1 \otimes \dots \otimes M_1 @f$ for
-     * the owned function number @p i.
-     */
+    /// Return the diagonal entry of @f$ M_1 \otimes \dots \otimes M_1 @f$ for
+    /// the owned function number @p i.
     double
     diagonal(const unsigned int i) const
     {
@@ -56,9 +50,7 @@ namespace greville
       return result;
     }
 
-    /**
-     * Return the bytes that this process sends to others in one solve.
-     */
+    /// Return the bytes that this process sends to others in one solve.
     std::size_t
     bytes_sent() const
     {
@@ -66,9 +58,8 @@ namespace greville
     }
 
   private:
-    /**
-     * L of one direction: row i has L(i, i - p), ..., L(i, i - 1) and 1/L(i,i).
-     */
+    /// L of one direction: row i has L(i, i - p), ..., L(i, i - 1) and
+    /// 1/L(i,i).
     struct Factor
     {
       unsigned int        n = 0;
@@ -80,9 +71,7 @@ namespace greville
     static Factor
     factorize(const KnotVector &knots);
 
-    /**
-     * Solve for lines of unknowns: entry i of line l is x[i * stride + l].
-     */
+    /// Solve for lines of unknowns: entry i of line l is x[i * stride + l].
     static void
     solve_lines(const Factor      &factor,
                 double            *x,
@@ -119,10 +108,8 @@ namespace greville
   class TensorProductPreconditioner : public Preconditioner
   {
   public:
-    /**
-     * @p inactive is kept by reference. Of several components of @p diagonal,
-     * only the first is used.
-     */
+    /// @p inactive is kept by reference. Of several components of @p diagonal,
+    /// only the first is used.
     TensorProductPreconditioner(TensorProductSolver<dim>         solver,
                                 const VectorType                &diagonal,
                                 const std::vector<unsigned int> &inactive);

@@ -8,10 +8,8 @@
 
 namespace greville
 {
-  /**
-   * Return the result of @p action. Exceptions are rethrown with the name of
-   * the @p stage before the message.
-   */
+  /// Return the result of @p action. Exceptions are rethrown with the name of
+  /// the @p stage before the message.
   template <typename Action>
   auto
   in_stage(const SimulationParameters &parameters,

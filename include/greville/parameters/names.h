@@ -16,17 +16,13 @@ namespace greville
   std::string
   mass_names();
 
-  /**
-   * Throw dealii::ExcMessage with the name of the @p parameter if @p name is
-   * neither "auto" nor a name for make_grid_mass().
-   */
+  /// Throw dealii::ExcMessage with the name of the @p parameter if @p name is
+  /// neither "auto" nor a name for make_grid_mass().
   void
   check_mass_name(const std::string &name, const std::string &parameter);
 
-  /**
-   * A function that throws dealii::ExcMessage with the reason if a @p feature,
-   * such as "'Scheme/Functions' = domains", does not support a parameter.
-   */
+  /// A function that throws dealii::ExcMessage with the reason if a @p feature,
+  /// such as "'Scheme/Functions' = domains", does not support a parameter.
   struct Refusal
   {
     void
@@ -57,17 +53,13 @@ namespace greville
   std::vector<FormerParameter>
   former_parameters();
 
-  /**
-   * Return all time integrators, including those of add_time_integrator().
-   * Defined beside their list, in a part that uses parameters.
-   */
+  /// Return all time integrators, including those of add_time_integrator().
+  /// Defined beside their list, in a part that uses parameters.
   std::string
   time_integrator_names();
 
-  /**
-   * Return whether this is one of the library's explicit time integrators.
-   * Defined beside their list.
-   */
+  /// Return whether this is one of the library's explicit time integrators.
+  /// Defined beside their list.
   bool
   is_explicit_scheme(const std::string &name);
 

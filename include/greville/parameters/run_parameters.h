@@ -65,10 +65,8 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Return the time between two rows of statistics in a run of this @p
-     * length, s; 0 for a row per step.
-     */
+    /// Return the time between two rows of statistics in a run of this
+    /// @p length, s; 0 for a row per step.
     double
     rows_every(const double length) const
     {
@@ -91,10 +89,8 @@ namespace greville
 
 
 
-  /**
-   * The times at which a run writes its state to the disk. In any case, it does
-   * so on SIGUSR1, SIGTERM, SIGINT and SIGHUP.
-   */
+  /// The times at which a run writes its state to the disk. In any case, it
+  /// does so on SIGUSR1, SIGTERM, SIGINT and SIGHUP.
   struct CheckpointParameters
   {
     void
@@ -106,10 +102,8 @@ namespace greville
 
 
 
-  /**
-   * The times at which the cells of the grid are redistributed among the
-   * processes.
-   */
+  /// The times at which the cells of the grid are redistributed among the
+  /// processes.
   struct LoadBalanceParameters
   {
     void

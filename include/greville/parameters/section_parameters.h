@@ -38,9 +38,8 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Return the pressure under a column of water of height 1 on earth, Pa / m.
-     */
+    /// Return the pressure under a column of water of height 1 on earth, Pa /
+    /// m.
     double
     unit_weight() const
     {
@@ -77,10 +76,8 @@ namespace greville
     std::string               geometry = "plane strain";
     bool                      per_body = false;
 
-    /**
-     * Return whether x is the distance from an axis, and quantities are per
-     * radian.
-     */
+    /// Return whether x is the distance from an axis, and quantities are per
+    /// radian.
     bool
     is_axisymmetric() const
     {
@@ -117,10 +114,8 @@ namespace greville
 
 
 
-  /**
-   * The solver of the consistent mass, and of the pore pressure of explicit
-   * steps. A tolerance of 0 stands for SimulationParameters::mass_tolerance().
-   */
+  /// The solver of the consistent mass, and of the pore pressure of explicit
+  /// steps. A tolerance of 0 stands for SimulationParameters::mass_tolerance().
   struct ConsistentSolverParameters : SolverParameters
   {
     ConsistentSolverParameters()
@@ -138,10 +133,8 @@ namespace greville
       return tolerance > 0. ? tolerance : SolverParameters().tolerance;
     }
 
-    /**
-     * Return whether the preconditioner is a factorization, the cycle of
-     * p-multigrid, or the diagonal; if none of these, it is the identity.
-     */
+    /// Return whether the preconditioner is a factorization, the cycle of
+    /// p-multigrid, or the diagonal; if none of these, it is the identity.
     bool
     has_factorization() const
     {
@@ -166,21 +159,15 @@ namespace greville
 
 
 
-  /**
-   * A load on the surface of a body with fitted points.
-   */
+  /// A load on the surface of a body with fitted points.
   struct SurfaceLoadParameters
   {
-    /**
-     * Declare the parameters of all kinds, and then the own ones of this kind.
-     */
+    /// Declare the parameters of all kinds, and then the own ones of this kind.
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Throw dealii::ExcMessage if the kind of load lacks a parameter, or if the
-     * @p bodies do not support a load on the surface.
-     */
+    /// Throw dealii::ExcMessage if the kind of load lacks a parameter, or if
+    /// the @p bodies do not support a load on the surface.
     void
     check(const std::string                           &section,
           const std::map<std::string, BodyParameters> &bodies) const;
@@ -204,19 +191,15 @@ namespace greville
 
 
 
-  /**
-   * A rigid body. It moves as prescribed, or freely by gravity and contact
-   * forces.
-   */
+  /// A rigid body. It moves as prescribed, or freely by gravity and contact
+  /// forces.
   struct RigidBodyParameters
   {
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Throw dealii::ExcMessage if the parameters of the @p section contradict
-     * each other.
-     */
+    /// Throw dealii::ExcMessage if the parameters of the @p section contradict
+    /// each other.
     void
     check(const std::string &section, const unsigned int dim) const;
 
@@ -234,10 +217,8 @@ namespace greville
 
 
 
-  /**
-   * Contact of two sides, each of which is a body, several bodies that stick to
-   * one another, or (the second one) a rigid body.
-   */
+  /// Contact of two sides, each of which is a body, several bodies that stick
+  /// to one another, or (the second one) a rigid body.
   struct ContactParameters
   {
     void
@@ -246,10 +227,8 @@ namespace greville
     std::array<std::vector<std::string>, 2>
     sides() const;
 
-    /**
-     * Throw dealii::ExcMessage if the parameters of the @p section do not match
-     * the bodies.
-     */
+    /// Throw dealii::ExcMessage if the parameters of the @p section do not
+    /// match the bodies.
     void
     check(const std::string                                &section,
           const std::map<std::string, BodyParameters>      &bodies,
@@ -262,10 +241,8 @@ namespace greville
       return method == "augmented";
     }
 
-    /**
-     * Return whether contact acts on material points of the first side instead
-     * of points on its surface.
-     */
+    /// Return whether contact acts on material points of the first side instead
+    /// of points on its surface.
     bool
     is_by_material_points() const
     {

@@ -33,25 +33,19 @@ namespace greville
     /// Set the defaults, without bodies.
     SimulationParameters();
 
-    /**
-     * Read a file, with values replaced by @p settings, see
-     * read_parameter_lines(). Throws with the line if a value is invalid.
-     */
+    /// Read a file, with values replaced by @p settings, see
+    /// read_parameter_lines(). Throws with the line if a value is invalid.
     explicit SimulationParameters(
       const std::string &file, const std::vector<std::string> &settings = {});
 
-    /**
-     * Use the reference of all parameters, with a body, a load and a material
-     * of each model.
-     */
+    /// Use the reference of all parameters, with a body, a load and a material
+    /// of each model.
     static void
     use_reference(const UseParameters &use);
 
-    /**
-     * Return the text of a file with all parameters that follow from a @p file
-     * with @p settings; if its name is empty, the defaults, and a body so that
-     * the file can run.
-     */
+    /// Return the text of a file with all parameters that follow from a @p file
+    /// with @p settings; if its name is empty, the defaults, and a body so that
+    /// the file can run.
     static std::string
     all(const std::string                          &file,
         const std::vector<std::string>             &settings,
@@ -74,10 +68,8 @@ namespace greville
 
     TangentParameters implicit_solver;
 
-    /**
-     * The stages in order; if empty, there is one stage with the sections
-     * above.
-     */
+    /// The stages in order; if empty, there is one stage with the sections
+    /// above.
     std::vector<StageParameters> stages;
 
     // Bodies and materials by name. Copies share materials, which do not
@@ -89,17 +81,13 @@ namespace greville
     std::map<std::string, RigidBodyParameters>             rigid_bodies;
     std::map<std::string, ContactParameters>               contacts;
 
-    /**
-     * Return whether bodies have grids of their own, see CoupledSimulations.
-     */
+    /// Return whether bodies have grids of their own, see CoupledSimulations.
     bool
     has_body_grids() const;
 
-    /**
-     * Return the groups of bodies that share a velocity field and stick on
-     * touching: each side of a contact is a group, and all other bodies are
-     * one. Bodies with grids of their own have a field each.
-     */
+    /// Return the groups of bodies that share a velocity field and stick on
+    /// touching: each side of a contact is a group, and all other bodies are
+    /// one. Bodies with grids of their own have a field each.
     std::vector<std::vector<std::string>>
     body_groups() const;
 
@@ -124,41 +112,31 @@ namespace greville
     bool
     has_ramp() const;
 
-    /**
-     * Replace the sections by those of a stage, which begins at the end of the
-     * previous one.
-     */
+    /// Replace the sections by those of a stage, which begins at the end of the
+    /// previous one.
     void
     enter_stage(const unsigned int stage);
 
     bool
     is_in_stage(const std::string &body, const unsigned int stage) const;
 
-    /**
-     * Return whether the bodies or materials of a stage differ from the
-     * previous stage.
-     */
+    /// Return whether the bodies or materials of a stage differ from the
+    /// previous stage.
     bool
     changes_bodies(const unsigned int stage) const;
 
-    /**
-     * Return "Stage 2 (collapse): " as the beginning of messages, or an empty
-     * text if there is one stage.
-     */
+    /// Return "Stage 2 (collapse): " as the beginning of messages, or an empty
+    /// text if there is one stage.
     std::string
     stage_text(const unsigned int stage) const;
 
-    /**
-     * Throw dealii::ExcMessage if parameters contradict each other or are
-     * invalid in ways that patterns cannot detect.
-     */
+    /// Throw dealii::ExcMessage if parameters contradict each other or are
+    /// invalid in ways that patterns cannot detect.
     void
     check() const;
 
-    /**
-     * Return all parameters that were read, as a file that gives the same run
-     * from any folder.
-     */
+    /// Return all parameters that were read, as a file that gives the same run
+    /// from any folder.
     const std::string &
     used() const
     {
@@ -201,17 +179,13 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Read the parts of the file about stages that @p prm does not read from
-     * the same lines.
-     */
+    /// Read the parts of the file about stages that @p prm does not read from
+    /// the same lines.
     void
     make_stages(const std::vector<ParameterLine> &lines);
 
-    /**
-     * Find the material of each body in each stage. Throws if 'Materials' of a
-     * stage contains an unknown name.
-     */
+    /// Find the material of each body in each stage. Throws if 'Materials' of a
+    /// stage contains an unknown name.
     void
     find_materials();
 
@@ -233,10 +207,8 @@ namespace greville
     void
     check_contacts() const;
 
-    /**
-     * Do the part of check() for bodies that come and go and for their
-     * materials.
-     */
+    /// Do the part of check() for bodies that come and go and for their
+    /// materials.
     void
     check_construction() const;
 
@@ -251,11 +223,9 @@ namespace greville
     void
     check_water_of_stage() const;
 
-    /**
-     * Return the mass of "auto": lumped if bodies spread into thin layers, with
-     * friction walls and with APIC; consistent otherwise, and in total
-     * Lagrangian steps.
-     */
+    /// Return the mass of "auto": lumped if bodies spread into thin layers,
+    /// with friction walls and with APIC; consistent otherwise, and in total
+    /// Lagrangian steps.
     std::string
     default_mass(const SchemeParameters &scheme,
                  const WallParameters   &walls) const;

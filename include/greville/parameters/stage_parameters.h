@@ -152,11 +152,9 @@ namespace greville
       return outside == "error";
     }
 
-    /**
-     * Return the filling from which cells are well-filled. Since extended
-     * functions reduce the accuracy, it is smaller if points stay in their
-     * cells.
-     */
+    /// Return the filling from which cells are well-filled. Since extended
+    /// functions reduce the accuracy, it is smaller if points stay in their
+    /// cells.
     double
     filling_threshold(const bool implicit = false) const
     {

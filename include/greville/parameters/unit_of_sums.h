@@ -9,10 +9,8 @@
 
 namespace greville
 {
-  /**
-   * Return the unit of sums over points that have the @p unit in 3D: "N"
-   * becomes "N / m" in plane strain, and "N / rad" in axisymmetry.
-   */
+  /// Return the unit of sums over points that have the @p unit in 3D: "N"
+  /// becomes "N / m" in plane strain, and "N / rad" in axisymmetry.
   inline std::string
   unit_of_sums(const std::string    &unit,
                const unsigned int    dim,

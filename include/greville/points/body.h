@@ -15,10 +15,8 @@
 
 namespace greville
 {
-  /**
-   * Parameters of a body: the initial positions, velocity and stress of its
-   * points.
-   */
+  /// Parameters of a body: the initial positions, velocity and stress of its
+  /// points.
   struct BodyParameters : PointPlacement
   {
     void
@@ -35,9 +33,7 @@ namespace greville
 
 
 
-  /**
-   * A body: its material and its points on this process.
-   */
+  /// A body: its material and its points on this process.
   template <int dim>
   struct Body
   {
@@ -45,10 +41,8 @@ namespace greville
     const BodyParameters *parameters = nullptr;
     const Material       *material   = nullptr;
     MaterialPoints<dim>   points;
-    /**
-     * The number of points on all processes, including points that have left
-     * the grid; 0 if the body is absent.
-     */
+    /// The number of points on all processes, including points that have left
+    /// the grid; 0 if the body is absent.
     std::uint64_t n_points = 0;
   };
 

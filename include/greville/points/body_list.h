@@ -10,9 +10,8 @@
 
 namespace greville
 {
-  /**
-   * A read-only list of bodies from one or several vectors, to which it refers.
-   */
+  /// A read-only list of bodies from one or several vectors, to which it
+  /// refers.
   template <int dim>
   class BodyList
   {

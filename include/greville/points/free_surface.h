@@ -47,10 +47,8 @@ namespace greville
   class FreeSurface
   {
   public:
-    /**
-     * Collective. See WaterPoints::reinit(). The pressure is a formula of x, y
-     * (, z) and t, Pa. Throws dealii::ExcMessage if it is invalid.
-     */
+    /// Collective. See WaterPoints::reinit(). The pressure is a formula of x, y
+    /// (, z) and t, Pa. Throws dealii::ExcMessage if it is invalid.
     FreeSurface(const SplineSpace<dim>          &displacements,
                 const SplineSpace<dim>          &pressures,
                 const std::vector<unsigned int> &parents,
@@ -58,23 +56,18 @@ namespace greville
                 const std::string               &pressure,
                 const std::string               &parameter);
 
-    /**
-     * Collective. Find the layer from the filled fractions of the owned cells
-     * of the displacement.
-     */
+    /// Collective. Find the layer from the filled fractions of the owned cells
+    /// of the displacement.
     void
     find_layer(const std::vector<double> &filled);
 
-    /**
-     * Begin a step of length @p dt (s) that ends at @p time (s) without points.
-     */
+    /// Begin a step of length @p dt (s) that ends at @p time (s) without
+    /// points.
     void
     clear(const double dt, const double time);
 
-    /**
-     * Add the points of a body. Throws dealii::ExcMessage if the formula has no
-     * value.
-     */
+    /// Add the points of a body. Throws dealii::ExcMessage if the formula has
+    /// no value.
     void
     add(const MaterialPoints<dim> &points, const WaterConstants &constants);
 
@@ -89,30 +82,22 @@ namespace greville
       return outer_force;
     }
 
-    /**
-     * Collective. Add to r for a pressure, Pa.
-     */
+    /// Collective. Add to r for a pressure, Pa.
     void
     add_rows(const VectorType &p, VectorType &rows);
 
-    /**
-     * Collective. Add the derivative of r in the direction of a pressure.
-     */
+    /// Collective. Add the derivative of r in the direction of a pressure.
     void
     add_derivative(const VectorType &dp, VectorType &rows) const;
 
-    /**
-     * Add the derivative of r by the coefficients of functions of any order on
-     * the cells of the pressure.
-     */
+    /// Add the derivative of r by the coefficients of functions of any order on
+    /// the cells of the pressure.
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
                          StencilMatrix<dim>          &matrix) const;
 
-    /**
-     * Return the volume of water that left on this process in the last
-     * add_rows(), m^3 (2D: m^2).
-     */
+    /// Return the volume of water that left on this process in the last
+    /// add_rows(), m^3 (2D: m^2).
     double
     outflow() const
     {

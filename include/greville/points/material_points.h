@@ -35,9 +35,7 @@ namespace greville
     /// The number of points of a group.
     static constexpr unsigned int width = 4;
 
-    /**
-     * The space is kept by reference; its order does not matter.
-     */
+    /// The space is kept by reference; its order does not matter.
     void
     reinit(const SplineSpace<dim> &space, const PointLayout<dim> &layout);
 
@@ -94,10 +92,8 @@ namespace greville
       return links[group];
     }
 
-    /**
-     * Return the number of points in the first group of a cell; the other
-     * groups are full.
-     */
+    /// Return the number of points in the first group of a cell; the other
+    /// groups are full.
     unsigned int
     n_in_first_group(const unsigned int cell) const
     {
@@ -117,10 +113,8 @@ namespace greville
       return data.data() + std::size_t(g) * point_layout.size * width;
     }
 
-    /**
-     * Call @p action(cell, point) for all points, with a PointRef or a
-     * ConstPointRef.
-     */
+    /// Call @p action(cell, point) for all points, with a PointRef or a
+    /// ConstPointRef.
     template <typename Action>
     void
     for_each(const Action &action)
@@ -135,9 +129,7 @@ namespace greville
       for_each_of<ConstPointRef<dim>>(*this, action);
     }
 
-    /**
-     * Call @p action(point) for all points of a cell.
-     */
+    /// Call @p action(point) for all points of a cell.
     template <typename Action>
     void
     for_each_in_cell(const unsigned int cell, const Action &action) const
@@ -172,16 +164,12 @@ namespace greville
     insert(const unsigned int                     cell,
            const dealii::ArrayView<const double> &values);
 
-    /**
-     * Remove the points of @p cell whose position is not in it any more, and
-     * append their numbers to @p leaving.
-     */
+    /// Remove the points of @p cell whose position is not in it any more, and
+    /// append their numbers to @p leaving.
     void
     remove_leaving(const unsigned int cell, std::vector<double> &leaving);
 
-    /**
-     * Make the lanes without a point harmless again.
-     */
+    /// Make the lanes without a point harmless again.
     void
     clean(const unsigned int cell);
 
@@ -234,10 +222,8 @@ namespace greville
 
 
 
-  /**
-   * Return the volume of owned cell number @p cell that points of a @p layout
-   * fill.
-   */
+  /// Return the volume of owned cell number @p cell that points of a @p layout
+  /// fill.
   template <int dim>
   inline double
   cell_volume(const SplineSpace<dim> &space,

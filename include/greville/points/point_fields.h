@@ -16,10 +16,8 @@ namespace greville
   struct OutputField
   {
     std::string name;
-    /**
-     * The names of its numbers in the file; equal for all components of a
-     * vector.
-     */
+    /// The names of its numbers in the file; equal for all components of a
+    /// vector.
     std::vector<std::string> components;
     bool                     is_vector = false;
     /// Write the numbers of a point of body number b.

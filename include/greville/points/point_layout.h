@@ -67,10 +67,8 @@ namespace greville
     /// The number of doubles that every point has.
     static constexpr unsigned int n_fixed = id + 1;
 
-    /**
-     * Return the position of entry (i, j) of a stress or deformation gradient,
-     * counted from its begin.
-     */
+    /// Return the position of entry (i, j) of a stress or deformation gradient,
+    /// counted from its begin.
     static constexpr unsigned int
     stress_index(const unsigned int i, const unsigned int j)
     {
@@ -86,10 +84,8 @@ namespace greville
     /// The position of the history variables.
     static constexpr unsigned int state = n_fixed;
 
-    /**
-     * Set up a layout with the history variables of a material as fields of one
-     * component.
-     */
+    /// Set up a layout with the history variables of a material as fields of
+    /// one component.
     PointLayout(const std::vector<std::string> &state_names = {});
 
     /// Add a field, unless there is one with this name, and set its number
@@ -105,34 +101,26 @@ namespace greville
     unsigned int
     first(const std::string &name) const;
 
-    /**
-     * Return a name for each number, in their order: "position_0", ..., "mass",
-     * ...
-     */
+    /// Return a name for each number, in their order: "position_0", ...,
+    /// "mass", ...
     std::vector<std::string>
     names() const;
 
     unsigned int n_state = 0;
     /// The number of doubles of a point.
     unsigned int size = n_fixed;
-    /**
-     * The first number of the position at which basis functions are evaluated:
-     * `position` in updated Lagrangian steps, `reference` in total Lagrangian
-     * steps, whose gradients are with respect to the reference position.
-     */
+    /// The first number of the position at which basis functions are evaluated:
+    /// `position` in updated Lagrangian steps, `reference` in total Lagrangian
+    /// steps, whose gradients are with respect to the reference position.
     unsigned int basis_position = position;
 
-    /**
-     * The first number of "initial_F", 0 if there is none. Points of total
-     * Lagrangian steps with initial stresses have it: F F_initial^-1 is the
-     * deformation since the configuration of their basis functions.
-     */
+    /// The first number of "initial_F", 0 if there is none. Points of total
+    /// Lagrangian steps with initial stresses have it: F F_initial^-1 is the
+    /// deformation since the configuration of their basis functions.
     unsigned int initial_F = 0;
 
-    /**
-     * The number of "projected_J", 0 if there is none. J and F always belong to
-     * the motion.
-     */
+    /// The number of "projected_J", 0 if there is none. J and F always belong
+    /// to the motion.
     unsigned int projected_J = 0;
 
     /// The number of "radius0", 0 in plane strain.

@@ -8,10 +8,8 @@
 
 namespace greville
 {
-  /**
-   * Multiply the determinant of a deformation gradient by @p ratio, in plane
-   * strain without a change of thickness.
-   */
+  /// Multiply the determinant of a deformation gradient by @p ratio, in plane
+  /// strain without a change of thickness.
   template <int dim>
   inline void
   scale_volume(dealii::Tensor<2, 3>   &F,
@@ -29,11 +27,9 @@ namespace greville
 
 
 
-  /**
-   * Return the radius of an axisymmetric point to which the increment of F_zz
-   * is relative: a step that moves the point to the radius r has the increment
-   * r over this radius.
-   */
+  /// Return the radius of an axisymmetric point to which the increment of F_zz
+  /// is relative: a step that moves the point to the radius r has the increment
+  /// r over this radius.
   template <int dim>
   inline double
   radius_of_F(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
@@ -43,11 +39,9 @@ namespace greville
 
 
 
-  /**
-   * Fill @p point, a new MaterialPoint with the increment 1, from the numbers
-   * of a point. If there is a projected J, it is used as J, and F is scaled to
-   * it.
-   */
+  /// Fill @p point, a new MaterialPoint with the increment 1, from the numbers
+  /// of a point. If there is a projected J, it is used as J, and F is scaled to
+  /// it.
   template <int dim>
   inline void
   load_material_point(const ConstPointRef<dim> p,

@@ -40,10 +40,8 @@ namespace greville
       , stride(other.stride)
     {}
 
-    /**
-     * Return number k of the point, for positions that are known at run time
-     * only.
-     */
+    /// Return number k of the point, for positions that are known at run time
+    /// only.
     Number &
     operator[](const unsigned int k) const
     {
@@ -118,10 +116,8 @@ namespace greville
       return volume0() * J();
     }
 
-    /**
-     * Return the edge of a square or cube of the point's volume; for
-     * axisymmetric points, of a square in the plane of coordinates.
-     */
+    /// Return the edge of a square or cube of the point's volume; for
+    /// axisymmetric points, of a square in the plane of coordinates.
     double
     extent(const Layout &layout) const
     {

@@ -20,16 +20,12 @@ namespace greville
   class PointTransport
   {
   public:
-    /**
-     * Collective. Triangulation and space are kept by reference.
-     */
+    /// Collective. Triangulation and space are kept by reference.
     void
     reinit(const SplineSpace<dim> &space);
 
-    /**
-     * The result for the points of a body that left their cells, on this
-     * process.
-     */
+    /// The result for the points of a body that left their cells, on this
+    /// process.
     struct Result
     {
       std::size_t n_moved   = 0;
@@ -42,10 +38,8 @@ namespace greville
       dealii::Point<dim> outside_position;
     };
 
-    /**
-     * Collective. Move the points that have left @p left_cells. Points outside
-     * the grid are removed and counted.
-     */
+    /// Collective. Move the points that have left @p left_cells. Points outside
+    /// the grid are removed and counted.
     Result
     move(MaterialPoints<dim>             &points,
          const std::vector<unsigned int> &left_cells);

@@ -26,10 +26,8 @@ namespace greville
     void
     copy(const MaterialPoints<dim> &points);
 
-    /**
-     * Overwrite @p points, which must be the copied points or others of the
-     * same space, with the copy, which has its own layout.
-     */
+    /// Overwrite @p points, which must be the copied points or others of the
+    /// same space, with the copy, which has its own layout.
     void
     restore(MaterialPoints<dim> &points) const;
 

@@ -40,11 +40,9 @@ namespace greville
 
 
 
-  /**
-   * The points with the largest edges x (m), position plus half of the size,
-   * whose total mass is at least @p needed (kg; 2D: kg / m), or all points.
-   * Only few of many points are stored at a time.
-   */
+  /// The points with the largest edges x (m), position plus half of the size,
+  /// whose total mass is at least @p needed (kg; 2D: kg / m), or all points.
+  /// Only few of many points are stored at a time.
   class OuterPoints
   {
   public:
@@ -113,20 +111,16 @@ namespace greville
             const double runout_above = std::numeric_limits<double>::lowest(),
             const double outer_mass   = 0.);
 
-    /**
-     * Add the quantities that depend on positions, stresses and history. The
-     * first @p count lanes contain points.
-     */
+    /// Add the quantities that depend on positions, stresses and history. The
+    /// first @p count lanes contain points.
     void
     add_group(const MaterialPoints<dim> &points,
               const double              *group,
               const unsigned int         count);
 
-    /**
-     * Add the quantities that depend on velocities @p v (dim x width), and with
-     * APIC on the affine matrices @p C (dim x dim x width) and the diagonals @p
-     * D of PointTransfer::spread() (dim x width).
-     */
+    /// Add the quantities that depend on velocities @p v (dim x width), and
+    /// with APIC on the affine matrices @p C (dim x dim x width) and the
+    /// diagonals @p D of PointTransfer::spread() (dim x width).
     void
     add_motion(const double      *group,
                const unsigned int count,
@@ -134,10 +128,8 @@ namespace greville
                const double      *C = nullptr,
                const double      *D = nullptr);
 
-    /**
-     * Add all points in their current state. If @p transfer is null, quantities
-     * that depend on velocities are omitted.
-     */
+    /// Add all points in their current state. If @p transfer is null,
+    /// quantities that depend on velocities are omitted.
     void
     add(const MaterialPoints<dim> &points,
         const PointTransfer<dim>  *transfer = nullptr);

@@ -10,30 +10,24 @@
 
 namespace greville
 {
-  /**
-   * The univariate B-splines of all cells of a direction as polynomials, for
-   * kernels that evaluate them at any point.
-   */
+  /// The univariate B-splines of all cells of a direction as polynomials, for
+  /// kernels that evaluate them at any point.
   class SplinePolynomials
   {
   public:
     void
     reinit(const KnotVector &knots);
 
-    /**
-     * Return the coefficients c in N_a = sum_k c[a (p+1) + k] t^k with t = (x -
-     * centre of the cell) / h.
-     */
+    /// Return the coefficients c in N_a = sum_k c[a (p+1) + k] t^k with t = (x
+    /// - centre of the cell) / h.
     const double *
     coefficients(const unsigned int cell) const
     {
       return polynomials.data() + std::size_t(cell) * n * n;
     }
 
-    /**
-     * Return the Greville abscissae of the functions of a cell minus its
-     * centre.
-     */
+    /// Return the Greville abscissae of the functions of a cell minus its
+    /// centre.
     const double *
     greville_offsets(const unsigned int cell) const
     {
@@ -49,9 +43,7 @@ namespace greville
   template <int dim>
   struct SpacePolynomials
   {
-    /**
-     * The space is kept by reference.
-     */
+    /// The space is kept by reference.
     void
     reinit(const SplineSpace<dim> &given)
     {

@@ -11,10 +11,8 @@
 
 namespace greville
 {
-  /**
-   * The distance up to which surfaces in contact interact, in units of the cell
-   * size of the coarser grid.
-   */
+  /// The distance up to which surfaces in contact interact, in units of the
+  /// cell size of the coarser grid.
   constexpr double farthest_gap_in_cells = 0.5;
 
 
@@ -45,11 +43,9 @@ namespace greville
      * normal as normal.
      */
     std::string contact;
-    /**
-     * Upper bounds of the derivatives of the load per initial area by
-     * displacement, Pa / m, and by velocity, Pa s / m, which limit explicit
-     * steps.
-     */
+    /// Upper bounds of the derivatives of the load per initial area by
+    /// displacement, Pa / m, and by velocity, Pa s / m, which limit explicit
+    /// steps.
     double stiffness = 0., damping = 0.;
   };
 
@@ -112,10 +108,8 @@ namespace greville
 
 
 
-  /**
-   * Return a surface, without points yet, for material points of @p body in a
-   * @p contact.
-   */
+  /// Return a surface, without points yet, for material points of @p body in a
+  /// @p contact.
   template <int dim>
   Surface<dim>
   make_contactors(const std::string      &name,

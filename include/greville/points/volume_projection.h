@@ -8,10 +8,8 @@
 
 namespace greville
 {
-  /**
-   * The projected J of a body's points, the derivatives of their P by its
-   * logarithm, and the share of these included in a stiffness matrix.
-   */
+  /// The projected J of a body's points, the derivatives of their P by its
+  /// logarithm, and the share of these included in a stiffness matrix.
   template <int dim>
   struct ProjectedBody
   {
@@ -85,11 +83,9 @@ namespace greville
             const VectorField<dim>    *direction = nullptr,
             const bool                 moves     = true);
 
-    /**
-     * Collective. Return the derivative of log J hat, less a @p share of the
-     * derivative of log J, of the same points in the direction @p du of the
-     * displacement @p u, which resulted in @p J_hat.
-     */
+    /// Collective. Return the derivative of log J hat, less a @p share of the
+    /// derivative of log J, of the same points in the direction @p du of the
+    /// displacement @p u, which resulted in @p J_hat.
     const std::vector<double> &
     differentiate(const MaterialPoints<dim> &points,
                   const VectorField<dim>    &u,

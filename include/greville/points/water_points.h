@@ -67,29 +67,23 @@ namespace greville
            const std::vector<unsigned int> &parents,
            const bool                       is_axisymmetric = false);
 
-    /**
-     * The positions of the points' numbers for the pressure, Pa, and for BDF2
-     * the inflow of water in the last step per stress-free volume, which is
-     * invalid otherwise.
-     */
+    /// The positions of the points' numbers for the pressure, Pa, and for BDF2
+    /// the inflow of water in the last step per stress-free volume, which is
+    /// invalid otherwise.
     struct Numbers
     {
       unsigned int pressure, change;
     };
 
-    /**
-     * Begin a step of length @p dt (s) without points, with the @p weight of
-     * water per volume (N / m^3). The inflow of the previous step counts with
-     * the factor @p earlier.
-     */
+    /// Begin a step of length @p dt (s) without points, with the @p weight of
+    /// water per volume (N / m^3). The inflow of the previous step counts with
+    /// the factor @p earlier.
     void
     clear(const double                  dt,
           const dealii::Tensor<1, dim> &weight,
           const double                  earlier = 0.);
 
-    /**
-     * Add the points of a body at the start of the step.
-     */
+    /// Add the points of a body at the start of the step.
     void
     add(const MaterialPoints<dim> &points,
         const Numbers             &numbers,
@@ -98,10 +92,8 @@ namespace greville
     void
     add(const typename WaterTerms<dim>::Drained &term);
 
-    /**
-     * Collective. Compute f and r for a displacement in the step, m, and a
-     * pressure, Pa.
-     */
+    /// Collective. Compute f and r for a displacement in the step, m, and a
+    /// pressure, Pa.
     void
     evaluate(const VectorField<dim> &u,
              const VectorType       &p,
@@ -147,58 +139,46 @@ namespace greville
                          const double                 kick,
                          StencilMatrix<dim>          &matrix) const;
 
-    /**
-     * Collective. Compute the mean of the initial pressure around each function
-     * of the pressure; 0 if there are no points.
-     */
+    /// Collective. Compute the mean of the initial pressure around each
+    /// function of the pressure; 0 if there are no points.
     void
     average_old_pressure(VectorType &p) const;
 
-    /**
-     * Store the numbers of the last evaluate() in the points of all bodies, in
-     * the order in which they were added.
-     */
+    /// Store the numbers of the last evaluate() in the points of all bodies, in
+    /// the order in which they were added.
     void
     store(const std::vector<std::pair<MaterialPoints<dim> *, Numbers>> &bodies)
       const;
 
-    /**
-     * Return volumes of water on this process in the last evaluate(), m^3 (2D:
-     * m^2): the inflow to the pores in the step, and the outflow through all
-     * boundaries and through each of them.
-     */
+    /// Return volumes of water on this process in the last evaluate(), m^3 (2D:
+    /// m^2): the inflow to the pores in the step, and the outflow through all
+    /// boundaries and through each of them.
     const std::vector<double> &
     volumes() const
     {
       return water_volumes;
     }
 
-    /**
-     * Return the work of the pressure on the soil of this process in the step
-     * of the last evaluate(), with the mean of its values at both ends, J (2D:
-     * J / m).
-     */
+    /// Return the work of the pressure on the soil of this process in the step
+    /// of the last evaluate(), with the mean of its values at both ends, J (2D:
+    /// J / m).
     double
     work() const
     {
       return pressure_work;
     }
 
-    /**
-     * Return two sums for the last evaluate() on this process: of the squares
-     * of the cell forces, and of the absolute values of the terms in the rows,
-     * to which round-off is relative.
-     */
+    /// Return two sums for the last evaluate() on this process: of the squares
+    /// of the cell forces, and of the absolute values of the terms in the rows,
+    /// to which round-off is relative.
     const std::array<double, 2> &
     squares() const
     {
       return cell_squares;
     }
 
-    /**
-     * Return the sums of V and of V times the modulus of pressure waves over
-     * the points of this process.
-     */
+    /// Return the sums of V and of V times the modulus of pressure waves over
+    /// the points of this process.
     const std::array<double, 2> &
     moduli() const
     {
@@ -218,10 +198,8 @@ namespace greville
     using Sources     = typename WaterTerms<dim>::Sources;
     using Change      = typename WaterTerms<dim>::Change;
 
-    /**
-     * Begin a pass with the given fields, unless null, and zeros for the
-     * requested sums, by function. Sums that are not requested are null.
-     */
+    /// Begin a pass with the given fields, unless null, and zeros for the
+    /// requested sums, by function. Sums that are not requested are null.
     typename WaterTangents<dim>::Fields
     begin_pass(const VectorField<dim> *u,
                const VectorType       *p,

@@ -36,10 +36,8 @@ namespace greville
                const double                  suction,
                const dealii::Tensor<1, dim> &gravity);
 
-    /**
-     * Return the pressure, Pa. Throws dealii::ExcMessage if the formula has no
-     * value.
-     */
+    /// Return the pressure, Pa. Throws dealii::ExcMessage if the formula has no
+    /// value.
     double
     operator()(const dealii::Point<dim> &x) const;
 

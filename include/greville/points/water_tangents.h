@@ -32,19 +32,15 @@ namespace greville
   class WaterTangents
   {
   public:
-    /**
-     * Set the points from the last trial step of @p terms; the terms of a cell
-     * are consecutive.
-     */
+    /// Set the points from the last trial step of @p terms; the terms of a cell
+    /// are consecutive.
     void
     set(const WaterTerms<dim>                              &terms,
         const std::vector<typename WaterTerms<dim>::Point> &points);
 
-    /**
-     * Fields and sums for the owned and ghost functions of the spaces, which
-     * have the same order; cell c of the displacement lies in cell parents[c]
-     * of the pressure.
-     */
+    /// Fields and sums for the owned and ghost functions of the spaces, which
+    /// have the same order; cell c of the displacement lies in cell parents[c]
+    /// of the pressure.
     struct Fields
     {
       const SpacePolynomials<dim>     &displacements, &pressures;

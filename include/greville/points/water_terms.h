@@ -15,15 +15,11 @@ namespace greville
   {
     /// Porosity over the bulk modulus of water, 1 / Pa.
     double storage = 0.;
-    /**
-     * Hydraulic conductivity over the unit weight of water, m^2 / (Pa s); if
-     * the solid part is given, in the stress-free state.
-     */
+    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s); if
+    /// the solid part is given, in the stress-free state.
     double mobility = 0.;
-    /**
-     * 1 - porosity if the conductivity follows the void ratio; 0 if it is
-     * constant.
-     */
+    /// 1 - porosity if the conductivity follows the void ratio; 0 if it is
+    /// constant.
     double solid = 0.;
     /// The suction, Pa, see relative_conductivity().
     double suction = 0.;
@@ -52,10 +48,8 @@ namespace greville
 
 
 
-  /**
-   * The contributions of points of bodies and of drained boundaries to the sums
-   * of WaterPoints, which states the equations, and their derivatives.
-   */
+  /// The contributions of points of bodies and of drained boundaries to the
+  /// sums of WaterPoints, which states the equations, and their derivatives.
   template <int dim>
   struct WaterTerms
   {
@@ -121,19 +115,15 @@ namespace greville
       unsigned int boundary; // the number of the wall or the surface
     };
 
-    /**
-     * The mobility of a term at the end of the last trial step, and its
-     * derivatives by the relative change of volume and by the pressure.
-     */
+    /// The mobility of a term at the end of the last trial step, and its
+    /// derivatives by the relative change of volume and by the pressure.
     struct Mobility
     {
       double value, by_volume, by_pressure;
     };
 
-    /**
-     * The contribution of a term: to the force by gradients of N and, along r,
-     * by N; to the rows by q and by gradients of q.
-     */
+    /// The contribution of a term: to the force by gradients of N and, along r,
+    /// by N; to the rows by q and by gradients of q.
     struct Sources
     {
       dealii::Tensor<2, dim> force;
@@ -176,10 +166,8 @@ namespace greville
     static Mobility
     mobility(const Term &term);
 
-    /**
-     * Return the outflow times the area at the end; for seepage faces, also if
-     * it is negative.
-     */
+    /// Return the outflow times the area at the end; for seepage faces, also if
+    /// it is negative.
     double
     outflow(const Drained &term) const;
 

@@ -8,9 +8,7 @@
 
 namespace greville
 {
-  /**
-   * Throw dealii::ExcMessage if a file asks for several runs.
-   */
+  /// Throw dealii::ExcMessage if a file asks for several runs.
   void
   refuse_sweep(const SimulationParameters &parameters, const std::string &file);
 
@@ -19,48 +17,38 @@ namespace greville
                 const std::string          &file,
                 const RunOptions           &options);
 
-  /**
-   * Collective. Take the @p directory as the folder of a run. Throws as the
-   * constructor of RunFolder.
-   */
+  /// Collective. Take the @p directory as the folder of a run. Throws as the
+  /// constructor of RunFolder.
   RunFolder
   take_folder(const SimulationParameters &parameters,
               const std::string          &directory,
               const RunOptions           &options,
               const MPI_Comm              comm);
 
-  /**
-   * Collective. Throw if a run is to begin with results in its own folder,
-   * because it would move them away.
-   */
+  /// Collective. Throw if a run is to begin with results in its own folder,
+  /// because it would move them away.
   void
   check_other_folder(const RunOptions  &options,
                      const std::string &folder,
                      const MPI_Comm     comm);
 
-  /**
-   * Throw dealii::ExcMessage if a run with these parameters cannot resume from
-   * a checkpoint with other parameters.
-   */
+  /// Throw dealii::ExcMessage if a run with these parameters cannot resume from
+  /// a checkpoint with other parameters.
   void
   check_changes(const TablesFile           &checkpoint,
                 const SimulationParameters &parameters);
 
-  /**
-   * Throw dealii::ExcMessage if 'End' of a stage has changed that is finished
-   * at the checkpoint, or if the @p stage of the checkpoint would end before
-   * its @p time.
-   */
+  /// Throw dealii::ExcMessage if 'End' of a stage has changed that is finished
+  /// at the checkpoint, or if the @p stage of the checkpoint would end before
+  /// its @p time.
   void
   check_stages(const TablesFile           &checkpoint,
                const SimulationParameters &parameters,
                const unsigned int          stage,
                const double                time);
 
-  /**
-   * Collective. Begin simulations with the points of another run. Throws
-   * dealii::ExcMessage, which names the checkpoint, if they do not fit.
-   */
+  /// Collective. Begin simulations with the points of another run. Throws
+  /// dealii::ExcMessage, which names the checkpoint, if they do not fit.
   template <int dim>
   void
   begin_with(CoupledSimulations<dim>    &simulations,

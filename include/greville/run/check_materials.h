@@ -21,11 +21,9 @@ namespace greville
   double
   shear_strength(const Material &material, const double pressure = 0.);
 
-  /**
-   * Write density, speeds of pressure and shear waves,
-   * ((K + 4 G / 3) / rho)^(1/2) and (G / rho)^(1/2), and shear_strength() of
-   * the materials of @p bodies.
-   */
+  /// Write density, speeds of pressure and shear waves, ((K + 4 G / 3) /
+  /// rho)^(1/2) and (G / rho)^(1/2), and shear_strength() of the materials of
+  /// @p bodies.
   template <int dim>
   void
   print_materials(std::ostream &out, const BodyList<dim> &bodies);
@@ -42,11 +40,9 @@ namespace greville
                 const double       strain,
                 const unsigned int dim);
 
-  /**
-   * Collective. Write tangent_error() along a path of 1 % strain in ten steps
-   * of 0.1 s from the initial state of a point of each body with the law Umat.
-   * Throws on all processes if the law throws a UmatFault.
-   */
+  /// Collective. Write tangent_error() along a path of 1 % strain in ten steps
+  /// of 0.1 s from the initial state of a point of each body with the law Umat.
+  /// Throws on all processes if the law throws a UmatFault.
   template <int dim>
   void
   print_tangents(std::ostream        &out,
@@ -72,10 +68,8 @@ namespace greville
               const SimulationParameters &parameters,
               const MPI_Comm              comm);
 
-  /**
-   * Return a sentence for each parameter that @p file gives twice with
-   * different values. The last value counts.
-   */
+  /// Return a sentence for each parameter that @p file gives twice with
+  /// different values. The last value counts.
   std::vector<std::string>
   repeated_parameters(const std::string &file);
 } // namespace greville

@@ -22,11 +22,9 @@ namespace greville
 
 
 
-  /**
-   * Throw dealii::ExcMessage if a run with the parameters @p now cannot begin
-   * with the points of a run with the parameters @p before: if dimension or
-   * geometry differ, or the points are dry below a water table.
-   */
+  /// Throw dealii::ExcMessage if a run with the parameters @p now cannot begin
+  /// with the points of a run with the parameters @p before: if dimension or
+  /// geometry differ, or the points are dry below a water table.
   void
   check_points_fit(const std::string &before, const std::string &now);
 
@@ -47,9 +45,7 @@ namespace greville
 
 
 
-  /**
-   * Collective. Throw dealii::ExcMessage if @p folder is no folder.
-   */
+  /// Collective. Throw dealii::ExcMessage if @p folder is no folder.
   void
   check_folder_of_checkpoints(const std::string &folder, const MPI_Comm comm);
 
@@ -63,11 +59,9 @@ namespace greville
 
 
 
-  /**
-   * Collective. Read the newest checkpoint of @p folder that is complete and
-   * has this format; other files are reported. Throws dealii::ExcMessage if
-   * there is none.
-   */
+  /// Collective. Read the newest checkpoint of @p folder that is complete and
+  /// has this format; other files are reported. Throws dealii::ExcMessage if
+  /// there is none.
   Checkpoint
   read_checkpoint(const std::string &folder, const MPI_Comm comm);
 } // namespace greville

@@ -27,10 +27,8 @@ namespace greville
 
 
 
-  /**
-   * Errors of displacement, velocity and stress; empty if the exact solution is
-   * not known.
-   */
+  /// Errors of displacement, velocity and stress; empty if the exact solution
+  /// is not known.
   struct ExactErrors
   {
     std::optional<Errors> displacement, velocity, stress;
@@ -38,22 +36,16 @@ namespace greville
 
 
 
-  /**
-   * The exact solution of a parameter file.
-   */
+  /// The exact solution of a parameter file.
   template <int dim>
   class ExactSolution
   {
   public:
-    /**
-     * Throws dealii::ExcMessage for wrong formulas.
-     */
+    /// Throws dealii::ExcMessage for wrong formulas.
     ExactSolution(const ExactParameters &parameters);
 
-    /**
-     * Collective. Return the errors of velocity at time @p t_velocity and of
-     * displacement and stress at @p t.
-     */
+    /// Collective. Return the errors of velocity at time @p t_velocity and of
+    /// displacement and stress at @p t.
     ExactErrors
     errors(const BodyList<dim> &bodies,
            const double         t,
@@ -67,11 +59,9 @@ namespace greville
 
 
 
-  /**
-   * Throw dealii::ExcMessage if a file of measured data is missing, or if the
-   * quantity of a series is no column of statistics.csv. The Python module
-   * greville.measured compares the data with the results.
-   */
+  /// Throw dealii::ExcMessage if a file of measured data is missing, or if the
+  /// quantity of a series is no column of statistics.csv. The Python module
+  /// greville.measured compares the data with the results.
   template <int dim>
   void
   check_reference(const ReferenceParameters &parameters);

@@ -13,37 +13,28 @@
 
 namespace greville
 {
-  /**
-   * The conditions 'Time/End when' and 'Time/Ramp until failure' of the stages.
-   */
+  /// The conditions 'Time/End when' and 'Time/Ramp until failure' of the
+  /// stages.
   class EndOfRun
   {
   public:
-    /**
-     * @p columns are the columns of statistics.csv and probes.csv. Throws
-     * dealii::ExcMessage if a formula is wrong or compares a value that is
-     * always NaN, or if a factor decreases or is negative.
-     */
+    /// @p columns are the columns of statistics.csv and probes.csv. Throws
+    /// dealii::ExcMessage if a formula is wrong or compares a value that is
+    /// always NaN, or if a factor decreases or is negative.
     EndOfRun(const SimulationParameters     &parameters,
              const std::vector<std::string> &columns);
 
-    /**
-     * Return whether 'End when' of a stage holds for a @p row, with the values
-     * of the columns. Throws as Expression.
-     */
+    /// Return whether 'End when' of a stage holds for a @p row, with the values
+    /// of the columns. Throws as Expression.
     bool
     holds(const unsigned int stage, const std::vector<double> &row) const;
 
-    /**
-     * Return the side of a comparison in 'End when' of a stage that is NaN in
-     * the @p row, so that the comparison is false; empty if there is none.
-     */
+    /// Return the side of a comparison in 'End when' of a stage that is NaN in
+    /// the @p row, so that the comparison is false; empty if there is none.
     std::string
     undefined(const unsigned int stage, const std::vector<double> &row) const;
 
-    /**
-     * Return whether the factor of a stage grows until it fails.
-     */
+    /// Return whether the factor of a stage grows until it fails.
     bool
     is_ramp(const unsigned int stage) const
     {
@@ -56,17 +47,13 @@ namespace greville
       return bool(any_factor);
     }
 
-    /**
-     * Return the factor at a time; in stages without a ramp, the factor of the
-     * first stage with a ramp.
-     */
+    /// Return the factor at a time; in stages without a ramp, the factor of the
+    /// first stage with a ramp.
     double
     factor(const unsigned int stage, const double time) const;
 
-    /**
-     * Return all formulas of 'End when'. A resumed run that had
-     * ended remains ended if they equal the formulas of its checkpoint.
-     */
+    /// Return all formulas of 'End when'. A resumed run that had ended remains
+    /// ended if they equal the formulas of its checkpoint.
     static std::string
     criteria(const std::string &parameters);
 
@@ -94,9 +81,7 @@ namespace greville
 
 
 
-  /**
-   * The state of a ramp between two steps.
-   */
+  /// The state of a ramp between two steps.
   template <typename States>
   struct Ramp
   {

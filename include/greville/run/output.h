@@ -14,10 +14,8 @@
 
 namespace greville
 {
-  /**
-   * The numbers of a surface in files: of its load in 'Simulation/Surface
-   * loads' and of its body in 'Simulation/Bodies'.
-   */
+  /// The numbers of a surface in files: of its load in 'Simulation/Surface
+  /// loads' and of its body in 'Simulation/Bodies'.
   struct SurfaceNumbers
   {
     /// The numbers of contacts follow the loads.
@@ -26,10 +24,8 @@ namespace greville
 
 
 
-  /**
-   * The fields of grid_NNNN.vtu. Vectors have no ghost values. Empty fields are
-   * not written.
-   */
+  /// The fields of grid_NNNN.vtu. Vectors have no ghost values. Empty fields
+  /// are not written.
   template <int dim>
   struct GridFields
   {
@@ -59,9 +55,7 @@ namespace greville
     static constexpr const char *series_name = "fields.pvd",
                                 *file_folder = "files";
 
-    /**
-     * Keep @p parameters by reference.
-     */
+    /// Keep @p parameters by reference.
     FieldOutput(const std::string      &directory,
                 const OutputParameters &parameters);
 
@@ -76,11 +70,9 @@ namespace greville
                  const unsigned int   first = 0,
                  const unsigned int n = dealii::numbers::invalid_unsigned_int);
 
-    /**
-     * Collective. Write the fields of the grid cells with mass, as Lagrange
-     * cells of the order of the @p space. With several grids, the file has the
-     * name of the @p body.
-     */
+    /// Collective. Write the fields of the grid cells with mass, as Lagrange
+    /// cells of the order of the @p space. With several grids, the file has the
+    /// name of the @p body.
     void
     write_grid(const double            time,
                const SplineSpace<dim> &space,
@@ -101,11 +93,9 @@ namespace greville
                    const MPI_Comm                     comm,
                    const std::string                 &body = "");
 
-    /**
-     * Collective. Write the mesh of a rigid body with its velocity and
-     * displacement: rigid_NAME_NNNN.vtu, by the first process. The body has the
-     * @p position. An unbounded body is cut at @p region.
-     */
+    /// Collective. Write the mesh of a rigid body with its velocity and
+    /// displacement: rigid_NAME_NNNN.vtu, by the first process. The body has
+    /// the @p position. An unbounded body is cut at @p region.
     void
     write_rigid_body(const double                    time,
                      const RigidBody<dim>           &body,
@@ -141,17 +131,13 @@ namespace greville
     std::string
     record() const;
 
-    /**
-     * Return the file of the points at a time, with its folder; empty if they
-     * have not been written.
-     */
+    /// Return the file of the points at a time, with its folder; empty if they
+    /// have not been written.
     std::string
     points_file(const double time) const;
 
-    /**
-     * Collective. Continue after the files of an earlier run in @p record, see
-     * record(). Later numbered files are removed.
-     */
+    /// Collective. Continue after the files of an earlier run in @p record, see
+    /// record(). Later numbered files are removed.
     void
     resume(const std::string &record, const MPI_Comm comm);
 

@@ -37,28 +37,22 @@ namespace greville
            const BodyList<dim>            &bodies,
            const MPI_Comm                  comm);
 
-    /**
-     * Collective. Begin the @p file; without probes it has only a header.
-     */
+    /// Collective. Begin the @p file; without probes it has only a header.
     void
     open(const std::string &file_name)
     {
       file.open(file_name, columns(), 12, comm);
     }
 
-    /**
-     * Collective. Resume the file after its first @p n_bytes, and remove all
-     * later rows.
-     */
+    /// Collective. Resume the file after its first @p n_bytes, and remove all
+    /// later rows.
     bool
     resume(const std::string &file_name, const std::uint64_t n_bytes)
     {
       return file.resume(file_name, columns(), 12, n_bytes, comm);
     }
 
-    /**
-     * Collective. Write all rows to disk, and return the bytes of the file.
-     */
+    /// Collective. Write all rows to disk, and return the bytes of the file.
     std::uint64_t
     sync()
     {
@@ -77,20 +71,16 @@ namespace greville
       return probes.empty();
     }
 
-    /**
-     * Fill the next row with the values of @p bodies, the first of which has
-     * number @p first, on this process. Velocities are multiplied by @p weight,
-     * and added if only @p velocities are taken.
-     */
+    /// Fill the next row with the values of @p bodies, the first of which has
+    /// number @p first, on this process. Velocities are multiplied by
+    /// @p weight, and added if only @p velocities are taken.
     void
     take(const unsigned int   first,
          const BodyList<dim> &bodies,
          const double         weight     = 1.,
          const bool           velocities = false);
 
-    /**
-     * Discard rows that were taken and will not be written.
-     */
+    /// Discard rows that were taken and will not be written.
     void
     forget()
     {
@@ -98,9 +88,7 @@ namespace greville
       weights = {};
     }
 
-    /**
-     * Collective. Complete the row that has been taken, and return it.
-     */
+    /// Collective. Complete the row that has been taken, and return it.
     const std::vector<double> &
     finish(const double time);
 

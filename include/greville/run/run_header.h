@@ -9,9 +9,7 @@
 
 namespace greville
 {
-  /**
-   * Write the header of a run: bodies, points and grid, then print_stage().
-   */
+  /// Write the header of a run: bodies, points and grid, then print_stage().
   template <int dim>
   void
   print_header(std::ostream                  &out,
@@ -19,9 +17,7 @@ namespace greville
                const SimulationParameters    &parameters,
                const MPI_Comm                 comm);
 
-  /**
-   * Write the time integration of the current stage and its solvers.
-   */
+  /// Write the time integration of the current stage and its solvers.
   template <int dim>
   void
   print_stage(std::ostream                  &out,

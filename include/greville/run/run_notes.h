@@ -27,23 +27,17 @@ namespace greville
   class RunNotes
   {
   public:
-    /**
-     * Write warnings to the first process's @p out, too.
-     */
+    /// Write warnings to the first process's @p out, too.
     RunNotes(const std::string &directory,
              std::ostream      &out,
              const MPI_Comm     comm);
 
-    /**
-     * Begin a run, and discard the notes of an earlier one.
-     */
+    /// Begin a run, and discard the notes of an earlier one.
     void
     begin();
 
-    /**
-     * Resume a run after its step @p n_steps: later steps are removed from
-     * newton.csv.
-     */
+    /// Resume a run after its step @p n_steps: later steps are removed from
+    /// newton.csv.
     void
     resume(const unsigned int n_steps);
 
@@ -54,26 +48,20 @@ namespace greville
     void
     note_cut(const std::string &text);
 
-    /**
-     * Print a note about input that may not be intended.
-     */
+    /// Print a note about input that may not be intended.
     void
     note(const std::string &text);
 
-    /**
-     * Note the error that ends the run. The program prints it.
-     */
+    /// Note the error that ends the run. The program prints it.
     void
     note_error(const std::string &error);
 
     void
     write(const std::vector<NewtonRecord> &records);
 
-    /**
-     * Write the units of the @p columns of statistics.csv, the columns @p
-     * probes of probes.csv and the @p fields of points. @p history has the
-     * units that laws define.
-     */
+    /// Write the units of the @p columns of statistics.csv, the columns
+    /// @p probes of probes.csv and the @p fields of points. @p history has the
+    /// units that laws define.
     void
     write_units(const unsigned int                        dim,
                 const bool                                is_axisymmetric,

@@ -7,9 +7,7 @@
 
 namespace greville
 {
-  /**
-   * The program greville, which runs and checks simulations.
-   */
+  /// The program greville, which runs and checks simulations.
   Program
   simulation_program();
 } // namespace greville

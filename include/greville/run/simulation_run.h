@@ -29,10 +29,8 @@ namespace greville
   class SimulationRun
   {
   public:
-    /**
-     * Collective. @p directory must exist. Throws dealii::ExcMessage if
-     * parameters or the checkpoint to begin with are wrong.
-     */
+    /// Collective. @p directory must exist. Throws dealii::ExcMessage if
+    /// parameters or the checkpoint to begin with are wrong.
     SimulationRun(const SimulationParameters &parameters,
                   const std::string          &directory,
                   std::ostream               &out,

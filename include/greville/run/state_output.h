@@ -8,10 +8,8 @@
 
 namespace greville
 {
-  /**
-   * Return the name in files of a part of the @p simulations: its body if there
-   * are several parts, else nothing.
-   */
+  /// Return the name in files of a part of the @p simulations: its body if
+  /// there are several parts, else nothing.
   template <int dim>
   std::string
   name_of_part(const CoupledSimulations<dim> &simulations,

@@ -21,10 +21,8 @@ namespace greville
     {
       /// Number of the first cell in SplineSpace::owned_cells().
       unsigned int first_cell;
-      /**
-       * Lanes [first_lane, end_lane) hold cells that no other batch holds;
-       * earlier lanes repeat cells of another batch, later lanes are empty.
-       */
+      /// Lanes [first_lane, end_lane) hold cells that no other batch holds;
+      /// earlier lanes repeat cells of another batch, later lanes are empty.
       unsigned int first_lane;
       unsigned int end_lane;
       /// The lattice index of first_cell.
@@ -33,10 +31,8 @@ namespace greville
       bool continues_column;
     };
 
-    /**
-     * Return the number of lanes: the doubles in a native vector of the machine
-     * for which the library was compiled.
-     */
+    /// Return the number of lanes: the doubles in a native vector of the
+    /// machine for which the library was compiled.
     static unsigned int
     width();
 

@@ -57,10 +57,8 @@ namespace greville
       reinit(space);
     }
 
-    /**
-     * Collective. Begin with the cells of another space, which have no class
-     * before update().
-     */
+    /// Collective. Begin with the cells of another space, which have no class
+    /// before update().
     void
     reinit(const SplineSpace<dim> &space,
            const Walls            &contact_walls = {},
@@ -99,10 +97,8 @@ namespace greville
       return filled;
     }
 
-    /**
-     * Return the class of an owned cell: 0 empty, 1 cut, 2 well-filled, 3 host,
-     * 4 beyond.
-     */
+    /// Return the class of an owned cell: 0 empty, 1 cut, 2 well-filled, 3
+    /// host, 4 beyond.
     unsigned char
     cell_class(const unsigned int cell) const
     {
@@ -121,10 +117,8 @@ namespace greville
       return classes[cell] == host;
     }
 
-    /**
-     * Return pairs of an owned cell that is not a host and the position (in
-     * Lattice::n_cells()) of one of its hosts, ascending.
-     */
+    /// Return pairs of an owned cell that is not a host and the position (in
+    /// Lattice::n_cells()) of one of its hosts, ascending.
     const std::vector<std::pair<unsigned int, std::uint64_t>> &
     hosts() const
     {

@@ -7,11 +7,9 @@
 
 namespace greville
 {
-  /**
-   * Owned cells and their neighbours, with an exchange of values between them.
-   * Local numbers: owned cells as in the space, followed by the cells of the
-   * ghost layer.
-   */
+  /// Owned cells and their neighbours, with an exchange of values between them.
+  /// Local numbers: owned cells as in the space, followed by the cells of the
+  /// ghost layer.
   template <int dim>
   class CellNeighbors
   {
@@ -27,25 +25,19 @@ namespace greville
       return cells;
     }
 
-    /**
-     * Return the local number of the cell at a position, or
-     * invalid_unsigned_int if it is not local.
-     */
+    /// Return the local number of the cell at a position, or
+    /// invalid_unsigned_int if it is not local.
     unsigned int
     find(const std::uint64_t position) const;
 
-    /**
-     * The local number of the neighbor of a local cell on a side, 2 d or
-     * 2 d + 1 in direction d; invalid_unsigned_int behind the sides of the
-     * grid, and where it is not local.
-     */
+    /// The local number of the neighbor of a local cell on a side, 2 d or 2 d +
+    /// 1 in direction d; invalid_unsigned_int behind the sides of the grid, and
+    /// where it is not local.
     unsigned int
     neighbor(const unsigned int cell, const unsigned int side) const;
 
-    /**
-     * Collective. Of each local cell, the owned ones given, the others are
-     * overwritten by their owners. The values are exact as doubles.
-     */
+    /// Collective. Of each local cell, the owned ones given, the others are
+    /// overwritten by their owners. The values are exact as doubles.
     template <typename Value>
     void
     exchange(std::vector<Value> &values) const

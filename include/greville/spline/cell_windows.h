@@ -34,11 +34,9 @@ namespace greville
   class CellWindows
   {
   public:
-    /**
-     * Collective. The space, of one component, is kept by reference. No cell
-     * reaches its neighbours before update(). @p averages_values selects
-     * averages of the splines themselves.
-     */
+    /// Collective. The space, of one component, is kept by reference. No cell
+    /// reaches its neighbours before update(). @p averages_values selects
+    /// averages of the splines themselves.
     void
     reinit(const SplineSpace<dim> &space, const bool averages_values);
 
@@ -48,9 +46,7 @@ namespace greville
       return with_values;
     }
 
-    /**
-     * Collective. Find the cells that reach their neighbours.
-     */
+    /// Collective. Find the cells that reach their neighbours.
     void
     update(const Extension<dim> &extension);
 
@@ -67,10 +63,8 @@ namespace greville
       return reaching[cell];
     }
 
-    /**
-     * Return the buffer places of the functions of an owned cell's window, in
-     * lexicographic order.
-     */
+    /// Return the buffer places of the functions of an owned cell's window, in
+    /// lexicographic order.
     const unsigned int *
     functions(const unsigned int cell) const
     {
@@ -85,26 +79,20 @@ namespace greville
              buffer_vector.get_partitioner()->n_ghost_indices() + 1;
     }
 
-    /**
-     * Collective. Copy the coefficients of a vector into the buffer @p numbers,
-     * one for each place, @p stride apart.
-     */
+    /// Collective. Copy the coefficients of a vector into the buffer
+    /// @p numbers, one for each place, @p stride apart.
     void
     read(const VectorType  &vector,
          double            *numbers,
          const unsigned int stride) const;
 
-    /**
-     * Collective. Copy the components of a field into a buffer, which is
-     * resized.
-     */
+    /// Collective. Copy the components of a field into a buffer, which is
+    /// resized.
     void
     read(const VectorField<dim> &field, std::vector<double> &buffer) const;
 
-    /**
-     * Collective. Add the entries of each function in the buffers of all
-     * processes to the vector.
-     */
+    /// Collective. Add the entries of each function in the buffers of all
+    /// processes to the vector.
     void
     add_to(VectorType        &vector,
            const double      *numbers,

@@ -9,10 +9,8 @@
 
 namespace greville
 {
-  /**
-   * The coarse cells, or trees of p4est, of a mesh by create_box_mesh() in each
-   * direction, and the number of global refinements.
-   */
+  /// The coarse cells, or trees of p4est, of a mesh by create_box_mesh() in
+  /// each direction, and the number of global refinements.
   template <int dim>
   struct CoarseCells
   {
@@ -27,11 +25,9 @@ namespace greville
 
 
 
-  /**
-   * Return a sentence about the coarse cells, with numbers of cells that need
-   * few of them, if they are many and more than the cells per process;
-   * otherwise an empty text. Each process stores all coarse cells.
-   */
+  /// Return a sentence about the coarse cells, with numbers of cells that need
+  /// few of them, if they are many and more than the cells per process;
+  /// otherwise an empty text. Each process stores all coarse cells.
   template <int dim>
   std::string
   describe_many_coarse_cells(const MultiIndex<dim> &n_cells,

@@ -111,10 +111,8 @@ namespace greville
         std::vector<std::uint64_t> &positions,
         std::vector<double>        &weights) const;
 
-    /**
-     * Collective. Return the numbers of functions of each class on all
-     * processes.
-     */
+    /// Collective. Return the numbers of functions of each class on all
+    /// processes.
     Counts
     counts() const;
 

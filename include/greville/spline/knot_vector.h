@@ -31,17 +31,13 @@ namespace greville
   public:
     KnotVector() = default;
 
-    /**
-     * A general open knot vector: not decreasing, the first and the last knot
-     * @p degree + 1 times, inner knots at most @p degree times. Throws
-     * dealii::ExcMessage if @p knots is not of this kind.
-     */
+    /// A general open knot vector: not decreasing, the first and the last knot
+    /// @p degree + 1 times, inner knots at most @p degree times. Throws
+    /// dealii::ExcMessage if @p knots is not of this kind.
     KnotVector(const unsigned int degree, const std::vector<double> &knots);
 
-    /**
-     * Return the open uniform knot vector with @p n_elements elements of equal
-     * length on [@p lower, @p upper].
-     */
+    /// Return the open uniform knot vector with @p n_elements elements of equal
+    /// length on [@p lower, @p upper].
     static KnotVector
     open_uniform(const unsigned int degree,
                  const unsigned int n_elements,
@@ -97,26 +93,21 @@ namespace greville
       return t[spans[element] + 1];
     }
 
-    /**
-     * Return the element that contains x; the last one for @f$ x = t_{n+p} @f$,
-     * and the nearest one for points outside.
-     */
+    /// Return the element that contains x; the last one for @f$ x = t_{n+p}
+    /// @f$, and the nearest one for points outside.
     unsigned int
     find_element(const double x) const;
 
-    /**
-     * Return the first of the p + 1 functions that do not vanish on @p element.
-     */
+    /// Return the first of the p + 1 functions that do not vanish on
+    /// @p element.
     unsigned int
     first_function(const unsigned int element) const
     {
       return spans[element] - p;
     }
 
-    /**
-     * Return the Greville abscissa (t_(i+1) + ... + t_(i+p)) / p of function @p
-     * i.
-     */
+    /// Return the Greville abscissa (t_(i+1) + ... + t_(i+p)) / p of function
+    /// @p i.
     double
     greville_abscissa(const unsigned int i) const
     {
@@ -128,11 +119,9 @@ namespace greville
       return sum / p;
     }
 
-    /**
-     * Evaluate the derivative of order @p derivative (0, 1 or 2) of the p + 1
-     * functions of @p element at @p x. Outside the element, the functions
-     * continue as polynomials. @p values has p + 1 entries.
-     */
+    /// Evaluate the derivative of order @p derivative (0, 1 or 2) of the p + 1
+    /// functions of @p element at @p x. Outside the element, the functions
+    /// continue as polynomials. @p values has p + 1 entries.
     void
     evaluate(const unsigned int               element,
              const double                     x,
@@ -172,10 +161,8 @@ namespace greville
 
 
 
-  /**
-   * A matrix whose rows have their entries in one contiguous range of columns:
-   * entry (i, first_column[i] + k) is values[i * width + k].
-   */
+  /// A matrix whose rows have their entries in one contiguous range of columns:
+  /// entry (i, first_column[i] + k) is values[i * width + k].
   struct BandedMatrix
   {
     unsigned int              n_rows    = 0;

@@ -17,10 +17,8 @@ namespace greville
   template <int dim>
   using MultiIndex = std::array<unsigned int, dim>;
 
-  /**
-   * Return the position of @p index in lexicographic order, x fastest, in an
-   * array of extents[0] x extents[1] (x extents[2]) entries.
-   */
+  /// Return the position of @p index in lexicographic order, x fastest, in an
+  /// array of extents[0] x extents[1] (x extents[2]) entries.
   template <int dim>
   std::uint64_t
   lexicographic(const MultiIndex<dim> &index, const MultiIndex<dim> &extents)
@@ -45,9 +43,7 @@ namespace greville
     return result;
   }
 
-  /**
-   * Where a cell lies. Lengths carry the unit of the mesh.
-   */
+  /// Where a cell lies. Lengths carry the unit of the mesh.
   template <int dim>
   struct CellBox
   {
@@ -81,17 +77,13 @@ namespace greville
   public:
     Lattice() = default;
 
-    /**
-     * Collective. Throws dealii::ExcMessage if @p triangulation is not a box of
-     * equal cells.
-     */
+    /// Collective. Throws dealii::ExcMessage if @p triangulation is not a box
+    /// of equal cells.
     Lattice(const DistributedTriangulation<dim> &triangulation);
 
-    /**
-     * Return the lattice of cells of twice the size, each of which joins 2^dim
-     * cells. Throws dealii::ExcMessage for an odd number of cells in a
-     * direction.
-     */
+    /// Return the lattice of cells of twice the size, each of which joins 2^dim
+    /// cells. Throws dealii::ExcMessage for an odd number of cells in a
+    /// direction.
     Lattice
     parents() const;
 
@@ -114,10 +106,8 @@ namespace greville
              periodic.end();
     }
 
-    /**
-     * Shift the index of a cell by a period into the lattice in periodic
-     * directions. Returns whether the cell is in the lattice.
-     */
+    /// Shift the index of a cell by a period into the lattice in periodic
+    /// directions. Returns whether the cell is in the lattice.
     bool
     wrap(MultiIndex<dim> &index) const
     {
@@ -133,10 +123,8 @@ namespace greville
       return is_inside;
     }
 
-    /**
-     * Return the number of cells from one cell to another in a direction, along
-     * the shorter way if it is periodic.
-     */
+    /// Return the number of cells from one cell to another in a direction,
+    /// along the shorter way if it is periodic.
     int
     steps(const unsigned int from,
           const unsigned int to,
@@ -192,10 +180,8 @@ namespace greville
       return result;
     }
 
-    /**
-     * Return the cell that contains @p point; the nearest one for points
-     * outside.
-     */
+    /// Return the cell that contains @p point; the nearest one for points
+    /// outside.
     MultiIndex<dim>
     find_cell(const dealii::Point<dim> &point) const;
 
@@ -225,10 +211,8 @@ namespace greville
                   const MultiIndex<dim>         &n_cells,
                   const std::array<bool, dim>   &periodic = {});
 
-  /**
-   * The settings required of a triangulation for a SplineSpace, which asks
-   * p4est for the owners of points.
-   */
+  /// The settings required of a triangulation for a SplineSpace, which asks
+  /// p4est for the owners of points.
   template <int dim>
   constexpr typename DistributedTriangulation<dim>::Settings mesh_settings =
     DistributedTriangulation<dim>::communicate_vertices_to_p4est;

@@ -9,11 +9,9 @@
 
 namespace greville
 {
-  /**
-   * The levels of p-multigrid: spline spaces of decreasing order on one mesh
-   * (@ref Tielen2019 "Tielen, Moeller and Vuik, 2019"). As in deal.II, level 0
-   * is the coarsest. It has order 1 unless the hierarchy has a single level.
-   */
+  /// The levels of p-multigrid: spline spaces of decreasing order on one mesh
+  /// (@ref Tielen2019 "Tielen, Moeller and Vuik, 2019"). As in deal.II, level 0
+  /// is the coarsest. It has order 1 unless the hierarchy has a single level.
   template <int dim>
   class OrderHierarchy
   {
@@ -27,10 +25,8 @@ namespace greville
       reinit(triangulation, degree, coarsening);
     }
 
-    /**
-     * Collective. @p coarsening is one of coarsenings(). The cells are the
-     * cells of the mesh or their parents, see SplineSpace.
-     */
+    /// Collective. @p coarsening is one of coarsenings(). The cells are the
+    /// cells of the mesh or their parents, see SplineSpace.
     void
     reinit(DistributedTriangulation<dim> &triangulation,
            const unsigned int             degree,

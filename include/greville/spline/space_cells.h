@@ -24,10 +24,8 @@ namespace greville
     using CellIterator =
       typename dealii::Triangulation<dim>::active_cell_iterator;
 
-    /**
-     * Collective. Find the owned cells. Throws dealii::ExcMessage for a mesh
-     * that is not a Lattice, and for parents of an odd number of cells.
-     */
+    /// Collective. Find the owned cells. Throws dealii::ExcMessage for a mesh
+    /// that is not a Lattice, and for parents of an odd number of cells.
     void
     reinit(DistributedTriangulation<dim> &triangulation, const bool on_parents);
 
@@ -40,10 +38,8 @@ namespace greville
     MPI_Comm
     communicator() const;
 
-    /**
-     * The cells as one lattice, for the few parts that need all of them to be
-     * alike. Others use the functions on cells below.
-     */
+    /// The cells as one lattice, for the few parts that need all of them to be
+    /// alike. Others use the functions on cells below.
     const Lattice<dim> &
     lattice() const
     {
@@ -87,26 +83,20 @@ namespace greville
       return mesh_lattice.smallest_cell_size();
     }
 
-    /**
-     * Lexicographic positions (in cells_per_direction()) of the owned cells,
-     * ascending.
-     */
+    /// Lexicographic positions (in cells_per_direction()) of the owned cells,
+    /// ascending.
     const std::vector<std::uint64_t> &
     owned_cells() const
     {
       return cells;
     }
 
-    /**
-     * Return the place in owned_cells() of a locally owned cell or of its
-     * parent.
-     */
+    /// Return the place in owned_cells() of a locally owned cell or of its
+    /// parent.
     unsigned int
     cell_number(const CellIterator &cell) const;
 
-    /**
-     * Return where owned cell number @p cell lies. Costs a few operations.
-     */
+    /// Return where owned cell number @p cell lies. Costs a few operations.
     CellBox<dim>
     box(const unsigned int cell) const
     {
@@ -114,37 +104,27 @@ namespace greville
         multi_index<dim>(cells[cell], mesh_lattice.n_cells()));
     }
 
-    /**
-     * Return whether a point lies in the half-open box of an owned cell, or at
-     * the upper walls of the grid in the closed one. False for NaN.
-     */
+    /// Return whether a point lies in the half-open box of an owned cell, or at
+    /// the upper walls of the grid in the closed one. False for NaN.
     bool
     contains(const unsigned int cell, const dealii::Point<dim> &x) const;
 
-    /**
-     * Return the position of the cell that contains a point, anywhere in the
-     * mesh; of the nearest cell for points outside.
-     */
+    /// Return the position of the cell that contains a point, anywhere in the
+    /// mesh; of the nearest cell for points outside.
     std::uint64_t
     cell_position(const dealii::Point<dim> &x) const;
 
-    /**
-     * Return the number of the owned cell at a position, or
-     * invalid_unsigned_int if another process owns the cell.
-     */
+    /// Return the number of the owned cell at a position, or
+    /// invalid_unsigned_int if another process owns the cell.
     unsigned int
     find(const std::uint64_t position) const;
 
-    /**
-     * Return the number of the owned cell that contains a point, as
-     * cell_position() and the other find() do.
-     */
+    /// Return the number of the owned cell that contains a point, as
+    /// cell_position() and the other find() do.
     unsigned int
     find(const dealii::Point<dim> &x) const;
 
-    /**
-     * Return the process that owns the cell at a position.
-     */
+    /// Return the process that owns the cell at a position.
     unsigned int
     owner(const std::uint64_t position) const;
 

@@ -55,11 +55,9 @@ namespace greville
                 const unsigned int             n_components = 1,
                 const bool                     on_parents   = false);
 
-    /**
-     * Collective. Throws dealii::ExcMessage for an order outside 1...5, zero
-     * components, a mesh that is not a Lattice, less than p + 1 cells in a
-     * periodic direction, or parents of an odd number of cells.
-     */
+    /// Collective. Throws dealii::ExcMessage for an order outside 1...5, zero
+    /// components, a mesh that is not a Lattice, less than p + 1 cells in a
+    /// periodic direction, or parents of an odd number of cells.
     void
     reinit(DistributedTriangulation<dim> &triangulation,
            const unsigned int             degree,
@@ -93,10 +91,8 @@ namespace greville
       return extents;
     }
 
-    /**
-     * Return the Bezier elements: FE_Bernstein of order p, or a FESystem of it
-     * for more than one component.
-     */
+    /// Return the Bezier elements: FE_Bernstein of order p, or a FESystem of it
+    /// for more than one component.
     const dealii::FiniteElement<dim> &
     fe() const;
 
@@ -127,11 +123,9 @@ namespace greville
       return components * functions_per_cell;
     }
 
-    /**
-     * Return the global numbers of the dofs of a locally owned cell: function
-     * by function in lexicographic order, with the components of a function
-     * together.
-     */
+    /// Return the global numbers of the dofs of a locally owned cell: function
+    /// by function in lexicographic order, with the components of a function
+    /// together.
     void
     cell_dof_indices(
       const CellIterator                           &cell,
@@ -139,11 +133,9 @@ namespace greville
 
     // Bezier extraction.
 
-    /**
-     * Return the matrix with @f$ N_a = \sum_b C_{ab} B_b @f$ on a cell, for
-     * functions and Bernstein polynomials in lexicographic order: the Kronecker
-     * product of KnotVector::extraction_matrix() of the directions.
-     */
+    /// Return the matrix with @f$ N_a = \sum_b C_{ab} B_b @f$ on a cell, for
+    /// functions and Bernstein polynomials in lexicographic order: the
+    /// Kronecker product of KnotVector::extraction_matrix() of the directions.
     dealii::FullMatrix<double>
     extraction(const CellIterator &cell) const;
 
@@ -161,30 +153,24 @@ namespace greville
     // The functions of this process, for loops over arrays. Numbers begin with
     // 0; owned functions come first.
 
-    /**
-     * Lexicographic positions (in n_functions()) of the owned functions,
-     * ascending; the local number of a function is its place here.
-     */
+    /// Lexicographic positions (in n_functions()) of the owned functions,
+    /// ascending; the local number of a function is its place here.
     const std::vector<std::uint64_t> &
     owned_functions() const
     {
       return owned;
     }
 
-    /**
-     * Return the lexicographic positions of the functions of owned cells that
-     * other processes own. Their local numbers follow the owned functions.
-     */
+    /// Return the lexicographic positions of the functions of owned cells that
+    /// other processes own. Their local numbers follow the owned functions.
     const std::vector<std::uint64_t> &
     ghost_functions() const
     {
       return ghosts;
     }
 
-    /**
-     * Return the local numbers of the (p + 1)^dim functions of owned cell
-     * number @p cell, in lexicographic order.
-     */
+    /// Return the local numbers of the (p + 1)^dim functions of owned cell
+    /// number @p cell, in lexicographic order.
     dealii::ArrayView<const unsigned int>
     cell_functions(const unsigned int cell) const
     {
@@ -193,10 +179,8 @@ namespace greville
               functions_per_cell};
     }
 
-    /**
-     * Collective. Return the global numbers of functions at lexicographic @p
-     * positions, anywhere in the mesh.
-     */
+    /// Collective. Return the global numbers of functions at lexicographic
+    /// @p positions, anywhere in the mesh.
     std::vector<dealii::types::global_dof_index>
     global_numbers(const std::vector<std::uint64_t> &positions) const;
 
@@ -207,11 +191,9 @@ namespace greville
     dealii::Point<dim>
     greville_point(const unsigned int function) const;
 
-    /**
-     * Return whether a function by its local number is one of those that do not
-     * vanish on a side of the grid, 2 d at the lower and 2 d + 1 at the upper
-     * end of direction d. Periodic directions have no sides.
-     */
+    /// Return whether a function by its local number is one of those that do
+    /// not vanish on a side of the grid, 2 d at the lower and 2 d + 1 at the
+    /// upper end of direction d. Periodic directions have no sides.
     bool
     on_side(const unsigned int function, const unsigned int side) const;
 
@@ -220,10 +202,8 @@ namespace greville
     using SpaceCells<dim>::comm;
     using SpaceCells<dim>::mesh_lattice;
 
-    /**
-     * Return the processes that own the cells of the functions' Greville
-     * points.
-     */
+    /// Return the processes that own the cells of the functions' Greville
+    /// points.
     std::vector<unsigned int>
     find_owners(const std::vector<std::uint64_t> &positions) const;
 
@@ -243,10 +223,8 @@ namespace greville
     MultiIndex<dim>                             extents{};
     std::unique_ptr<dealii::FiniteElement<dim>> element;
 
-    /**
-     * Return the number in the space of function @p i of the knots in a
-     * direction.
-     */
+    /// Return the number in the space of function @p i of the knots in a
+    /// direction.
     unsigned int
     wrapped(const unsigned int i, const unsigned int d) const;
 

@@ -12,11 +12,9 @@
 
 namespace greville
 {
-  /**
-   * The distances of cell centers from a rigid body in a position, by number
-   * of cell: the largest number, or its negative inside the body, if the
-   * distance exceeds the reach, m.
-   */
+  /// The distances of cell centers from a rigid body in a position, by number
+  /// of cell: the largest number, or its negative inside the body, if the
+  /// distance exceeds the reach, m.
   template <int dim>
   struct CellDistances
   {

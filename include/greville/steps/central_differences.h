@@ -68,10 +68,8 @@ namespace greville
       return half_steps && state.velocity_time < state.time;
     }
 
-    /**
-     * Give velocities at half steps the other half of their kick. Reactions do
-     * not change.
-     */
+    /// Give velocities at half steps the other half of their kick. Reactions do
+    /// not change.
     void
     finish(State<dim> &state) override;
 
@@ -105,10 +103,8 @@ namespace greville
            const Member deformation,
            const bool   move);
 
-    /**
-     * Return the time of the velocity of walls: the end of the step, or the
-     * time of the state if nothing moves.
-     */
+    /// Return the time of the velocity of walls: the end of the step, or the
+    /// time of the state if nothing moves.
     WallTime
     wall_time(const State<dim> &state) const;
 
@@ -146,10 +142,8 @@ namespace greville
     ContactStep<dim>
     contact_step(State<dim> &state);
 
-    /**
-     * Set guesses with values at walls, and begin the balance of momentum. The
-     * acceleration is swapped with the one of the state.
-     */
+    /// Set guesses with values at walls, and begin the balance of momentum. The
+    /// acceleration is swapped with the one of the state.
     void
     set_guesses(State<dim> &state);
 
@@ -207,11 +201,9 @@ namespace greville
     void
     add_contact(State<dim> &state);
 
-    /**
-     * Remove the part of the points' velocity that the constrained grid
-     * velocity does not represent: add it, with the opposite sign, to the
-     * acceleration that kicks them.
-     */
+    /// Remove the part of the points' velocity that the constrained grid
+    /// velocity does not represent: add it, with the opposite sign, to the
+    /// acceleration that kicks them.
     void
     take_constrained_residual(const State<dim> &state);
 
@@ -227,11 +219,9 @@ namespace greville
     void
     add_work_of_damping(State<dim> &state);
 
-    /**
-     * Update the points of surfaces. Their velocity belongs to the end of the
-     * step, to which grid velocities at half steps are extrapolated, as
-     * dashpots require.
-     */
+    /// Update the points of surfaces. Their velocity belongs to the end of the
+    /// step, to which grid velocities at half steps are extrapolated, as
+    /// dashpots require.
     void
     update_surfaces(State<dim>             &state,
                     const PointUpdate<dim> &update,

@@ -7,27 +7,21 @@
 
 namespace greville
 {
-  /**
-   * A common step of several simulations with the same times and stages. Its
-   * length is the shortest step that one of them proposes. If one rejects it,
-   * all try a shorter step; if one fails, all are restored.
-   */
+  /// A common step of several simulations with the same times and stages. Its
+  /// length is the shortest step that one of them proposes. If one rejects it,
+  /// all try a shorter step; if one fails, all are restored.
   template <int dim>
   class CommonStep
   {
   public:
-    /**
-     * Contacts act at the start of the step, or in implicit steps during
-     * trials. They and the simulations are kept by reference.
-     */
+    /// Contacts act at the start of the step, or in implicit steps during
+    /// trials. They and the simulations are kept by reference.
     explicit CommonStep(const std::vector<Simulation<dim> *> &simulations,
                         BodyContacts<dim> *contacts = nullptr);
 
     ~CommonStep();
 
-    /**
-     * Collective. Take the step, see Simulation::step().
-     */
+    /// Collective. Take the step, see Simulation::step().
     void
     take();
 

@@ -20,9 +20,7 @@ namespace greville
   class ConsistentMass : public GridMass<dim>
   {
   public:
-    /**
-     * Collective. Orders, parameters and walls are kept by reference.
-     */
+    /// Collective. Orders, parameters and walls are kept by reference.
     ConsistentMass(const OrderHierarchy<dim>  &orders,
                    const SimulationParameters &parameters,
                    const Walls<dim>           &walls);
@@ -71,10 +69,8 @@ namespace greville
       extended_mass.unknowns().extend(field, this->lumped_mass);
     }
 
-    /**
-     * Domains and surfaces also use extended functions without points of a body
-     * in their support.
-     */
+    /// Domains and surfaces also use extended functions without points of a
+    /// body in their support.
     bool
     has_points(const unsigned int function) const override
     {

@@ -9,10 +9,8 @@
 
 namespace greville
 {
-  /**
-   * Orthonormal directions, none of them an axis, along which an owned function
-   * is constrained.
-   */
+  /// Orthonormal directions, none of them an axis, along which an owned
+  /// function is constrained.
   template <int dim>
   struct ConstrainedDirections
   {
@@ -37,11 +35,9 @@ namespace greville
 
 
 
-  /**
-   * Constraints of a velocity in addition to walls: for each owned function,
-   * components as bits, and vectors of any length along which the velocity is
-   * given while it is free in other directions.
-   */
+  /// Constraints of a velocity in addition to walls: for each owned function,
+  /// components as bits, and vectors of any length along which the velocity is
+  /// given while it is free in other directions.
   template <int dim>
   struct Constraints
   {
@@ -56,11 +52,9 @@ namespace greville
       directions.clear();
     }
 
-    /**
-     * Move directions along axes to the components. Returns the remaining
-     * directions by function, orthonormalized in the space of components that
-     * are neither constrained here nor in @p constrained.
-     */
+    /// Move directions along axes to the components. Returns the remaining
+    /// directions by function, orthonormalized in the space of components that
+    /// are neither constrained here nor in @p constrained.
     std::vector<ConstrainedDirections<dim>>
     reduce(const std::vector<unsigned char> &constrained);
   };

@@ -7,10 +7,8 @@
 
 namespace greville
 {
-  /**
-   * The data of an explicit step for contacts: the state with its bodies, and
-   * the velocity field of the grid.
-   */
+  /// The data of an explicit step for contacts: the state with its bodies, and
+  /// the velocity field of the grid.
   template <int dim>
   struct ContactStep
   {
@@ -23,10 +21,8 @@ namespace greville
     /// The row of statistics that the step sums up, or null.
     LateRow<dim> *row = nullptr;
 
-    /**
-     * Add the work of a contact's impulse I: @p before is I v, and @p after is
-     * I v', the share of this process, J (2D: J / m).
-     */
+    /// Add the work of a contact's impulse I: @p before is I v, and @p after is
+    /// I v', the share of this process, J (2D: J / m).
     void
     add_work(const double before, const double after)
     {
@@ -55,10 +51,8 @@ namespace greville
   public:
     virtual ~Contact() = default;
 
-    /**
-     * Collective. Add to GridField::constraints, and set the prescribed
-     * velocity and acceleration there.
-     */
+    /// Collective. Add to GridField::constraints, and set the prescribed
+    /// velocity and acceleration there.
     virtual void
     constrain(ContactStep<dim> &)
     {}
@@ -73,27 +67,21 @@ namespace greville
     apply(ContactStep<dim> &)
     {}
 
-    /**
-     * Remove the components that this contact blocks from a velocity that was
-     * computed from the points.
-     */
+    /// Remove the components that this contact blocks from a velocity that was
+    /// computed from the points.
     virtual void
     stop(VectorField<dim> &) const
     {}
 
-    /**
-     * Return whether constrain() may constrain anything. The momentum of these
-     * constraints is not summed, and their work counts as work of walls.
-     */
+    /// Return whether constrain() may constrain anything. The momentum of these
+    /// constraints is not summed, and their work counts as work of walls.
     virtual bool
     constrains() const
     {
       return false;
     }
 
-    /**
-     * Forget data of earlier steps, see TimeIntegrator::forget().
-     */
+    /// Forget data of earlier steps, see TimeIntegrator::forget().
     virtual void
     forget()
     {}
@@ -101,10 +89,8 @@ namespace greville
 
 
 
-  /**
-   * A function that makes a contact, or returns null if the parameters define
-   * none of its kind.
-   */
+  /// A function that makes a contact, or returns null if the parameters define
+  /// none of its kind.
   template <int dim>
   using MakeContact = std::function<std::unique_ptr<Contact<dim>>(
     const IntegratorParts<dim> &parts)>;
@@ -114,10 +100,8 @@ namespace greville
   void
   add_contact(const MakeContact<dim> &make);
 
-  /**
-   * Return all contacts that the parameters define, in the order in which they
-   * act.
-   */
+  /// Return all contacts that the parameters define, in the order in which they
+  /// act.
   template <int dim>
   std::vector<std::unique_ptr<Contact<dim>>>
   make_contacts(const IntegratorParts<dim> &parts);

@@ -10,30 +10,22 @@
 
 namespace greville
 {
-  /**
-   * The simulations of a parameter file: one, or one for each group of bodies
-   * that share a velocity field, if bodies have grids of their own or there are
-   * contacts. Contacts couple them, and they take common steps.
-   */
+  /// The simulations of a parameter file: one, or one for each group of bodies
+  /// that share a velocity field, if bodies have grids of their own or there
+  /// are contacts. Contacts couple them, and they take common steps.
   template <int dim>
   class CoupledSimulations
   {
   public:
-    /**
-     * Collective. Throws dealii::ExcMessage for invalid parameters.
-     */
+    /// Collective. Throws dealii::ExcMessage for invalid parameters.
     CoupledSimulations(const SimulationParameters &parameters,
                        const MPI_Comm              comm = MPI_COMM_WORLD);
 
-    /**
-     * Collective. See Simulation::fill_grid().
-     */
+    /// Collective. See Simulation::fill_grid().
     void
     fill_grid();
 
-    /**
-     * Collective. Take a common step, see Simulation::step().
-     */
+    /// Collective. Take a common step, see Simulation::step().
     void
     step();
 
@@ -63,10 +55,8 @@ namespace greville
       return *parts[k];
     }
 
-    /**
-     * Return the first part, whose times, numbers of steps and stage are common
-     * to all parts.
-     */
+    /// Return the first part, whose times, numbers of steps and stage are
+    /// common to all parts.
     const Simulation<dim> &
     first() const
     {
@@ -77,15 +67,11 @@ namespace greville
     std::vector<State<dim>>
     state() const;
 
-    /**
-     * Collective. See Simulation::set_state().
-     */
+    /// Collective. See Simulation::set_state().
     void
     set_state(const std::vector<State<dim>> &states);
 
-    /**
-     * See BodyContacts::intervals(); none without contacts.
-     */
+    /// See BodyContacts::intervals(); none without contacts.
     std::vector<ContactInterval<dim>>
     contact_intervals() const
     {
@@ -93,9 +79,7 @@ namespace greville
                       : std::vector<ContactInterval<dim>>();
     }
 
-    /**
-     * Collective. See BodyContacts::gains(); none without contacts.
-     */
+    /// Collective. See BodyContacts::gains(); none without contacts.
     std::vector<std::pair<std::string, double>>
     contact_gains() const
     {
@@ -103,9 +87,7 @@ namespace greville
                       : std::vector<std::pair<std::string, double>>();
     }
 
-    /**
-     * See BodyContacts::notes(); none without contacts.
-     */
+    /// See BodyContacts::notes(); none without contacts.
     std::vector<std::string>
     notes() const
     {
@@ -119,23 +101,17 @@ namespace greville
         contacts->set_intervals(intervals);
     }
 
-    /**
-     * Collective. Return the states as tables, see make_tables().
-     */
+    /// Collective. Return the states as tables, see make_tables().
     std::vector<DistributedTable>
     tables() const;
 
-    /**
-     * Collective. Continue from tables() of simulations with the same
-     * parameters. Later steps are bitwise equal on the same number of
-     * processes.
-     */
+    /// Collective. Continue from tables() of simulations with the same
+    /// parameters. Later steps are bitwise equal on the same number of
+    /// processes.
     void
     set_from_tables(const TablesFile &content);
 
-    /**
-     * Collective. See Simulation::begin_with().
-     */
+    /// Collective. See Simulation::begin_with().
     void
     begin_with(const TablesFile &content);
 
@@ -143,10 +119,8 @@ namespace greville
     BodyList<dim>
     bodies() const;
 
-    /**
-     * The bodies of all stages: bodies of later stages as if they were added
-     * now, and bodies without points for the materials that stages assign.
-     */
+    /// The bodies of all stages: bodies of later stages as if they were added
+    /// now, and bodies without points for the materials that stages assign.
     struct AllBodies
     {
       std::vector<Body<dim>>    later, of_materials;
@@ -154,9 +128,7 @@ namespace greville
       BodyList<dim>             list;
     };
 
-    /**
-     * Collective. Before the first step. See make_later_bodies().
-     */
+    /// Collective. Before the first step. See make_later_bodies().
     AllBodies
     bodies_of_all_stages();
 
@@ -168,10 +140,8 @@ namespace greville
     const std::vector<RigidBody<dim>> &
     rigid_bodies() const;
 
-    /**
-     * Collective. Return sums and extremes over all parts, with the contacts of
-     * find_contact().
-     */
+    /// Collective. Return sums and extremes over all parts, with the contacts
+    /// of find_contact().
     Statistics<dim>
     statistics();
 
@@ -181,9 +151,7 @@ namespace greville
       return first().rows_are_late();
     }
 
-    /**
-     * Collective. See Simulation::finish(); contacts are found before it.
-     */
+    /// Collective. See Simulation::finish(); contacts are found before it.
     void
     finish();
 

@@ -37,25 +37,19 @@ namespace greville
       State<dim>         *state;
     };
 
-    /**
-     * The @p contacts may be null.
-     */
+    /// The @p contacts may be null.
     CoupledSteps(const std::vector<Part> &parts,
                  TrialContacts<dim>      *contacts,
                  const double             dt);
 
-    /**
-     * Collective. Run Newton's method from a guess with constant velocity.
-     * Throws StepRejected if it does not converge.
-     */
+    /// Collective. Run Newton's method from a guess with constant velocity.
+    /// Throws StepRejected if it does not converge.
     void
     try_step();
 
-    /**
-     * The guess and, up to the number of iterations of the last step, the
-     * subsequent iterates are linearized at once: residual and stiffness are
-     * then computed in one pass over the points.
-     */
+    /// The guess and, up to the number of iterations of the last step, the
+    /// subsequent iterates are linearized at once: residual and stiffness are
+    /// then computed in one pass over the points.
     std::string
     residual(VectorType &r, const VectorType &x) override;
 
@@ -83,11 +77,9 @@ namespace greville
     SolveResult
     solve_all(VectorType &x, const VectorType &b, const double tolerance);
 
-    /**
-     * Collective. Add the contribution of the pore water of part k to the
-     * product with the blocks; and apply its part of the preconditioner, before
-     * the part of the displacement.
-     */
+    /// Collective. Add the contribution of the pore water of part k to the
+    /// product with the blocks; and apply its part of the preconditioner,
+    /// before the part of the displacement.
     void
     add_water(const unsigned int k);
     void
@@ -107,11 +99,9 @@ namespace greville
     bool
     has_water() const;
 
-    /**
-     * Collective. Report to the parts why Newton's method has failed at @p x,
-     * and which contacts are @p changing, see
-     * TrialContacts::describe_changes().
-     */
+    /// Collective. Report to the parts why Newton's method has failed at @p x,
+    /// and which contacts are @p changing, see
+    /// TrialContacts::describe_changes().
     [[noreturn]] void
     reject(const VectorType  &x,
            const std::string &reason,

@@ -22,9 +22,7 @@ namespace greville
   class Damping
   {
   public:
-    /**
-     * The parameters are kept by reference.
-     */
+    /// The parameters are kept by reference.
     explicit Damping(const LoadParameters &parameters);
 
     /// Return the factor alpha.

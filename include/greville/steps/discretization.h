@@ -13,11 +13,9 @@
 
 namespace greville
 {
-  /**
-   * Collective. Make the cells of a @p grid, and return their number in each
-   * direction. Throws dealii::ExcMessage, which names the @p parameter, if they
-   * do not fit into memory.
-   */
+  /// Collective. Make the cells of a @p grid, and return their number in each
+  /// direction. Throws dealii::ExcMessage, which names the @p parameter, if
+  /// they do not fit into memory.
   template <int dim>
   MultiIndex<dim>
   create_grid_mesh(DistributedTriangulation<dim> &mesh,
@@ -27,20 +25,16 @@ namespace greville
 
 
 
-  /**
-   * The grid: mesh, spline spaces, walls and velocity fields with their masses,
-   * and the transfer between the grid and the points of a state. Sums over
-   * points are computed once for each State::points_version.
-   */
+  /// The grid: mesh, spline spaces, walls and velocity fields with their
+  /// masses, and the transfer between the grid and the points of a state. Sums
+  /// over points are computed once for each State::points_version.
   template <int dim>
   class Discretization
   {
   public:
-    /**
-     * Collective. Processes get the same share of points and cells. Parameters
-     * and log are kept by reference. Throws dealii::ExcMessage for invalid
-     * parameters.
-     */
+    /// Collective. Processes get the same share of points and cells. Parameters
+    /// and log are kept by reference. Throws dealii::ExcMessage for invalid
+    /// parameters.
     Discretization(const SimulationParameters &parameters,
                    const Loads<dim>           &loads,
                    StepLog                    &log,
@@ -62,11 +56,9 @@ namespace greville
       return cell_partition;
     }
 
-    /**
-     * Collective. Make walls and mass anew from the parameters, which may
-     * belong to another stage now. Fields that have been initialized before,
-     * and the space of points, still refer to the old space.
-     */
+    /// Collective. Make walls and mass anew from the parameters, which may
+    /// belong to another stage now. Fields that have been initialized before,
+    /// and the space of points, still refer to the old space.
     void
     reinit();
 
@@ -160,43 +152,33 @@ namespace greville
     void
     initialize_field(State<dim> &state) const;
 
-    /**
-     * Collective. Sum up mass and momentum of the points and assemble the mass,
-     * unless this has been done for State::points_version; and sum up the force
-     * if @p with_force, including loads on surfaces.
-     */
+    /// Collective. Sum up mass and momentum of the points and assemble the
+    /// mass, unless this has been done for State::points_version; and sum up
+    /// the force if @p with_force, including loads on surfaces.
     void
     sum(const State<dim> &state, const bool with_force = false);
 
-    /**
-     * Collective. Sum up the momentum after a kick that has not moved the
-     * points: the masses do not change.
-     */
+    /// Collective. Sum up the momentum after a kick that has not moved the
+    /// points: the masses do not change.
     void
     sum_momentum(const State<dim> &state);
 
-    /**
-     * Collective. Compute the force on the functions by stresses, by the
-     * current loads of points, and by the acceleration @p gravity. The results
-     * of sum() do not change.
-     */
+    /// Collective. Compute the force on the functions by stresses, by the
+    /// current loads of points, and by the acceleration @p gravity. The results
+    /// of sum() do not change.
     void
     find_force(const State<dim>             &state,
                const dealii::Tensor<1, dim> &gravity,
                VectorField<dim>             &force);
 
-    /**
-     * Collective. Return CellFilling::cell_class() of the owned cells for
-     * extended B-splines.
-     */
+    /// Collective. Return CellFilling::cell_class() of the owned cells for
+    /// extended B-splines.
     std::vector<unsigned char>
     cell_classes(const State<dim> &state, const bool is_implicit);
 
-    /**
-     * Collective. Solve M x = sum for pairs of fields, see GridMass::solve().
-     * Returns the largest number of iterations of a component. Throws
-     * StepFailed if the solver does not converge.
-     */
+    /// Collective. Solve M x = sum for pairs of fields, see GridMass::solve().
+    /// Returns the largest number of iterations of a component. Throws
+    /// StepFailed if the solver does not converge.
     unsigned int
     solve(const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &sums,
@@ -206,11 +188,9 @@ namespace greville
     double
     flip_share(const State<dim> &state, const double dt) const;
 
-    /**
-     * Collective. Move points that have left their cells in a @p motion to
-     * their new cells and processes, and count the points of bodies. Throws
-     * StepFailed for invalid points.
-     */
+    /// Collective. Move points that have left their cells in a @p motion to
+    /// their new cells and processes, and count the points of bodies. Throws
+    /// StepFailed for invalid points.
     void
     transport_points(State<dim> &state, const PointMotion &motion);
 

@@ -10,11 +10,9 @@
 
 namespace greville
 {
-  /**
-   * Return notes about rigid bodies that stay away from their @p regions, the
-   * grids of the bodies that may meet them. Throws dealii::ExcMessage if such a
-   * rigid body does not move and bodies cannot leave their grid.
-   */
+  /// Return notes about rigid bodies that stay away from their @p regions, the
+  /// grids of the bodies that may meet them. Throws dealii::ExcMessage if such
+  /// a rigid body does not move and bodies cannot leave their grid.
   template <int dim>
   std::vector<std::string>
   notes_of_distant_bodies(const SimulationParameters        &parameters,

@@ -11,10 +11,8 @@
 
 namespace greville
 {
-  /**
-   * The energy of all processes at some time, and the work until this time, see
-   * EnergyBalance. Unit: J (2D: J / m).
-   */
+  /// The energy of all processes at some time, and the work until this time,
+  /// see EnergyBalance. Unit: J (2D: J / m).
   struct EnergyTotals
   {
     double energy   = 0.; // E
@@ -49,17 +47,13 @@ namespace greville
       surfaces
     };
 
-    /**
-     * @p start is E(0) of all processes. Energies below @p negligible are
-     * round-off. Unit: J (2D: J / m).
-     */
+    /// @p start is E(0) of all processes. Energies below @p negligible are
+    /// round-off. Unit: J (2D: J / m).
     void
     reinit(const double start, const double negligible);
 
-    /**
-     * Add the energy of bodies that are added (or removed) between two steps,
-     * of all processes, J (2D: J / m).
-     */
+    /// Add the energy of bodies that are added (or removed) between two steps,
+    /// of all processes, J (2D: J / m).
     void
     add_to_start(const double amount)
     {
@@ -75,20 +69,16 @@ namespace greville
       own_work[source] += amount;
     }
 
-    /**
-     * Add the work of friction walls on the bodies of this process, J (2D: J /
-     * m).
-     */
+    /// Add the work of friction walls on the bodies of this process, J (2D: J /
+    /// m).
     void
     add_friction(const double amount)
     {
       own_friction += amount;
     }
 
-    /**
-     * Add the work of damping on the bodies of this process, J (2D: J / m),
-     * which is negative if it dissipates energy.
-     */
+    /// Add the work of damping on the bodies of this process, J (2D: J / m),
+    /// which is negative if it dissipates energy.
     void
     add_damping(const double amount)
     {
@@ -120,10 +110,8 @@ namespace greville
       return dealii::Utilities::MPI::sum(own_damping, comm);
     }
 
-    /**
-     * Collective. Return the totals with @p energy, the current E of all
-     * processes.
-     */
+    /// Collective. Return the totals with @p energy, the current E of all
+    /// processes.
     EnergyTotals
     totals(const double energy, const MPI_Comm comm) const;
 
@@ -143,29 +131,23 @@ namespace greville
       largest = largest_with(now);
     }
 
-    /**
-     * Return the energy that neither work, nor damping, nor friction walls
-     * account for: the dissipation by transfers, the filter and points that
-     * have left the grid. Unit: J (2D: J / m).
-     */
+    /// Return the energy that neither work, nor damping, nor friction walls
+    /// account for: the dissipation by transfers, the filter and points that
+    /// have left the grid. Unit: J (2D: J / m).
     double
     loss(const EnergyTotals &now) const
     {
       return start + now.work + now.damping + now.friction - now.energy;
     }
 
-    /**
-     * Return the largest energy or work in @p now and in all calls of gain()
-     * and remember(). Unit: J (2D: J / m).
-     */
+    /// Return the largest energy or work in @p now and in all calls of gain()
+    /// and remember(). Unit: J (2D: J / m).
     double
     largest_with(const EnergyTotals &now) const;
 
-    /**
-     * Call @p all(name, number) for the numbers that are equal on all
-     * processes, and @p sum(name, number) for numbers that are sums over
-     * processes, including the first @p n_sources sources of work.
-     */
+    /// Call @p all(name, number) for the numbers that are equal on all
+    /// processes, and @p sum(name, number) for numbers that are sums over
+    /// processes, including the first @p n_sources sources of work.
     template <typename Balance, typename All, typename Sum>
     static void
     visit_numbers(Balance           &balance,

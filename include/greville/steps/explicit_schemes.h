@@ -7,9 +7,7 @@
 
 namespace greville
 {
-  /**
-   * Update stress last: w = v', in the pass that kicks and moves the points.
-   */
+  /// Update stress last: w = v', in the pass that kicks and moves the points.
   template <int dim>
   class USL : public CentralDifferences<dim>
   {
@@ -29,10 +27,8 @@ namespace greville
 
 
 
-  /**
-   * Modified update stress last: w = M^-1 P', P' from the velocities of the
-   * kicked points at x_n.
-   */
+  /// Modified update stress last: w = M^-1 P', P' from the velocities of the
+  /// kicked points at x_n.
   template <int dim>
   class MUSL : public CentralDifferences<dim>
   {

@@ -57,21 +57,17 @@ namespace greville
                  const double                  velocity_step,
                  GridField<dim>               &field);
 
-    /**
-     * Return f(p) of the last pressure, N (2D: N / m); along r, its sum is not
-     * zero.
-     */
+    /// Return f(p) of the last pressure, N (2D: N / m); along r, its sum is not
+    /// zero.
     const VectorField<dim> &
     forces() const
     {
       return sum_of_forces;
     }
 
-    /**
-     * Collective. Store the pressure in the points, in contact surfaces for the
-     * friction of the next step, and the volumes of water in the state. To be
-     * called before points move.
-     */
+    /// Collective. Store the pressure in the points, in contact surfaces for
+    /// the friction of the next step, and the volumes of water in the state. To
+    /// be called before points move.
     void
     advance(State<dim> &state) const;
 
@@ -84,10 +80,8 @@ namespace greville
           const double                  kick,
           GridField<dim>               &field);
 
-    /**
-     * Compute moved from displacement by the action of friction walls, and
-     * transform a direction of displacement into one of moved.
-     */
+    /// Compute moved from displacement by the action of friction walls, and
+    /// transform a direction of displacement into one of moved.
     void
     slide(VectorField<dim> *direction = nullptr);
 

@@ -33,15 +33,11 @@ namespace greville
     /// The force of the load on each of State::surfaces, N.
     std::vector<VectorField<dim>> surface_forces;
 
-    /**
-     * The velocity v, the acceleration a, and v' of explicit steps, m / s,
-     * allocated by CentralDifferences.
-     */
+    /// The velocity v, the acceleration a, and v' of explicit steps, m / s,
+    /// allocated by CentralDifferences.
     VectorField<dim> velocity, acceleration, new_velocity;
-    /**
-     * The momentum that walls transfer to the bodies in the step, the share of
-     * this process, kg m / s.
-     */
+    /// The momentum that walls transfer to the bodies in the step, the share of
+    /// this process, kg m / s.
     WallSums<dim> momentum_of_walls;
   };
 } // namespace greville

@@ -84,11 +84,9 @@ namespace greville
           const std::vector<const VectorField<dim> *> &b,
           const std::vector<double>                   &shares = {}) = 0;
 
-    /**
-     * Collective. Add constraints to the constraints of walls, until the next
-     * call. Throws dealii::ExcMessage for directions that are not axes unless
-     * the mass is diagonal.
-     */
+    /// Collective. Add constraints to the constraints of walls, until the next
+    /// call. Throws dealii::ExcMessage for directions that are not axes unless
+    /// the mass is diagonal.
     void
     constrain(const Constraints<dim> &more);
 
@@ -96,11 +94,9 @@ namespace greville
     void
     release();
 
-    /**
-     * Return the unconstrained part of a vector at the owned function i:
-     * without constrained components, and without its part along constrained
-     * directions.
-     */
+    /// Return the unconstrained part of a vector at the owned function i:
+    /// without constrained components, and without its part along constrained
+    /// directions.
     dealii::Tensor<1, dim>
     free_part(const unsigned int i, dealii::Tensor<1, dim> vector) const;
 
@@ -285,10 +281,8 @@ namespace greville
 
 
 
-  /**
-   * Collective. Make the mass named SchemeParameters::mass. Orders, parameters
-   * and walls are kept by reference.
-   */
+  /// Collective. Make the mass named SchemeParameters::mass. Orders, parameters
+  /// and walls are kept by reference.
   template <int dim>
   std::unique_ptr<GridMass<dim>>
   make_grid_mass(const OrderHierarchy<dim>  &orders,

@@ -50,10 +50,8 @@ namespace greville
     StepStress stress    = StepStress::end;
     /// Loads belong to the time t + load_time dt.
     double load_time = 1.;
-    /**
-     * True if points keep the part of their momentum that the constrained
-     * velocity does not represent. Removing it would also dissipate energy.
-     */
+    /// True if points keep the part of their momentum that the constrained
+    /// velocity does not represent. Removing it would also dissipate energy.
     bool keeps_constrained_momentum = false;
 
     /// Return whether a occurs in the equations.
@@ -63,10 +61,8 @@ namespace greville
       return alpha_a != 0. || alpha_m != 0. || gamma != 1.;
     }
 
-    /**
-     * Return the weight of contact forces in the equation, divided by 1 -
-     * alpha_f.
-     */
+    /// Return the weight of contact forces in the equation, divided by 1 -
+    /// alpha_f.
     double
     contact_weight() const
     {

@@ -7,20 +7,17 @@
 
 namespace greville
 {
-  /**
-   * Collective. Return the partition that gives each process the same share of
-   * the points, which the parameters describe, and of the cells of @p mesh. It
-   * has no rows on one process.
-   */
+  /// Collective. Return the partition that gives each process the same share of
+  /// the points, which the parameters describe, and of the cells of @p mesh. It
+  /// has no rows on one process.
   template <int dim>
   Partition
   initial_partition(DistributedTriangulation<dim> &mesh,
                     const SimulationParameters    &parameters,
                     const Loads<dim>              &loads);
 
-  /**
-   * Collective. Return the largest speeds, with waves in bodies without stress.
-   */
+  /// Collective. Return the largest speeds, with waves in bodies without
+  /// stress.
   template <int dim>
   Signals
   initial_signals(const std::vector<Body<dim>> &bodies,

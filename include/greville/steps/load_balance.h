@@ -7,21 +7,17 @@
 
 namespace greville
 {
-  /**
-   * Return the work of this process in a step, in units of the work of a point:
-   * its points of bodies and surfaces, and its cells.
-   */
+  /// Return the work of this process in a step, in units of the work of a
+  /// point: its points of bodies and surfaces, and its cells.
   template <int dim>
   double
   work_of_process(const State<dim> &state, const SplineSpace<dim> &space);
 
 
 
-  /**
-   * Collective. Return the largest work of a process over the mean: the time of
-   * a step relative to perfectly balanced work, as far as it is proportional to
-   * points and cells.
-   */
+  /// Collective. Return the largest work of a process over the mean: the time
+  /// of a step relative to perfectly balanced work, as far as it is
+  /// proportional to points and cells.
   double
   imbalance(const double work, const MPI_Comm comm);
 

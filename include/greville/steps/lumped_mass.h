@@ -24,9 +24,7 @@ namespace greville
   class LumpedMass : public GridMass<dim>
   {
   public:
-    /**
-     * Collective. @p n_terms is K; K = 1 is M_L^-1.
-     */
+    /// Collective. @p n_terms is K; K = 1 is M_L^-1.
     LumpedMass(const unsigned int         n_terms,
                const OrderHierarchy<dim> &orders,
                const Walls<dim>          &walls);
@@ -93,10 +91,8 @@ namespace greville
               const std::vector<const MaterialPoints<dim> *> &bodies,
               const PointTransfer<dim>                       &transfer);
 
-    /**
-     * Call action(i) for the owned functions that walls constrain, which keep
-     * their loads and their velocities.
-     */
+    /// Call action(i) for the owned functions that walls constrain, which keep
+    /// their loads and their velocities.
     template <typename Action>
     void
     for_each_constrained(const unsigned int component, Action action) const;

@@ -30,9 +30,7 @@ namespace greville
     merge(const PointMotion &before);
   };
 
-  /**
-   * Set the velocities of bodies and surfaces to zero.
-   */
+  /// Set the velocities of bodies and surfaces to zero.
   template <int dim>
   void
   stop_points(State<dim> &state);
@@ -51,11 +49,9 @@ namespace greville
                 const double            time,
                 LateRow<dim>           *row = nullptr);
 
-  /**
-   * Collective. Update the points of surfaces, which have no inertia: in a
-   * kick, they take the velocity of the grid. The result is added to the @p
-   * motion.
-   */
+  /// Collective. Update the points of surfaces, which have no inertia: in a
+  /// kick, they take the velocity of the grid. The result is added to the
+  /// @p motion.
   template <int dim>
   void
   update_surfaces(std::vector<Surface<dim>> &surfaces,
@@ -63,11 +59,9 @@ namespace greville
                   PointUpdate<dim>           update,
                   PointMotion               &motion);
 
-  /**
-   * Collective. Average the volume changes of neighboring points of fluids,
-   * every ten steps and slowly in comparison with waves that cross a cell of
-   * the size @p h.
-   */
+  /// Collective. Average the volume changes of neighboring points of fluids,
+  /// every ten steps and slowly in comparison with waves that cross a cell of
+  /// the size @p h.
   template <int dim>
   void
   share_volume(State<dim> &state, PointTransfer<dim> &transfer, const double h);

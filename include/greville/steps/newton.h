@@ -12,10 +12,8 @@
 
 namespace greville
 {
-  /**
-   * Base class of equations r(x) = 0 with forces r, N (2D: N / m), for Newton's
-   * method. All calls are collective.
-   */
+  /// Base class of equations r(x) = 0 with forces r, N (2D: N / m), for
+  /// Newton's method. All calls are collective.
   class NewtonProblem
   {
   public:
@@ -33,9 +31,7 @@ namespace greville
     virtual std::string
     linearize(const VectorType &x) = 0;
 
-    /**
-     * Solve r'(x) dx = -r to a relative tolerance.
-     */
+    /// Solve r'(x) dx = -r to a relative tolerance.
     virtual SolveResult
     solve(VectorType &dx, const VectorType &r, const double tolerance) = 0;
   };
@@ -47,10 +43,8 @@ namespace greville
   {
     /// The Euclidean norm of r, and this norm as a fraction of the scale.
     double residual = 0., relative = 0.;
-    /**
-     * The fraction of dx that was taken, mostly 1; 0 stands for a return to the
-     * smallest residual.
-     */
+    /// The fraction of dx that was taken, mostly 1; 0 stands for a return to
+    /// the smallest residual.
     double       step              = 0.;
     unsigned int linear_iterations = 0;
   };

@@ -20,43 +20,33 @@ namespace greville
   template <int dim>
   using Inside = std::function<bool(const dealii::Point<dim> &x)>;
 
-  /**
-   * The depth of an overlap that is an error, half a cell: as a fraction of the
-   * cell size, and as an Overlap::excess beyond the initial one. Points that
-   * fill cells extend beyond their shape by part of a spacing.
-   */
+  /// The depth of an overlap that is an error, half a cell: as a fraction of
+  /// the cell size, and as an Overlap::excess beyond the initial one. Points
+  /// that fill cells extend beyond their shape by part of a spacing.
   constexpr double half_of_cell = 0.5, half_of_cell_as_excess = 0.3;
 
-  /**
-   * Collective. Find the largest overlap of two sides in cells of the size @p h
-   * (m), see largest_overlap().
-   */
+  /// Collective. Find the largest overlap of two sides in cells of the size
+  /// @p h (m), see largest_overlap().
   template <int dim>
   Overlap<dim>
   overlap_of_bodies(const Sides<dim>      &sides,
                     dealii::Tensor<1, dim> h,
                     const MPI_Comm         comm);
 
-  /**
-   * Return "a point of 'Body NAME' at (0.1, 0.2) m is inside of OTHER".
-   */
+  /// Return "a point of 'Body NAME' at (0.1, 0.2) m is inside of OTHER".
   template <int dim>
   std::string
   inside_text(const Body<dim>          &body,
               const dealii::Point<dim> &x,
               const std::string        &other);
 
-  /**
-   * Return this text for an overlap.
-   */
+  /// Return this text for an overlap.
   template <int dim>
   std::string
   overlap_text(const Sides<dim> &sides, const Overlap<dim> &overlap);
 
-  /**
-   * Return whether @p x and the points at a @p distance (m) from it, along the
-   * axes and the diagonals, are all inside.
-   */
+  /// Return whether @p x and the points at a @p distance (m) from it, along the
+  /// axes and the diagonals, are all inside.
   template <int dim>
   bool
   is_deep(const Inside<dim>        &is_inside,

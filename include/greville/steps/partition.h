@@ -18,18 +18,14 @@ namespace greville
    */
   struct Partition
   {
-    /**
-     * Collective. @p rows has the lexicographic position of a cell
-     * (SplineSpace::owned_cells()) and its weight, one cell after the other,
-     * each on any one process.
-     */
+    /// Collective. @p rows has the lexicographic position of a cell
+    /// (SplineSpace::owned_cells()) and its weight, one cell after the other,
+    /// each on any one process.
     Partition(std::vector<double> rows, const MPI_Comm comm);
 
     const std::vector<double> rows;
-    /**
-     * The number of rows on all processes, and a checksum of all rows in any
-     * order.
-     */
+    /// The number of rows on all processes, and a checksum of all rows in any
+    /// order.
     std::uint64_t n_rows = 0, checksum = 0;
 
     bool

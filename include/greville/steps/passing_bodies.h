@@ -46,10 +46,8 @@ namespace greville
       RigidPosition<dim> last;
     };
 
-    /**
-     * Extent and speed of a body over all processes: the largest -x, x, and the
-     * largest speed (m / s).
-     */
+    /// Extent and speed of a body over all processes: the largest -x, x, and
+    /// the largest speed (m / s).
     struct Motion
     {
       const Body<dim>    *body = nullptr;
@@ -60,10 +58,8 @@ namespace greville
     std::vector<Motion>
     motions() const;
 
-    /**
-     * Collective. Return the first point that is deep in the other body, with
-     * both names; empty if there is none.
-     */
+    /// Collective. Return the first point that is deep in the other body, with
+    /// both names; empty if there is none.
     std::string
     find_overlap(const Pair &pair, const Motion &first, const Motion *second);
 

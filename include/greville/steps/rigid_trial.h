@@ -31,10 +31,8 @@ namespace greville
     using Vector = dealii::Tensor<1, n_unknowns>;
     using Matrix = dealii::Tensor<2, n_unknowns>;
 
-    /**
-     * The @p body is given at the start of a step of length @p dt, s; @p
-     * gravity belongs to the time of loads, m / s^2.
-     */
+    /// The @p body is given at the start of a step of length @p dt, s;
+    /// @p gravity belongs to the time of loads, m / s^2.
     RigidTrial(const RigidBody<dim>         &body,
                const RigidPosition<dim>     &start,
                const dealii::Tensor<1, dim> &gravity,
@@ -45,19 +43,15 @@ namespace greville
     Vector
     guess() const;
 
-    /**
-     * Return the position of the body after a share of the step, with the
-     * velocity at the end, which includes the effect of a @p load if given.
-     */
+    /// Return the position of the body after a share of the step, with the
+    /// velocity at the end, which includes the effect of a @p load if given.
     RigidPosition<dim>
     position(const Vector &q,
              const double  share,
              const Vector *load = nullptr) const;
 
-    /**
-     * Return the load, in terms of q, of a force and a moment about the
-     * reference point, N and N m (2D: N / m and N).
-     */
+    /// Return the load, in terms of q, of a force and a moment about the
+    /// reference point, N and N m (2D: N / m and N).
     Vector
     load(const dealii::Tensor<1, dim> &force,
          const RotationVector<dim>    &moment) const;

@@ -7,10 +7,8 @@
 
 namespace greville
 {
-  /**
-   * A copy of a state with its points as PointsCopy: half of the memory, in
-   * single precision.
-   */
+  /// A copy of a state with its points as PointsCopy: half of the memory, in
+  /// single precision.
   template <int dim>
   class Snapshot
   {
@@ -31,9 +29,7 @@ namespace greville
         surfaces[s].copy(state.surfaces[s].points);
     }
 
-    /**
-     * Overwrite a state of the same bodies and surfaces.
-     */
+    /// Overwrite a state of the same bodies and surfaces.
     void
     restore(State<dim> &state) const
     {

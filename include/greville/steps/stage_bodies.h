@@ -13,11 +13,9 @@ namespace greville
   Body<dim>
   make_body(const std::string &name, const SimulationParameters &parameters);
 
-  /**
-   * Return the layout of a body's points: the history of its material in the
-   * stage of the @p parameters, and the fields that schemes and loads of all
-   * stages need.
-   */
+  /// Return the layout of a body's points: the history of its material in the
+  /// stage of the @p parameters, and the fields that schemes and loads of all
+  /// stages need.
   template <int dim>
   PointLayout<dim>
   layout_of(const std::string &body, const SimulationParameters &parameters);
@@ -36,21 +34,17 @@ namespace greville
              const Loads<dim>           &loads,
              Discretization<dim>        &discretization);
 
-  /**
-   * Collective. Return the surfaces of loads and contacts, without points if
-   * their body has none.
-   */
+  /// Collective. Return the surfaces of loads and contacts, without points if
+  /// their body has none.
   template <int dim>
   std::vector<Surface<dim>>
   make_surfaces(const std::vector<Body<dim>> &bodies,
                 const Loads<dim>             &loads,
                 Discretization<dim>          &discretization);
 
-  /**
-   * Collective. Return the bodies that are absent in the first stage, as if
-   * they were added now. Throws dealii::ExcMessage if this fails, and if two
-   * bodies of a stage overlap, including those of the @p first stage.
-   */
+  /// Collective. Return the bodies that are absent in the first stage, as if
+  /// they were added now. Throws dealii::ExcMessage if this fails, and if two
+  /// bodies of a stage overlap, including those of the @p first stage.
   template <int dim>
   std::vector<Body<dim>>
   make_later_bodies(const std::vector<Body<dim>> &first,
@@ -83,9 +77,8 @@ namespace greville
   void
   check_overlap(const BodyList<dim> &bodies, const SplineSpace<dim> &space);
 
-  /**
-   * Collective. Throw if two bodies with shapes overlap, however thin they are.
-   */
+  /// Collective. Throw if two bodies with shapes overlap, however thin they
+  /// are.
   template <int dim>
   void
   check_overlap_of_shapes(const BodyList<dim>    &bodies,

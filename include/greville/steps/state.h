@@ -32,10 +32,8 @@ namespace greville
 
 
 
-  /**
-   * The mode of the highest frequency, with which the next estimate of the
-   * critical step begins.
-   */
+  /// The mode of the highest frequency, with which the next estimate of the
+  /// critical step begins.
   template <int dim>
   struct HighestMode
   {
@@ -46,18 +44,14 @@ namespace greville
 
 
 
-  /**
-   * Estimates of the critical step.
-   */
+  /// Estimates of the critical step.
   struct StepEstimates
   {
     /// The smallest of the last estimates, s.
     double              critical = 0.;
     std::vector<double> last;
-    /**
-     * The number of the step before which the next estimate is due, and the
-     * number of steps between estimates.
-     */
+    /// The number of the step before which the next estimate is due, and the
+    /// number of steps between estimates.
     unsigned int next = 0, n_between = 0;
     /// Signals::wave at the last estimate.
     double wave = 0.;
@@ -67,10 +61,8 @@ namespace greville
 
 
 
-  /**
-   * The accelerations of the grid in the last two steps and their lengths, the
-   * latest first.
-   */
+  /// The accelerations of the grid in the last two steps and their lengths, the
+  /// latest first.
   template <int dim>
   struct AccelerationHistory
   {
@@ -81,10 +73,8 @@ namespace greville
 
 
 
-  /**
-   * The data of a velocity field of the grid that a step passes to the next
-   * one, see GridField.
-   */
+  /// The data of a velocity field of the grid that a step passes to the next
+  /// one, see GridField.
   template <int dim>
   struct FieldState
   {
@@ -123,22 +113,16 @@ namespace greville
     std::uint64_t n_points  = 0; // points in the grid, of all processes
     std::uint64_t n_sent    = 0; // points that left this process
 
-    /**
-     * The largest_displacement() of the points if 'Time/Largest displacement'
-     * requires it, otherwise 0, m.
-     */
+    /// The largest_displacement() of the points if 'Time/Largest displacement'
+    /// requires it, otherwise 0, m.
     double displacement = 0.;
 
-    /**
-     * The initial mass of the points, the mass removed before the last step,
-     * and the mass removed in it, kg (2D: kg / m).
-     */
+    /// The initial mass of the points, the mass removed before the last step,
+    /// and the mass removed in it, kg (2D: kg / m).
     double mass = 0., removed_mass = 0., mass_removed_last = 0.;
 
-    /**
-     * The largest number of iterations of a solve in the last step, and the sum
-     * over all solves.
-     */
+    /// The largest number of iterations of a solve in the last step, and the
+    /// sum over all solves.
     unsigned int  n_iterations     = 0;
     std::uint64_t n_all_iterations = 0;
 
@@ -160,30 +144,22 @@ namespace greville
     StepEstimates estimates;
     EnergyBalance energy;
 
-    /**
-     * Forces of walls on the bodies in the last step, the share of this
-     * process, N (2D: N / m): the momentum transferred in the step of the
-     * velocities, over its length.
-     */
+    /// Forces of walls on the bodies in the last step, the share of this
+    /// process, N (2D: N / m): the momentum transferred in the step of the
+    /// velocities, over its length.
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
 
-    /**
-     * Volumes of pore water since the start, the share of this process, m^3
-     * (2D: m^2): the inflow to the pores, and the outflow through all
-     * boundaries and through each wall, each surface, and the free surface.
-     */
+    /// Volumes of pore water since the start, the share of this process, m^3
+    /// (2D: m^2): the inflow to the pores, and the outflow through all
+    /// boundaries and through each wall, each surface, and the free surface.
     std::vector<double> water;
-    /**
-     * The volumes in the last step, and its length; 0 if it belongs to another
-     * stage.
-     */
+    /// The volumes in the last step, and its length; 0 if it belongs to another
+    /// stage.
     std::vector<double> water_of_step;
     double              water_step = 0.;
 
-    /**
-     * The distribution of cells among processes, the number of redistributions,
-     * and the imbalance() after the last one.
-     */
+    /// The distribution of cells among processes, the number of
+    /// redistributions, and the imbalance() after the last one.
     std::shared_ptr<const Partition> partition;
     unsigned int                     n_partitions = 0;
     double                           imbalance    = 1.;
@@ -208,10 +184,8 @@ namespace greville
     /// One surface for each of SurfaceLoads, in its order.
     std::vector<Surface<dim>> surfaces;
 
-    /**
-     * A number that identifies positions and velocities of points: sums over
-     * the points belong to a version. Copies share it.
-     */
+    /// A number that identifies positions and velocities of points: sums over
+    /// the points belong to a version. Copies share it.
     std::uint64_t points_version = 0;
 
     /// Set a new version; to be called after points have been moved or kicked.

@@ -66,10 +66,8 @@ namespace greville
 
 
 
-  /**
-   * Collective. Return only the fields of the grid, in the format of
-   * make_tables().
-   */
+  /// Collective. Return only the fields of the grid, in the format of
+  /// make_tables().
   template <int dim>
   std::vector<DistributedTable>
   make_field_tables(const State<dim>       &state,
@@ -85,10 +83,8 @@ namespace greville
 
 
 
-  /**
-   * Call @p action(point) for the points of a cell in an order for which
-   * MaterialPoints::insert() reproduces the lists.
-   */
+  /// Call @p action(point) for the points of a cell in an order for which
+  /// MaterialPoints::insert() reproduces the lists.
   template <int dim, typename Action>
   void
   for_each_as_inserted(const MaterialPoints<dim> &points,

@@ -15,9 +15,7 @@
 
 namespace greville
 {
-  /**
-   * Work since the start, J (2D: J / m). See EnergyBalance.
-   */
+  /// Work since the start, J (2D: J / m). See EnergyBalance.
   struct Work
   {
     double gravity  = 0.;
@@ -33,9 +31,7 @@ namespace greville
 
 
 
-  /**
-   * Sums and extremes over the points of a body, see Statistics.
-   */
+  /// Sums and extremes over the points of a body, see Statistics.
   template <int dim>
   struct BodyStatistics
   {
@@ -49,10 +45,8 @@ namespace greville
 
 
 
-  /**
-   * Sums and extremes over the points of all bodies and processes. Units: kg,
-   * m, s, J; in 2D per metre of thickness.
-   */
+  /// Sums and extremes over the points of all bodies and processes. Units: kg,
+  /// m, s, J; in 2D per metre of thickness.
   template <int dim>
   struct Statistics
   {
@@ -60,10 +54,8 @@ namespace greville
     double                 step = 0.;
     double                 mass = 0.;
     dealii::Tensor<1, dim> momentum;
-    /**
-     * The angular momentum about the origin, with APIC including the affine
-     * matrices. In 2D, the first entry.
-     */
+    /// The angular momentum about the origin, with APIC including the affine
+    /// matrices. In 2D, the first entry.
     dealii::Tensor<1, 3> angular_momentum;
     /// The kinetic energy, with APIC including the affine matrices.
     double                 kinetic       = 0.;
@@ -71,10 +63,8 @@ namespace greville
     double                 dissipation   = 0.;
     double                 gravitational = 0.;
     dealii::Tensor<1, dim> center;
-    /**
-     * The largest x of a point above Output/Front above, the largest y, both
-     * with half of the point's size, and the result of runout_quantile().
-     */
+    /// The largest x of a point above Output/Front above, the largest y, both
+    /// with half of the point's size, and the result of runout_quantile().
     Largest       runout, height, runout_99;
     unsigned int  iterations    = 0;
     double        largest_speed = 0.;
@@ -91,20 +81,16 @@ namespace greville
     std::vector<std::pair<std::string, dealii::Tensor<1, dim>>> loads;
     std::vector<std::pair<std::string, ContactResult<dim>>>     contacts;
     std::vector<std::pair<std::string, RigidPosition<dim>>>     rigid_bodies;
-    /**
-     * The statistics of bodies, which are among the columns() if there are
-     * several.
-     */
+    /// The statistics of bodies, which are among the columns() if there are
+    /// several.
     std::vector<BodyStatistics<dim>> bodies;
 
     /// Return the columns of statistics.csv with their names.
     std::vector<std::pair<std::string, double>>
     columns() const;
 
-    /**
-     * Return the names, including those for the @p loads on surfaces, @p
-     * contacts, @p rigid_bodies and @p bodies.
-     */
+    /// Return the names, including those for the @p loads on surfaces,
+    /// @p contacts, @p rigid_bodies and @p bodies.
     static std::vector<std::string>
     names(const std::vector<std::string> &loads        = {},
           const std::vector<std::string> &bodies       = {},
@@ -114,11 +100,9 @@ namespace greville
     std::vector<double>
     values() const;
 
-    /**
-     * Add the statistics of other bodies, with their loads, at the same time.
-     * runout_99, which does not follow from the parts, becomes the larger
-     * value.
-     */
+    /// Add the statistics of other bodies, with their loads, at the same time.
+    /// runout_99, which does not follow from the parts, becomes the larger
+    /// value.
     void
     add(const Statistics &other);
   };
@@ -126,11 +110,9 @@ namespace greville
   /// The fraction of the mass that may lie beyond Statistics::runout_99.
   constexpr double mass_beyond_runout = 0.005;
 
-  /**
-   * Collective. Add the @p sums over the points of @p bodies to a row, which
-   * contains all other quantities. @p gravity is the acceleration for the
-   * potential energy.
-   */
+  /// Collective. Add the @p sums over the points of @p bodies to a row, which
+  /// contains all other quantities. @p gravity is the acceleration for the
+  /// potential energy.
   template <int dim>
   void
   add_sums(Statistics<dim>                 &row,

@@ -8,26 +8,20 @@
 
 namespace greville
 {
-  /**
-   * The momentum balance of bodies in a step: the share of this process, N s
-   * (2D: N s / m).
-   */
+  /// The momentum balance of bodies in a step: the share of this process, N s
+  /// (2D: N s / m).
   template <int dim>
   struct MomentumBalance
   {
     /// The expected momentum of the points after the step.
     dealii::Tensor<1, dim> expected;
 
-    /**
-     * Add @p factor times the sum of the owned coefficients of @p field.
-     */
+    /// Add @p factor times the sum of the owned coefficients of @p field.
     void
     add(const VectorField<dim> &field, const double factor);
 
-    /**
-     * Add @p factor times the sum of the @p field times the @p mass of its
-     * functions.
-     */
+    /// Add @p factor times the sum of the @p field times the @p mass of its
+    /// functions.
     void
     add(const VectorType       &mass,
         const VectorField<dim> &field,
@@ -80,10 +74,8 @@ namespace greville
     void
     weigh(State<dim> &state) const;
 
-    /**
-     * Pass the results of the points of this process in the current step, for
-     * integrators. check() resets them.
-     */
+    /// Pass the results of the points of this process in the current step, for
+    /// integrators. check() resets them.
     void
     set(const PointMotion &motion);
 
@@ -103,17 +95,13 @@ namespace greville
       energy_swing = energy;
     }
 
-    /**
-     * Collective. Check a state after a step. Data that the integrator has not
-     * passed are not checked. Throws StepFailed.
-     */
+    /// Collective. Check a state after a step. Data that the integrator has not
+    /// passed are not checked. Throws StepFailed.
     void
     check(State<dim> &state, const bool is_implicit);
 
-    /**
-     * Return whether check_energy() is due after this number of steps: every
-     * hundred steps, and after the last one if there are more than a hundred.
-     */
+    /// Return whether check_energy() is due after this number of steps: every
+    /// hundred steps, and after the last one if there are more than a hundred.
     bool
     looks_at_energy(const unsigned int n_steps,
                     const bool         is_last = false) const;
@@ -127,11 +115,9 @@ namespace greville
     check_energy(State<dim> &state, const EnergyTotals &now) const;
 
   private:
-    /**
-     * Return the point of all processes for which @p measure(body, point) is
-     * largest or NaN: "point 12 of the body 'disk' at (0.1, 0.2) m, in the cell
-     * (3, 4)".
-     */
+    /// Return the point of all processes for which @p measure(body, point) is
+    /// largest or NaN: "point 12 of the body 'disk' at (0.1, 0.2) m, in the
+    /// cell (3, 4)".
     template <typename Measure>
     std::string
     worst_point(const State<dim> &state, const Measure &measure) const;
@@ -151,10 +137,8 @@ namespace greville
                    const State<dim>             &state,
                    const bool                    is_implicit) const;
 
-    /**
-     * Collective. Return the name of a surface whose force acts on functions
-     * without mass, empty if there is none.
-     */
+    /// Collective. Return the name of a surface whose force acts on functions
+    /// without mass, empty if there is none.
     std::string
     surface_without_mass(const State<dim> &state) const;
 

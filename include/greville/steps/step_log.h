@@ -13,11 +13,9 @@
 
 namespace greville
 {
-  /**
-   * A record of Newton's method in a step from @p time over @p dt, which is
-   * repeated with a shorter length if it has not converged. @p step and @p part
-   * count from 1; parts are bodies with grids of their own.
-   */
+  /// A record of Newton's method in a step from @p time over @p dt, which is
+  /// repeated with a shorter length if it has not converged. @p step and
+  /// @p part count from 1; parts are bodies with grids of their own.
   struct NewtonRecord
   {
     unsigned int step = 0, part = 1;

@@ -18,21 +18,17 @@ namespace greville
 
 
 
-  /**
-   * Return the step of the @p formula 'Time/Step' for the edge @p h of a cell
-   * (m) and the order, s. Throws dealii::ExcMessage if it is not positive.
-   */
+  /// Return the step of the @p formula 'Time/Step' for the edge @p h of a cell
+  /// (m) and the order, s. Throws dealii::ExcMessage if it is not positive.
   double
   evaluate_step(const Expression     &formula,
                 const TimeParameters &parameters,
                 const double          h,
                 const unsigned int    degree);
 
-  /**
-   * Throw dealii::ExcMessage, which ends with the @p reason of the step, if
-   * there would be too many steps in the time @p left (s), or if they would be
-   * lost to rounding.
-   */
+  /// Throw dealii::ExcMessage, which ends with the @p reason of the step, if
+  /// there would be too many steps in the time @p left (s), or if they would be
+  /// lost to rounding.
   void
   check_step(const double                        step,
              const double                        left,
@@ -57,11 +53,9 @@ namespace greville
   class StepSize
   {
   public:
-    /**
-     * Parameters, discretization and log are kept by reference. Throws
-     * dealii::ExcMessage for an invalid formula. Constraints of contacts are
-     * released for estimates, since contacts may open before the next one.
-     */
+    /// Parameters, discretization and log are kept by reference. Throws
+    /// dealii::ExcMessage for an invalid formula. Constraints of contacts are
+    /// released for estimates, since contacts may open before the next one.
     StepSize(const TimeParameters &parameters,
              Discretization<dim>  &discretization,
              StepLog              &log);

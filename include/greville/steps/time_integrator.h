@@ -14,9 +14,7 @@ namespace greville
   template <int dim>
   class ImplicitSteps;
 
-  /**
-   * A level of the solver of an integrator.
-   */
+  /// A level of the solver of an integrator.
   struct SolverLevel
   {
     unsigned int  degree;
@@ -62,38 +60,30 @@ namespace greville
     try_step(State<dim> &, const double)
     {}
 
-    /**
-     * Collective. Take the step that was tried last: set the state at t + @p
-     * dt, with the points in their cells. Throws StepFailed if a solver does
-     * not converge, or a point breaks or leaves the grid.
-     */
+    /// Collective. Take the step that was tried last: set the state at t +
+    /// @p dt, with the points in their cells. Throws StepFailed if a solver
+    /// does not converge, or a point breaks or leaves the grid.
     virtual void
     advance(State<dim> &state, const double dt) = 0;
 
-    /**
-     * Discard data of earlier steps, so that the next step depends bitwise only
-     * on the state.
-     */
+    /// Discard data of earlier steps, so that the next step depends bitwise
+    /// only on the state.
     virtual void
     forget()
     {}
 
-    /**
-     * Return whether velocities belong to a time before State::time, until
-     * finish() changes this. advance() then sums up the LateRow of the state
-     * before the step, if it is requested.
-     */
+    /// Return whether velocities belong to a time before State::time, until
+    /// finish() changes this. advance() then sums up the LateRow of the state
+    /// before the step, if it is requested.
     virtual bool
     velocities_are_late(const State<dim> &) const
     {
       return false;
     }
 
-    /**
-     * Collective. Advance velocities and coefficients of the grid to
-     * State::time, for a stage with another integrator and for the last row.
-     * Throws StepFailed.
-     */
+    /// Collective. Advance velocities and coefficients of the grid to
+    /// State::time, for a stage with another integrator and for the last row.
+    /// Throws StepFailed.
     virtual void
     finish(State<dim> &)
     {}
@@ -111,20 +101,16 @@ namespace greville
       return false;
     }
 
-    /**
-     * Return the integrator as steps that 'Simulation/Contacts' can couple by a
-     * common Newton's method, or null.
-     */
+    /// Return the integrator as steps that 'Simulation/Contacts' can couple by
+    /// a common Newton's method, or null.
     virtual ImplicitSteps<dim> *
     implicit_steps()
     {
       return nullptr;
     }
 
-    /**
-     * Return the levels of its solver, the coarsest first; none if it solves
-     * only with the mass of the Discretization.
-     */
+    /// Return the levels of its solver, the coarsest first; none if it solves
+    /// only with the mass of the Discretization.
     virtual std::vector<SolverLevel>
     solver_levels() const
     {
@@ -134,10 +120,8 @@ namespace greville
 
 
 
-  /**
-   * The arguments for making integrators. All are kept by reference. The guard
-   * checks the data of a step that integrators pass to it.
-   */
+  /// The arguments for making integrators. All are kept by reference. The guard
+  /// checks the data of a step that integrators pass to it.
   template <int dim>
   struct IntegratorParts
   {

@@ -27,34 +27,26 @@ namespace greville
   class TrialContacts
   {
   public:
-    /**
-     * Collective. The integrators belong to the parts of @p contacts. Both are
-     * kept by reference. Throws StepFailed if a formula of a rigid body has no
-     * value.
-     */
+    /// Collective. The integrators belong to the parts of @p contacts. Both are
+    /// kept by reference. Throws StepFailed if a formula of a rigid body has no
+    /// value.
     TrialContacts(BodyContacts<dim>                       &contacts,
                   const std::vector<ImplicitSteps<dim> *> &steps,
                   const double                             dt);
 
-    /**
-     * Collective. Return the reason why no step of this length can be tried,
-     * empty if it can.
-     */
+    /// Collective. Return the reason why no step of this length can be tried,
+    /// empty if it can.
     std::string
     check_rigid_bodies() const;
 
-    /**
-     * Collective. Set the pore pressures in the trial, given as the blocks of
-     * CoupledSteps: friction depends on the effective pressure.
-     */
+    /// Collective. Set the pore pressures in the trial, given as the blocks of
+    /// CoupledSteps: friction depends on the effective pressure.
     void
     set_pore_pressures(const std::vector<VectorType> &blocks);
 
-    /**
-     * Collective. Evaluate contact at the trial displacements of the parts,
-     * with the tangent if requested, which is added to the stiffness of the
-     * parts. Returns an error message, or an empty text.
-     */
+    /// Collective. Evaluate contact at the trial displacements of the parts,
+    /// with the tangent if requested, which is added to the stiffness of the
+    /// parts. Returns an error message, or an empty text.
     std::string
     evaluate(const bool with_stiffness);
 
@@ -65,10 +57,8 @@ namespace greville
       return free_bodies.size() * RigidTrial<dim>::n_unknowns;
     }
 
-    /**
-     * Collective. Initialize the vector of these unknowns, which belongs to the
-     * first process, for motion with constant velocity.
-     */
+    /// Collective. Initialize the vector of these unknowns, which belongs to
+    /// the first process, for motion with constant velocity.
     void
     initialize_rigid(VectorType &q) const;
 
@@ -113,34 +103,26 @@ namespace greville
     add_product(std::vector<VectorType>       &dst,
                 const std::vector<VectorType> &src);
 
-    /**
-     * Collective. Update the given pressures by the computed ones in augmented
-     * contacts. Returns whether any have changed, so that the equations must be
-     * solved again.
-     */
+    /// Collective. Update the given pressures by the computed ones in augmented
+    /// contacts. Returns whether any have changed, so that the equations must
+    /// be solved again.
     bool
     augment();
 
-    /**
-     * Collective. Return the reason why the trial, which solves the equations,
-     * is not accepted: points have moved so far that they may have missed
-     * contacts. Empty if it is accepted.
-     */
+    /// Collective. Return the reason why the trial, which solves the equations,
+    /// is not accepted: points have moved so far that they may have missed
+    /// contacts. Empty if it is accepted.
     std::string
     check_motion() const;
 
-    /**
-     * Collective. Return the names of the contacts with friction that have
-     * changed between sticking and sliding before most tangents, and a
-     * parameter that helps, after "; ". Empty if there are none.
-     */
+    /// Collective. Return the names of the contacts with friction that have
+    /// changed between sticking and sliding before most tangents, and a
+    /// parameter that helps, after "; ". Empty if there are none.
     std::string
     describe_changes() const;
 
-    /**
-     * Collective. Accept the step, after the parts' integrators have stored the
-     * trial.
-     */
+    /// Collective. Accept the step, after the parts' integrators have stored
+    /// the trial.
     void
     accept();
 

@@ -52,23 +52,17 @@ namespace greville
   class VelocityFilter
   {
   public:
-    /**
-     * Collective. The space is kept by reference.
-     */
+    /// Collective. The space is kept by reference.
     void
     reinit(const SplineSpace<dim> &space);
 
-    /**
-     * Collective. Set the lumped mass, a vector of the space. Runs with a
-     * function without mass are left out.
-     */
+    /// Collective. Set the lumped mass, a vector of the space. Runs with a
+    /// function without mass are left out.
     void
     set_mass(const VectorType &lumped);
 
-    /**
-     * Collective. Compute the corrections z of all components for the velocity
-     * of a step of length @p dt, as vectors of the space.
-     */
+    /// Collective. Compute the corrections z of all components for the velocity
+    /// of a step of length @p dt, as vectors of the space.
     void
     apply(std::array<VectorType, dim>       &z,
           const std::array<VectorType, dim> &velocity,
@@ -76,11 +70,9 @@ namespace greville
           const double                       dt) const;
 
   private:
-    /**
-     * A line of coefficients in direction x. The coefficient at x, counted from
-     * the lower wall of the grid (if x is periodic, from p + 1 functions before
-     * it), has the place place + x.
-     */
+    /// A line of coefficients in direction x. The coefficient at x, counted
+    /// from the lower wall of the grid (if x is periodic, from p + 1 functions
+    /// before it), has the place place + x.
     struct Line
     {
       int begin = 0, end = 0; // empty if equal

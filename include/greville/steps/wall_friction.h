@@ -7,31 +7,23 @@
 
 namespace greville
 {
-  /**
-   * Friction walls for lumped mass and FMPM, applied to each coefficient
-   * separately, see Walls::add_contact().
-   */
+  /// Friction walls for lumped mass and FMPM, applied to each coefficient
+  /// separately, see Walls::add_contact().
   template <int dim>
   class WallFriction : public Contact<dim>
   {
   public:
-    /**
-     * Return the contact; null without friction walls.
-     */
+    /// Return the contact; null without friction walls.
     static std::unique_ptr<Contact<dim>>
     make(const IntegratorParts<dim> &parts);
 
-    /**
-     * Both arguments are kept by reference.
-     */
+    /// Both arguments are kept by reference.
     WallFriction(const Walls<dim> &walls, GridField<dim> &field);
 
     void
     apply(ContactStep<dim> &step) override;
 
-    /**
-     * Call Walls::stop().
-     */
+    /// Call Walls::stop().
     void
     stop(VectorField<dim> &velocity) const override
     {

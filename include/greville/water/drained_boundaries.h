@@ -21,20 +21,16 @@ namespace greville
 
 
 
-  /**
-   * The walls and surfaces that water can pass, as integration points of
-   * WaterPoints: Gauss points of the cells at walls, whose area is weighted by
-   * the filling of the cell, and the points of surfaces.
-   */
+  /// The walls and surfaces that water can pass, as integration points of
+  /// WaterPoints: Gauss points of the cells at walls, whose area is weighted by
+  /// the filling of the cell, and the points of surfaces.
   template <int dim>
   class DrainedBoundaries
   {
   public:
-    /**
-     * The @p displacements and @p parameters are kept by reference. The @p
-     * penalty is the factor of Nitsche's method times the cell size. Throws
-     * dealii::ExcMessage for invalid formulas.
-     */
+    /// The @p displacements and @p parameters are kept by reference. The
+    /// @p penalty is the factor of Nitsche's method times the cell size. Throws
+    /// dealii::ExcMessage for invalid formulas.
     DrainedBoundaries(const SplineSpace<dim>     &displacements,
                       const SimulationParameters &parameters,
                       const double                penalty);
@@ -99,10 +95,8 @@ namespace greville
         const Given                           &given,
         const dealii::ArrayView<const double> &arguments) const;
 
-    /**
-     * Set the properties of the soil in a cell at a wall to the mean of all
-     * bodies, weighted by volume. Returns whether there is any soil.
-     */
+    /// Set the properties of the soil in a cell at a wall to the mean of all
+    /// bodies, weighted by volume. Returns whether there is any soil.
     bool
     set_soil(DrainedPoint                 &point,
              const std::vector<Body<dim>> &bodies,

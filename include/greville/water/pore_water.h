@@ -56,10 +56,8 @@ namespace greville
     /// The field for BDF2: WaterPoints::Numbers::change.
     static constexpr const char *field_of_change = "water_change";
 
-    /**
-     * Collective. The space of the displacement and the parameters are kept by
-     * reference. Throws dealii::ExcMessage for invalid parameters.
-     */
+    /// Collective. The space of the displacement and the parameters are kept by
+    /// reference. Throws dealii::ExcMessage for invalid parameters.
     PoreWater(const SplineSpace<dim>        &displacements,
               DistributedTriangulation<dim> &triangulation,
               const SimulationParameters    &parameters);
@@ -102,17 +100,13 @@ namespace greville
       space().initialize_vector(vector);
     }
 
-    /**
-     * Collective. Set the initial pressure of a trial step: zero, or the
-     * pressure of the points at the start if flow or friction depend on it.
-     */
+    /// Collective. Set the initial pressure of a trial step: zero, or the
+    /// pressure of the points at the start if flow or friction depend on it.
     void
     guess(VectorType &x);
 
-    /**
-     * Collective. Evaluate the force of the pressure x on the grid, which is
-     * overwritten, and the residual of the balance of water.
-     */
+    /// Collective. Evaluate the force of the pressure x on the grid, which is
+    /// overwritten, and the residual of the balance of water.
     void
     evaluate(const VectorField<dim> &u,
              const VectorType       &x,
@@ -130,27 +124,21 @@ namespace greville
     void
     spread(const VectorType &dx, VectorField<dim> &force) const;
 
-    /**
-     * Collective. Compute the force at the start of the step from the pressures
-     * stored in the points.
-     */
+    /// Collective. Compute the force at the start of the step from the
+    /// pressures stored in the points.
     void
     begin_force(VectorField<dim> &force) const;
 
-    /**
-     * Return the part of the force that does not depend on the pore pressure,
-     * due to the water around the bodies; null if there is none.
-     */
+    /// Return the part of the force that does not depend on the pore pressure,
+    /// due to the water around the bodies; null if there is none.
     const VectorField<dim> *
     outer_force() const
     {
       return free_surface ? &free_surface->force() : nullptr;
     }
 
-    /**
-     * A function that solves M u = b for u (the second argument) with b the
-     * first one.
-     */
+    /// A function that solves M u = b for u (the second argument) with b the
+    /// first one.
     using SolveMass =
       std::function<void(const VectorField<dim> &, VectorField<dim> &)>;
 
@@ -167,18 +155,14 @@ namespace greville
     void
     precondition(VectorType &dx, const VectorType &rows) const;
 
-    /**
-     * Collective. Return the pressure with the coefficients @p x at the points
-     * of each of the @p surfaces, see values_at_surfaces().
-     */
+    /// Collective. Return the pressure with the coefficients @p x at the points
+    /// of each of the @p surfaces, see values_at_surfaces().
     std::vector<std::vector<double>>
     at_surfaces(const VectorType                               &x,
                 const std::vector<const MaterialPoints<dim> *> &surfaces) const;
 
-    /**
-     * Collective. Return the norm of the forces and the round-off of the
-     * residual in the last evaluate().
-     */
+    /// Collective. Return the norm of the forces and the round-off of the
+    /// residual in the last evaluate().
     double
     force_scale() const;
 
@@ -196,20 +180,16 @@ namespace greville
     advance(std::vector<Body<dim>>    &bodies,
             const std::vector<double> &last) const;
 
-    /**
-     * Return the mean density of soil and water at the start of the step, kg /
-     * m^3.
-     */
+    /// Return the mean density of soil and water at the start of the step, kg /
+    /// m^3.
     double
     density() const
     {
       return mean_density;
     }
 
-    /**
-     * Return the sum of WaterPoints::work() and the work of outer_force() in
-     * the last evaluate().
-     */
+    /// Return the sum of WaterPoints::work() and the work of outer_force() in
+    /// the last evaluate().
     double
     work() const
     {

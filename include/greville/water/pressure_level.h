@@ -19,15 +19,11 @@ namespace greville
   class PressureLevel : public ExtendedLevel<dim>
   {
   public:
-    /**
-     * Collective. The space is kept by reference.
-     */
+    /// Collective. The space is kept by reference.
     PressureLevel(const SplineSpace<dim> &space);
 
-    /**
-     * Collective. See ExtendedLevel::begin_level(). @p parts are the filled
-     * fractions of cells in the transfer between orders.
-     */
+    /// Collective. See ExtendedLevel::begin_level(). @p parts are the filled
+    /// fractions of cells in the transfer between orders.
     void
     begin(const CellFilling<dim>    &filling,
           const std::vector<double> &parts,
