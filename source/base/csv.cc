@@ -30,9 +30,8 @@ namespace greville
       }
     catch (const std::exception &)
       {}
-    AssertThrow(std::isfinite(result),
-                ExcMessage(where + "no finite number for '" + name + "' in <" +
-                           text + ">."));
+    Require(std::isfinite(result),
+            where + "no finite number for '" + name + "' in <" + text + ">.");
     return result;
   }
 
@@ -47,10 +46,10 @@ namespace greville
       "<" + file + "> of the parameter '" + parameter + "'";
     const std::string cannot_read = "Cannot read the file " + of;
     std::error_code   error;
-    AssertThrow(std::filesystem::exists(file, error),
-                ExcMessage("There is no file " + of + "."));
+    Require(std::filesystem::exists(file, error),
+            "There is no file " + of + ".");
     std::ifstream stream = open_text_file(file, cannot_read);
-    AssertThrow(stream, ExcMessage(cannot_read + "."));
+    Require(stream, cannot_read + ".");
     CsvLine      line{true, "", {}, ""};
     bool         has_lines   = false;
     unsigned int line_number = 0;
@@ -67,8 +66,7 @@ namespace greville
         has_lines      = !line.is_header;
         line.is_header = false;
       }
-    AssertThrow(has_lines,
-                ExcMessage("The file " + of + " has no lines of numbers."));
+    Require(has_lines, "The file " + of + " has no lines of numbers.");
   }
 
 
@@ -118,29 +116,24 @@ namespace greville
           header += (header.empty() ? "" : ",") + column;
         errno = 0;
         std::ifstream in(file);
-        AssertThrow(in,
-                    ExcMessage("Cannot read <" + file +
-                               ">: " + std::strerror(errno) + "."));
+        Require(in,
+                "Cannot read <" + file + ">: " + std::strerror(errno) + ".");
         std::getline(in, found);
         std::error_code     error;
         const std::uint64_t n_there = std::filesystem::file_size(file, error);
-        AssertThrow(!error,
-                    ExcMessage("Cannot read <" + file +
-                               ">: " + error.message() + "."));
-        AssertThrow(n_there >= n_bytes,
-                    ExcMessage(
-                      "<" + file +
-                      "> is shorter than it was at the checkpoint. Move it "
-                      "away to begin a new one."));
-        AssertThrow(found == header,
-                    ExcMessage("<" + file + "> has the columns <" + found +
-                               ">, but the resumed run writes <" + header +
-                               ">."));
+        Require(!error, "Cannot read <" + file + ">: " + error.message() + ".");
+        Require(n_there >= n_bytes,
+                "<" + file +
+                  "> is shorter than it was at the checkpoint. Move it away to "
+                  "begin a new one.");
+        Require(found == header,
+                "<" + file + "> has the columns <" + found +
+                  ">, but the resumed run writes <" + header + ">.");
         std::filesystem::resize_file(file, n_bytes, error);
         errno = error.value();
         if (!error)
           out.open(file, std::ios::app);
-        AssertThrow(out.is_open(), ExcMessage(write_error(file)));
+        Require(out.is_open(), write_error(file));
         size = n_bytes;
       },
       comm);
@@ -158,10 +151,10 @@ namespace greville
         [&]() {
           errno                = 0;
           const int descriptor = ::open(file.c_str(), O_RDONLY);
-          AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
+          Require(descriptor >= 0, write_error(file));
           const int result = fsync(descriptor);
           close(descriptor);
-          AssertThrow(result == 0, ExcMessage(write_error(file)));
+          Require(result == 0, write_error(file));
           n_bytes = std::filesystem::file_size(file);
         },
         comm);
@@ -188,14 +181,13 @@ namespace greville
         for (std::size_t k = 0; k < words.size(); ++k)
           out << (k > 0 ? "," : "") << words[k];
         out << std::endl;
-        AssertThrow(out, ExcMessage(write_error(file)));
+        Require(out, write_error(file));
         // Lines would be written to a file that has no name any more.
         struct stat named;
-        AssertThrow(stat(file.c_str(), &named) == 0,
-                    ExcMessage(write_error(file)));
-        AssertThrow(inode == 0 || inode == named.st_ino,
-                    ExcMessage("Cannot write <" + file +
-                               ">: another file has taken its place."));
+        Require(stat(file.c_str(), &named) == 0, write_error(file));
+        Require(inode == 0 || inode == named.st_ino,
+                "Cannot write <" + file +
+                  ">: another file has taken its place.");
         inode = named.st_ino;
         size  = named.st_size;
       },

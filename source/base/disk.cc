@@ -80,9 +80,9 @@ namespace greville
               const std::uint64_t wanted =
                 std::min(8 * values.size(), n_bytes - 8 * at);
               in.read(reinterpret_cast<char *>(values.data()), wanted);
-              AssertThrow(std::uint64_t(in.gcount()) == wanted,
-                          ExcMessage("Cannot read <" + file +
-                                     ">: " + std::strerror(errno) + "."));
+              Require(std::uint64_t(in.gcount()) == wanted,
+                      "Cannot read <" + file + ">: " + std::strerror(errno) +
+                        ".");
               own += checksum(values, at);
             }
         },
@@ -120,13 +120,13 @@ namespace greville
     errno = 0;
     const int descriptor =
       open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
+    Require(descriptor >= 0, write_error(file));
     const bool        has_room = allocate(descriptor, 0, 0, size);
     const std::string message  = write_error(file);
     close(descriptor);
     if (!has_room)
       unlink(file.c_str());
-    AssertThrow(has_room, ExcMessage(message));
+    Require(has_room, message);
   }
 
 
@@ -139,7 +139,7 @@ namespace greville
       return;
     const int result = fsync(descriptor);
     close(descriptor);
-    AssertThrow(result == 0, ExcMessage(write_error(file)));
+    Require(result == 0, write_error(file));
   }
 
 
@@ -176,7 +176,7 @@ namespace greville
         std::string message = done < own_size ? write_error(file) : "";
         if (close(descriptor) != 0 && message.empty())
           message = write_error(file);
-        AssertThrow(message.empty(), ExcMessage(message));
+        Require(message.empty(), message);
       },
       comm);
   }
@@ -235,7 +235,7 @@ namespace greville
         errno = 0;
         std::ofstream out(file, std::ios::binary | std::ios::app);
         out << seal_of(n_bytes, sum) << std::flush;
-        AssertThrow(out, ExcMessage(write_error(file)));
+        Require(out, write_error(file));
       },
       comm);
   }
@@ -251,12 +251,10 @@ namespace greville
       [&]() {
         errno = 0;
         std::ifstream in(file, std::ios::binary);
-        AssertThrow(in,
-                    ExcMessage("Cannot read <" + file +
-                               ">: " + std::strerror(errno) + "."));
-        AssertThrow(std::filesystem::is_regular_file(file),
-                    ExcMessage("Cannot read <" + file +
-                               ">, which is not a regular file."));
+        Require(in,
+                "Cannot read <" + file + ">: " + std::strerror(errno) + ".");
+        Require(std::filesystem::is_regular_file(file),
+                "Cannot read <" + file + ">, which is not a regular file.");
         n_bytes = std::filesystem::file_size(file);
         if (n_bytes >= seal_size)
           {
@@ -264,22 +262,21 @@ namespace greville
             in.seekg(n_bytes);
             in.read(&seal[0], seal_size);
           }
-        AssertThrow(seal.rfind(seal_begin, 0) == 0,
-                    ExcMessage("Cannot read <" + file +
-                               ">, which does not end with its checksum: it "
-                               "is truncated, was not written by this "
-                               "program, or comes from a version that wrote "
-                               "no checksums."));
+        Require(seal.rfind(seal_begin, 0) == 0,
+                "Cannot read <" + file +
+                  ">, which does not end with its checksum: it is truncated, "
+                  "was not written by this program, or comes from a version "
+                  "that wrote no checksums.");
       },
       comm);
     n_bytes                 = Utilities::MPI::broadcast(comm, n_bytes);
     const std::uint64_t sum = checksum_of_file(file, n_bytes, comm);
     run_on_first(
       [&]() {
-        AssertThrow(seal == seal_of(n_bytes, sum),
-                    ExcMessage("Cannot read <" + file +
-                               ">, which has been changed: it does not have "
-                               "the checksum at its end."));
+        Require(seal == seal_of(n_bytes, sum),
+                "Cannot read <" + file +
+                  ">, which has been changed: it does not have the checksum at "
+                  "its end.");
       },
       comm);
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/foreign_call.h>
 
 #include <algorithm>
@@ -351,9 +351,8 @@ namespace greville
         struct sigevent event = {};
         event.sigev_notify    = SIGEV_SIGNAL;
         event.sigev_signo     = clock_signal;
-        AssertThrow(timer_create(CLOCK_MONOTONIC, &event, &clock_of_calls) == 0,
-                    ExcMessage("There is no timer for the time limit of "
-                               "calls of a library."));
+        Require(timer_create(CLOCK_MONOTONIC, &event, &clock_of_calls) == 0,
+                "There is no timer for the time limit of calls of a library.");
       }
     clock_period            = period;
     struct itimerspec every = {};

@@ -25,9 +25,9 @@ namespace greville
     [[noreturn]] void
     fail(const std::string &reason) const
     {
-      AssertThrow(false,
-                  ExcMessage("The formula <" + text + "> of the parameter '" +
-                             parameter + "' " + reason));
+      Require(false,
+              "The formula <" + text + "> of the parameter '" + parameter +
+                "' " + reason);
       std::abort();
     }
 
@@ -507,11 +507,9 @@ namespace greville
     const std::string formulas    = formula_text(text);
     const std::string definitions = text.substr(formulas.size());
     auto              result      = Utilities::split_string_list(formulas, ';');
-    AssertThrow(result.size() == n,
-                ExcMessage("The parameter '" + parameter + "' takes " +
-                           std::to_string(n) +
-                           " formulas separated by semicolons, not <" +
-                           formulas + ">."));
+    Require(result.size() == n,
+            "The parameter '" + parameter + "' takes " + std::to_string(n) +
+              " formulas separated by semicolons, not <" + formulas + ">.");
     for (std::string &formula : result)
       formula += definitions;
     return result;

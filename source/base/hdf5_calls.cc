@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/base/hdf5_calls.h>
 
 #include <algorithm>
@@ -35,7 +36,7 @@ namespace greville
     : id(id)
     , close(close)
   {
-    AssertThrow(id >= 0, ExcMessage(reason_of_hdf5()));
+    Require(id >= 0, reason_of_hdf5());
   }
 
 
@@ -80,7 +81,7 @@ namespace greville
   void
   check_hdf5(const herr_t result)
   {
-    AssertThrow(result >= 0, ExcMessage(reason_of_hdf5()));
+    Require(result >= 0, reason_of_hdf5());
   }
 
 
@@ -110,9 +111,8 @@ namespace greville
     const HDF5Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT),
                                H5Aclose);
     const HDF5Handle type(H5Aget_type(attribute), H5Tclose);
-    AssertThrow(H5Tget_class(type) == H5T_STRING &&
-                  H5Tis_variable_str(type) == 0,
-                ExcMessage("an attribute is no text"));
+    Require(H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0,
+            "an attribute is no text");
     std::string text(H5Tget_size(type), '\0');
     check_hdf5(H5Aread(attribute, type, &text[0]));
     while (!text.empty() && text.back() == '\0')

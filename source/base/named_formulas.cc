@@ -22,14 +22,14 @@ namespace greville
     {
       const std::string what =
         "The section 'Formulas' has the name <" + name + ">, which ";
-      AssertThrow(names_in_formula(name) == std::vector<std::string>{name},
-                  ExcMessage(what + "has to consist of letters, digits and _, "
-                                    "and not to begin with a digit."));
-      AssertThrow(!contains(variables_of<3>("xXt"), name),
-                  ExcMessage(what + "is a variable of formulas."));
-      AssertThrow(!contains(Formulas::known_names(), name) &&
-                    !contains(functions, name),
-                  ExcMessage(what + "is a function or a constant."));
+      Require(names_in_formula(name) == std::vector<std::string>{name},
+              what + "has to consist of letters, digits and _, and not to "
+                     "begin with a digit.");
+      Require(!contains(variables_of<3>("xXt"), name),
+              what + "is a variable of formulas.");
+      Require(!contains(Formulas::known_names(), name) &&
+                !contains(functions, name),
+              what + "is a function or a constant.");
     }
 
   } // namespace
@@ -70,10 +70,9 @@ namespace greville
         if (formula == formulas.end() || contains(order, name))
           continue;
         path.push_back(name);
-        AssertThrow(std::count(path.begin(), path.end(), name) == 1,
-                    ExcMessage("The parameter 'Formulas/" + name +
-                               "' needs its own value: " +
-                               boost::algorithm::join(path, ", ") + "."));
+        Require(std::count(path.begin(), path.end(), name) == 1,
+                "The parameter 'Formulas/" + name + "' needs its own value: " +
+                  boost::algorithm::join(path, ", ") + ".");
         collect(formula->second, path, order);
         path.pop_back();
         order.push_back(name);

@@ -167,13 +167,12 @@ namespace greville
       if (section == sections.end())
         {
           const std::string advice = advice_for(line, "", former);
-          AssertThrow(advice.empty(),
-                      ExcMessage(line.place + ": the section '" + line.section +
-                                 "' no longer exists. " + advice));
-          AssertThrow(false,
-                      ExcMessage(
-                        line.place + ": there is no section '" + line.section +
-                        "'." + did_you_mean(line.section, keys_of(sections))));
+          Require(advice.empty(),
+                  line.place + ": the section '" + line.section +
+                    "' no longer exists. " + advice);
+          Require(false,
+                  line.place + ": there is no section '" + line.section + "'." +
+                    did_you_mean(line.section, keys_of(sections)));
         }
       if (line.name.empty())
         return;
@@ -181,10 +180,9 @@ namespace greville
       if (entry == section->second.end())
         {
           const std::string advice = advice_for(line, "", former);
-          AssertThrow(advice.empty(),
-                      ExcMessage(line.place + ": the parameter '" +
-                                 line.section + "/" + line.name +
-                                 "' no longer exists. " + advice));
+          Require(advice.empty(),
+                  line.place + ": the parameter '" + line.section + "/" +
+                    line.name + "' no longer exists. " + advice);
           std::string hint = did_you_mean(line.name, keys_of(section->second));
           // Sections of sections come last.
           for (const bool is_inner : {false, true})
@@ -192,13 +190,12 @@ namespace greville
               if (hint.empty() && other.second.count(line.name) > 0 &&
                   is_inner == (other.first.find('/') != std::string::npos))
                 hint = " It belongs to the section '" + other.first + "'.";
-          AssertThrow(false,
-                      ExcMessage(
-                        line.place +
-                        (line.section.empty()
-                           ? ": outside of all sections"
-                           : ": in the section '" + line.section + "'") +
-                        " there is no parameter '" + line.name + "'." + hint));
+          Require(false,
+                  line.place +
+                    (line.section.empty()
+                       ? ": outside of all sections"
+                       : ": in the section '" + line.section + "'") +
+                    " there is no parameter '" + line.name + "'." + hint);
         }
       const std::string &description = entry->second.pattern;
       const std::string what = line.place + ": the parameter '" + line.section +
@@ -216,18 +213,17 @@ namespace greville
                Utilities::split_string_list(line.value, ','))
             if (hint.empty())
               hint = did_you_mean(word, words_of(description));
-          AssertThrow(false,
-                      ExcMessage(what + "it has to be " +
-                                 in_words(description) + "." + hint));
+          Require(false,
+                  what + "it has to be " + in_words(description) + "." + hint);
         }
       if (description.find("[Double") != std::string::npos)
         for (const std::string &word :
              Utilities::split_string_list(line.value, ','))
           // Utilities::string_to_double() throws at numbers below 2e-308.
-          AssertThrow(word.empty() ||
-                        is_in_range(std::strtod(word.c_str(), nullptr)),
-                      ExcMessage(what + "numbers are zero, or between 1e-100 "
-                                        "and 1e100 in size."));
+          Require(word.empty() ||
+                    is_in_range(std::strtod(word.c_str(), nullptr)),
+                  what +
+                    "numbers are zero, or between 1e-100 and 1e100 in size.");
     }
   } // namespace
 
@@ -252,10 +248,10 @@ namespace greville
               const std::vector<std::string> &known,
               const std::string              &allowed)
   {
-    AssertThrow(contains(known, value),
-                ExcMessage("The parameter '" + parameter + "' is <" + value +
-                           ">; it has to be one of " + allowed + "." +
-                           did_you_mean(value, known)));
+    Require(contains(known, value),
+            "The parameter '" + parameter + "' is <" + value +
+              ">; it has to be one of " + allowed + "." +
+              did_you_mean(value, known));
   }
 
 
@@ -352,18 +348,16 @@ namespace greville
     const auto slash = what.rfind('/');
     const auto place =
       sections.find(what.substr(0, slash == std::string::npos ? 0 : slash));
-    AssertThrow(place != sections.end(),
-                ExcMessage(
-                  "There is nothing to list under the name <" + what +
-                  ">: it is neither a section nor a parameter of the form "
-                  "SECTION/PARAMETER." +
-                  hint_for_section(what.substr(0, slash), keys_of(sections))));
+    Require(place != sections.end(),
+            "There is nothing to list under the name <" + what +
+              ">: it is neither a section nor a parameter of the form "
+              "SECTION/PARAMETER." +
+              hint_for_section(what.substr(0, slash), keys_of(sections)));
     const std::string name  = what.substr(slash + 1);
     const auto        entry = place->second.find(name);
-    AssertThrow(entry != place->second.end(),
-                ExcMessage("In the section '" + place->first +
-                           "' there is no parameter '" + name + "'." +
-                           did_you_mean(name, keys_of(place->second))));
+    Require(entry != place->second.end(),
+            "In the section '" + place->first + "' there is no parameter '" +
+              name + "'." + did_you_mean(name, keys_of(place->second)));
     out << what << '\n'
         << "  default: " << entry->second.default_value << '\n'
         << "  allowed: " << in_words(entry->second.pattern) << '\n'

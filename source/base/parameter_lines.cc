@@ -2,6 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/parameter_tree.h>
 #include <greville/base/parameters.h>
 #include <greville/base/text_file.h>
@@ -24,20 +25,17 @@ namespace greville
     std::ifstream
     open(const std::string &file)
     {
-      AssertThrow(!file.empty(),
-                  ExcMessage("The name of the parameter file is empty."));
-      AssertThrow(!std::filesystem::is_directory(file),
-                  ExcMessage("<" + file +
-                             "> is a folder, not a parameter file."));
-      AssertThrow(std::filesystem::exists(file),
-                  ExcMessage("There is no parameter file <" + file + ">."));
+      Require(!file.empty(), "The name of the parameter file is empty.");
+      Require(!std::filesystem::is_directory(file),
+              "<" + file + "> is a folder, not a parameter file.");
+      Require(std::filesystem::exists(file),
+              "There is no parameter file <" + file + ">.");
       errno = 0;
       std::ifstream stream =
         open_text_file(file, "Cannot read the parameter file <" + file + ">");
-      AssertThrow(stream,
-                  ExcMessage("The parameter file <" + file +
-                             "> cannot be read: " + std::strerror(errno) +
-                             "."));
+      Require(stream,
+              "The parameter file <" + file +
+                "> cannot be read: " + std::strerror(errno) + ".");
       return stream;
     }
 
@@ -98,8 +96,7 @@ namespace greville
           place = "Line " + std::to_string(first) + " of <" + file + ">";
           if (take_word(words, "subsection"))
             {
-              AssertThrow(!words.empty(),
-                          ExcMessage(place + ": 'subsection' has no name."));
+              Require(!words.empty(), place + ": 'subsection' has no name.");
               sections.push_back(words);
               // A section is known from its lines, so an empty one needs an
               // entry, too.
@@ -107,14 +104,13 @@ namespace greville
             }
           else if (words == "end" || words == "END")
             {
-              AssertThrow(sections.size() > depth,
-                          ExcMessage(place + ": this 'end' ends no section."));
+              Require(sections.size() > depth,
+                      place + ": this 'end' ends no section.");
               sections.pop_back();
             }
           else if (take_word(words, "include"))
             {
-              AssertThrow(n_includes < 20,
-                          ExcMessage(place + ": files include each other."));
+              Require(n_includes < 20, place + ": files include each other.");
               // The path is relative to the file, or to the folder of the run.
               const std::string beside =
                 (std::filesystem::path(file).parent_path() / words).string();
@@ -127,24 +123,22 @@ namespace greville
             {
               const bool is_set = take_word(words, "set");
               const auto equal  = words.find('=');
-              AssertThrow(is_set && equal != std::string::npos,
-                          ExcMessage(
-                            place + ": <" + whole +
-                            "> is neither 'subsection NAME' nor 'set NAME = "
-                            "VALUE' nor 'end'."));
+              Require(is_set && equal != std::string::npos,
+                      place + ": <" + whole +
+                        "> is neither 'subsection NAME' nor 'set NAME = VALUE' "
+                        "nor 'end'.");
               const std::string name = Utilities::trim(words.substr(0, equal));
-              AssertThrow(!name.empty(),
-                          ExcMessage(place + ": the parameter of <" + whole +
-                                     "> has no name."));
+              Require(!name.empty(),
+                      place + ": the parameter of <" + whole +
+                        "> has no name.");
               add(name, Utilities::trim(words.substr(equal + 1)));
             }
         }
-      AssertThrow(line.empty(),
-                  ExcMessage("The last line of <" + file +
-                             "> ends with a backslash."));
-      AssertThrow(sections.size() == depth,
-                  ExcMessage("The section '" + sections.back() + "' of <" +
-                             file + "> has no 'end'."));
+      Require(line.empty(),
+              "The last line of <" + file + "> ends with a backslash.");
+      Require(sections.size() == depth,
+              "The section '" + sections.back() + "' of <" + file +
+                "> has no 'end'.");
     }
 
     /// Return a line from a setting of the command line. The section is one of
@@ -158,13 +152,11 @@ namespace greville
       check_utf8(setting, "The option --set");
       const auto equal = setting.find('=');
       const auto slash = setting.substr(0, equal).rfind('/');
-      AssertThrow(equal != std::string::npos && slash != std::string::npos,
-                  ExcMessage(line.place +
-                             ": it takes the form \"SECTION/PARAMETER=VALUE\", "
-                             "for instance \"Grid/Cells=40, 20\"."));
-      AssertThrow(setting.find_first_of("#\n") == std::string::npos,
-                  ExcMessage(line.place +
-                             ": a value cannot contain '#' or a line break."));
+      Require(equal != std::string::npos && slash != std::string::npos,
+              line.place + ": it takes the form \"SECTION/PARAMETER=VALUE\", "
+                           "for instance \"Grid/Cells=40, 20\".");
+      Require(setting.find_first_of("#\n") == std::string::npos,
+              line.place + ": a value cannot contain '#' or a line break.");
       line.section = Utilities::trim(setting.substr(0, slash));
       line.name = Utilities::trim(setting.substr(slash + 1, equal - slash - 1));
       line.value = Utilities::trim(setting.substr(equal + 1));
@@ -174,10 +166,9 @@ namespace greville
       if (line.path.empty())
         line.path = Utilities::split_string_list(line.section, '/');
       line.section = boost::algorithm::join(line.path, "/");
-      AssertThrow(!line.section.empty() && !line.name.empty(),
-                  ExcMessage(line.place +
-                             ": the name of the section or of the parameter "
-                             "is empty."));
+      Require(!line.section.empty() && !line.name.empty(),
+              line.place +
+                ": the name of the section or of the parameter is empty.");
       return line;
     }
   } // namespace
@@ -214,11 +205,11 @@ namespace greville
     for (const ParameterLine &line : result)
       all_sections.insert(line.section);
     for (const std::string &section : other_sections)
-      AssertThrow(all_sections.count(section) == 0 ||
-                    all_sections.count(own_section) > 0,
-                  ExcMessage("<" + file + "> is a file for the program " +
-                             other + ": it has the section '" + section +
-                             "', but no section '" + own_section + "'."));
+      Require(all_sections.count(section) == 0 ||
+                all_sections.count(own_section) > 0,
+              "<" + file + "> is a file for the program " + other +
+                ": it has the section '" + section + "', but no section '" +
+                own_section + "'.");
     for (const std::string &setting : settings)
       result.push_back(line_of(setting, result));
     return result;

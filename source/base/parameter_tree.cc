@@ -2,6 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/json.h>
 #include <greville/base/parameter_tree.h>
 #include <greville/base/text_file.h>
@@ -136,9 +137,8 @@ namespace greville
                        name = name.substr(slash + 1);
                 }
             name = Utilities::trim(name);
-            AssertThrow(!name.empty(),
-                        ExcMessage(place +
-                                   ": a section or a parameter has no name."));
+            Require(!name.empty(),
+                    place + ": a section or a parameter has no name.");
             if (is_described(child.second))
               add_line(path, name, child.second.get<std::string>("value"));
             else if (child.second.empty() || is_list(child.second))
@@ -170,15 +170,12 @@ namespace greville
                const std::string              &value)
       {
         const std::string section = boost::algorithm::join(path, "/");
-        AssertThrow(value.find_first_of("#\n") == std::string::npos,
-                    ExcMessage(
-                      place + ": the parameter '" + section + "/" + name +
-                      "' is <" + value +
-                      ">; a value cannot contain '#' or a line break."));
-        AssertThrow(given.insert(section + "/" + name).second,
-                    ExcMessage(place + ": the parameter '" + section + "/" +
-                               name + "' is given twice" + lines_with(name) +
-                               "."));
+        Require(value.find_first_of("#\n") == std::string::npos,
+                place + ": the parameter '" + section + "/" + name + "' is <" +
+                  value + ">; a value cannot contain '#' or a line break.");
+        Require(given.insert(section + "/" + name).second,
+                place + ": the parameter '" + section + "/" + name +
+                  "' is given twice" + lines_with(name) + ".");
         result.push_back(
           {section, name, Utilities::trim(value), place, path, false});
       }
@@ -314,26 +311,23 @@ namespace greville
       }
     catch (const boost::property_tree::file_parser_error &error)
       {
-        AssertThrow(false,
-                    ExcMessage("Line " + std::to_string(error.line()) +
-                               " of <" + file +
-                               (is_xml(file) ? "> is not valid XML: "
-                                             : "> is not valid JSON: ") +
-                               error.message() + "."));
+        Require(false,
+                "Line " + std::to_string(error.line()) + " of <" + file +
+                  (is_xml(file) ? "> is not valid XML: "
+                                : "> is not valid JSON: ") +
+                  error.message() + ".");
       }
     if (is_xml(file))
       {
         const auto root = tree.find("ParameterHandler");
-        AssertThrow(root != tree.not_found(),
-                    ExcMessage("<" + file +
-                               "> has no element 'ParameterHandler', which "
-                               "greville FILE.prm --print-parameters xml "
-                               "writes."));
+        Require(root != tree.not_found(),
+                "<" + file +
+                  "> has no element 'ParameterHandler', which greville "
+                  "FILE.prm --print-parameters xml writes.");
         const Tree inner = root->second;
         tree             = inner;
       }
-    AssertThrow(!tree.empty() && !is_list(tree),
-                ExcMessage("<" + file + "> has no sections."));
+    Require(!tree.empty() && !is_list(tree), "<" + file + "> has no sections.");
     Lines lines(file,
                 text,
                 is_xml(file),

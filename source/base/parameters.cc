@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/base/expression.h>
 #include <greville/base/parameter_tree.h>
 
@@ -296,10 +297,10 @@ namespace greville
       error = std::make_error_code(std::errc::not_a_directory);
     if (!error && access(folder.c_str(), W_OK | X_OK) != 0)
       error = std::error_code(errno, std::generic_category());
-    AssertThrow(!error,
-                ExcMessage("Results cannot be written into the folder <" +
-                           folder + "> of the parameter '" + parameter +
-                           "': " + error.message() + "."));
+    Require(!error,
+            "Results cannot be written into the folder <" + folder +
+              "> of the parameter '" + parameter + "': " + error.message() +
+              ".");
   }
 
 
@@ -322,13 +323,11 @@ namespace greville
       std::ofstream out(temporary);
       out << content;
       out.close();
-      AssertThrow(out, ExcMessage(write_error(file)));
+      Require(out, write_error(file));
     }
     std::error_code error;
     std::filesystem::rename(temporary, file, error);
-    AssertThrow(!error,
-                ExcMessage("Cannot write <" + file + ">: " + error.message() +
-                           "."));
+    Require(!error, "Cannot write <" + file + ">: " + error.message() + ".");
   }
 
 

@@ -292,18 +292,17 @@ namespace greville
         [&]() {
           errno                = 0;
           std::FILE *const own = std::fopen(file.c_str(), "wx");
-          AssertThrow(own != nullptr || errno != EEXIST,
-                      ExcMessage("There is a file <" + file +
-                                 "> already: name another one, as in --new " +
-                                 name + " FILE.prm."));
-          AssertThrow(own != nullptr, ExcMessage(write_error(file)));
+          Require(own != nullptr || errno != EEXIST,
+                  "There is a file <" + file +
+                    "> already: name another one, as in --new " + name +
+                    " FILE.prm.");
+          Require(own != nullptr, write_error(file));
           const std::string &content =
             program.templates[found - names.begin()].content;
           const bool is_written =
             std::fwrite(content.data(), 1, content.size(), own) ==
             content.size();
-          AssertThrow((std::fclose(own) == 0) && is_written,
-                      ExcMessage(write_error(file)));
+          Require((std::fclose(own) == 0) && is_written, write_error(file));
         },
         MPI_COMM_WORLD);
       out << "Written: " << file << "\nRun it: " << program.name << ' ' << file

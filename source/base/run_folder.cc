@@ -126,13 +126,11 @@ namespace greville
         if (results.empty())
           return;
         release();
-        AssertThrow(false,
-                    ExcMessage("The folder <" + folder +
-                               "> of the parameter '" + parameter +
-                               "' has results of an earlier run, <" +
-                               results[0].filename().string() +
-                               "> for instance, and 'Output/Earlier results' "
-                               "is refuse."));
+        Require(false,
+                "The folder <" + folder + "> of the parameter '" + parameter +
+                  "' has results of an earlier run, <" +
+                  results[0].filename().string() +
+                  "> for instance, and 'Output/Earlier results' is refuse.");
       },
       comm);
   }
@@ -163,11 +161,11 @@ namespace greville
           }
         catch (const std::filesystem::filesystem_error &error)
           {
-            AssertThrow(false,
-                        ExcMessage("Earlier results in the folder <" + folder +
-                                   "> of the parameter '" + parameter +
-                                   "' cannot be moved or removed: " +
-                                   error.code().message() + "."));
+            Require(false,
+                    "Earlier results in the folder <" + folder +
+                      "> of the parameter '" + parameter +
+                      "' cannot be moved or removed: " +
+                      error.code().message() + ".");
           }
       },
       comm);
@@ -184,7 +182,7 @@ namespace greville
       {
         lock_descriptor =
           ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        AssertThrow(lock_descriptor >= 0, ExcMessage(write_error(file)));
+        Require(lock_descriptor >= 0, write_error(file));
         if (flock(lock_descriptor, LOCK_EX | LOCK_NB) != 0 &&
             errno == EWOULDBLOCK)
           {
@@ -193,11 +191,10 @@ namespace greville
             std::getline(in, holder);
             close(lock_descriptor);
             lock_descriptor = -1;
-            AssertThrow(false,
-                        ExcMessage(
-                          "The folder <" + folder + "> of the parameter '" +
-                          parameter + "' is in use by another run" +
-                          (holder.empty() ? "" : ": " + holder) + "."));
+            Require(false,
+                    "The folder <" + folder + "> of the parameter '" +
+                      parameter + "' is in use by another run" +
+                      (holder.empty() ? "" : ": " + holder) + ".");
           }
         // The previous run may have removed it meanwhile.
         struct stat opened, named;
@@ -218,7 +215,7 @@ namespace greville
       {
         const std::string message = write_error(file);
         release();
-        AssertThrow(false, ExcMessage(message));
+        Require(false, message);
       }
   }
 

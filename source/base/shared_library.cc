@@ -95,7 +95,7 @@ namespace greville
       const auto fail = [&](const std::string &what) {
         std::vector<char> text(what.size() + 2 * PATH_MAX);
         call.write_message(text.data(), text.size(), what.c_str());
-        AssertThrow(false, ExcMessage(std::string(text.data()) + "."));
+        Require(false, std::string(text.data()) + ".");
       };
       try
         {
@@ -157,11 +157,10 @@ namespace greville
                                  at + sizeof(segment) <= content.size();
           if (has_entry)
             std::memcpy(&segment, content.data() + at, sizeof(segment));
-          AssertThrow(has_entry && segment.p_offset <= content.size() &&
-                        segment.p_filesz <= content.size() - segment.p_offset,
-                      ExcMessage(begin +
-                                 "which is truncated: it ends before its "
-                                 "segments do. Build or copy it again."));
+          Require(has_entry && segment.p_offset <= content.size() &&
+                    segment.p_filesz <= content.size() - segment.p_offset,
+                  begin + "which is truncated: it ends before its segments do. "
+                          "Build or copy it again.");
         }
     }
 
@@ -200,14 +199,12 @@ namespace greville
            at      = content.find(mark, at + 1))
         {
                const std::string other = content.c_str() + at + 1;
-               AssertThrow(
+               Require(
             other.find(".so") == std::string::npos || loaded.count(other) > 0,
-            ExcMessage(begin + "which is linked with <" + other +
-                       ">. This program has <" +
-                       boost::algorithm::join(loaded, ">, <") +
-                       ">: link the library with the deal.II and the build "
-                            "type of this program "
-                            "(-DCMAKE_BUILD_TYPE=" GREVILLE_BUILD_TYPE ")."));
+            begin + "which is linked with <" + other + ">. This program has <" +
+              boost::algorithm::join(loaded, ">, <") +
+              ">: link the library with the deal.II and the build type of this "
+                   "program (-DCMAKE_BUILD_TYPE=" GREVILLE_BUILD_TYPE ").");
         }
     }
 
@@ -225,17 +222,16 @@ namespace greville
       // The text ends with a zero.
       const std::string other =
         found == std::string::npos ? "" : content.c_str() + found + mark.size();
-      AssertThrow(
+      Require(
         other == build,
-        ExcMessage(
-          begin + "which " +
-          (other.empty() ? "does not say for which build it was compiled. "
-                           "Begin its function "
-                           "with GREVILLE_PLUGIN (greville/base/plugin.h)"
-                         : "was compiled for another build, <" + other + ">") +
+        begin + "which " +
+          (other.empty()
+             ? "does not say for which build it was compiled. Begin its "
+               "function with GREVILLE_PLUGIN (greville/base/plugin.h)"
+             : "was compiled for another build, <" + other + ">") +
           ". This program is <" + build +
           ">: compile the plugin with the headers and the compiler options of "
-          "this program (-DCMAKE_BUILD_TYPE=" GREVILLE_BUILD_TYPE ")."));
+          "this program (-DCMAKE_BUILD_TYPE=" GREVILLE_BUILD_TYPE ").");
     }
 
 
@@ -255,8 +251,7 @@ namespace greville
                       const std::string              &parameter)
   {
     const std::string begin = begin_of_message(file, parameter);
-    AssertThrow(is_file(file),
-                ExcMessage(begin + "but there is no such file."));
+    Require(is_file(file), begin + "but there is no such file.");
     // Check the file before loading it, since a library stays loaded.
     const std::string content = content_of(file);
     check_is_whole(content, begin);
@@ -269,17 +264,16 @@ namespace greville
       const LibraryCall under_way(file, parameter, "is loaded");
       act(under_way, [&]() {
         void *const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-        AssertThrow(library != nullptr,
-                    ExcMessage(begin + "which cannot be loaded: " + dlerror() +
-                               "."));
+        Require(library != nullptr,
+                begin + "which cannot be loaded: " + dlerror() + ".");
         for (const std::string &name : names)
           if (result == nullptr)
             result = dlsym(library, name.c_str());
       });
     }
-    AssertThrow(result != nullptr,
-                ExcMessage(begin + "which has no function " +
-                           boost::algorithm::join(names, " or ") + "."));
+    Require(result != nullptr,
+            begin + "which has no function " +
+              boost::algorithm::join(names, " or ") + ".");
     return result;
   }
 

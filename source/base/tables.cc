@@ -150,14 +150,14 @@ namespace greville
         Utilities::split_string_list(read_hdf5_text(data_set, columns_name));
       const HDF5Handle space(H5Dget_space(data_set), H5Sclose);
       hsize_t          size[2] = {0, 0};
-      AssertThrow(H5Sget_simple_extent_ndims(space) == 2 &&
-                    H5Sget_simple_extent_dims(space, size, nullptr) == 2 &&
-                    size[1] == table.columns.size() && size[1] > 0,
-                  ExcMessage("the table " + name + " has a wrong shape"));
+      Require(H5Sget_simple_extent_ndims(space) == 2 &&
+                H5Sget_simple_extent_dims(space, size, nullptr) == 2 &&
+                size[1] == table.columns.size() && size[1] > 0,
+              "the table " + name + " has a wrong shape");
       hsize_t n_bytes = 0;
       check_hdf5(H5Fget_filesize(file, &n_bytes));
-      AssertThrow(size[0] <= n_bytes / (sizeof(double) * size[1]),
-                  ExcMessage("the table " + name + " is longer than the file"));
+      Require(size[0] <= n_bytes / (sizeof(double) * size[1]),
+              "the table " + name + " is longer than the file");
       const auto    share = share_of(size[0], comm);
       const hsize_t first = share.first, own = share.second - first;
       table.values.resize(own * size[1]);
@@ -166,9 +166,8 @@ namespace greville
           H5Dread, first, own, size[1], data_set, comm, table.values.data());
       const std::string found = std::to_string(
         Utilities::MPI::sum(checksum(table.values, first * size[1]), comm));
-      AssertThrow(found == read_hdf5_text(data_set, checksum_name),
-                  ExcMessage("the table " + name +
-                             " does not have its checksum"));
+      Require(found == read_hdf5_text(data_set, checksum_name),
+              "the table " + name + " does not have its checksum");
       return table;
     }
 
@@ -207,7 +206,7 @@ namespace greville
     for (const DistributedTable &table : tables)
       if (table.name == name)
         return table;
-    AssertThrow(false, ExcMessage("there is no table " + name));
+    Require(false, "there is no table " + name);
     return tables[0];
   }
 
@@ -217,7 +216,7 @@ namespace greville
   TablesFile::text(const std::string &name) const
   {
     const auto found = texts.find(name);
-    AssertThrow(found != texts.end(), ExcMessage("there is no text " + name));
+    Require(found != texts.end(), "there is no text " + name);
     return found->second;
   }
 
@@ -276,7 +275,7 @@ namespace greville
           }
         std::error_code error;
         std::filesystem::remove(unfinished, error);
-        AssertThrow(false, ExcMessage(message));
+        Require(false, message);
       },
       comm);
   }
@@ -317,8 +316,8 @@ namespace greville
             sum = read_hdf5_text(handle, name);
           else
             content.texts[name] = read_hdf5_text(handle, name);
-        AssertThrow(sum == std::to_string(checksum_of(content.texts)),
-                    ExcMessage("its texts do not have their checksum"));
+        Require(sum == std::to_string(checksum_of(content.texts)),
+                "its texts do not have their checksum");
         for (const std::string &name : links)
           content.tables.push_back(read_table(handle, name, comm));
       }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <deal.II/base/exceptions.h>
-
+#include <greville/base/errors.h>
 #include <greville/base/text_file.h>
 
 #include <boost/locale/utf.hpp>
@@ -16,11 +15,11 @@ namespace greville
   {
     std::error_code error;
     const auto      type = std::filesystem::status(file, error).type();
-    AssertThrow(type != std::filesystem::file_type::directory,
-                ExcMessage(what + ": it is a folder."));
-    AssertThrow(type != std::filesystem::file_type::character &&
-                  type != std::filesystem::file_type::block,
-                ExcMessage(what + ": it is a device, not a file."));
+    Require(type != std::filesystem::file_type::directory,
+            what + ": it is a folder.");
+    Require(type != std::filesystem::file_type::character &&
+              type != std::filesystem::file_type::block,
+            what + ": it is a device, not a file.");
     return std::ifstream(file);
   }
 
@@ -47,14 +46,12 @@ namespace greville
       {
         const auto begin  = at;
         const auto letter = Utf::decode(at, text.end());
-        AssertThrow(letter != boost::locale::utf::illegal &&
-                      letter != boost::locale::utf::incomplete && letter != 0,
-                    ExcMessage(
-                      place + ": what follows <" +
-                      std::string(text.begin(), begin) +
-                      "> is not UTF-8 (the byte " +
-                      std::to_string(static_cast<unsigned char>(*begin)) +
-                      "). Save the file in the encoding UTF-8."));
+        Require(letter != boost::locale::utf::illegal &&
+                  letter != boost::locale::utf::incomplete && letter != 0,
+                place + ": what follows <" + std::string(text.begin(), begin) +
+                  "> is not UTF-8 (the byte " +
+                  std::to_string(static_cast<unsigned char>(*begin)) +
+                  "). Save the file in the encoding UTF-8.");
       }
   }
 } // namespace greville

@@ -129,12 +129,12 @@ namespace greville
     bool has_result = false;
     for (const SolveRecord &record : records)
       has_result = has_result || !record.has_failed;
-    AssertThrow(has_result,
-                ExcMessage("All solves have failed; the first one: " +
-                           records.front().variant() + ", " +
-                           std::to_string(records.front().cells) +
-                           " cells, p = " + std::to_string(records.front().p) +
-                           " " + records.front().result.reason + "."));
+    Require(has_result,
+            "All solves have failed; the first one: " +
+              records.front().variant() + ", " +
+              std::to_string(records.front().cells) +
+              " cells, p = " + std::to_string(records.front().p) + " " +
+              records.front().result.reason + ".");
   }
 
 

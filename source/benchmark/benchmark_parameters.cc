@@ -82,30 +82,27 @@ namespace greville
     auto lists = Utilities::split_string_list(parameters.cells, ';');
     if (lists.size() == 1)
       lists.resize(parameters.dimensions.size(), lists[0]);
-    AssertThrow(
-      lists.size() == parameters.dimensions.size(),
-      ExcMessage("The parameter 'Benchmark/Cells' has to hold one list, or one "
-                 "for each of the dimensions, separated by ';', but "
-                 "is <" +
-                 parameters.cells + ">."));
+    Require(lists.size() == parameters.dimensions.size(),
+            "The parameter 'Benchmark/Cells' has to hold one list, or one for "
+            "each of the dimensions, separated by ';', but is <" +
+              parameters.cells + ">.");
     std::vector<std::vector<unsigned int>> result;
     for (const std::string &list : lists)
       {
         result.emplace_back();
         for (const std::string &word : Utilities::split_string_list(list, ','))
           {
-            AssertThrow(
-              !word.empty() && word.size() < 8 &&
-                word.find_first_not_of("0123456789") == std::string::npos &&
-                std::stoul(word) > 0,
-              ExcMessage("The parameter 'Benchmark/Cells' has to hold whole "
-                         "numbers of 1 or more, but has <" +
-                         word + ">."));
+            Require(!word.empty() && word.size() < 8 &&
+                      word.find_first_not_of("0123456789") ==
+                        std::string::npos &&
+                      std::stoul(word) > 0,
+                    "The parameter 'Benchmark/Cells' has to hold whole numbers "
+                    "of 1 or more, but has <" +
+                      word + ">.");
             result.back().push_back(std::stoul(word));
           }
-        AssertThrow(!result.back().empty(),
-                    ExcMessage(
-                      "The parameter 'Benchmark/Cells' holds no number."));
+        Require(!result.back().empty(),
+                "The parameter 'Benchmark/Cells' holds no number.");
       }
     return result;
   }
@@ -115,32 +112,27 @@ namespace greville
   void
   Benchmark::check_parameters(const std::string &directory)
   {
-    AssertThrow(!parameters.solvers.empty(),
-                ExcMessage(
-                  "The parameter 'Benchmark/Solvers' is empty. It takes some "
-                  "of " +
-                  MassSolver<2>::names() + "."));
+    Require(!parameters.solvers.empty(),
+            "The parameter 'Benchmark/Solvers' is empty. It takes some of " +
+              MassSolver<2>::names() + ".");
     for (const std::string &name : parameters.operators)
       {
         check_word(name, "Benchmark/Operators", operator_names());
         for (const std::string &solver : parameters.solvers)
           check_solver(solver, name, "Benchmark/Solvers");
-        AssertThrow(name != "laplace" || problem_parameters.bodies.empty(),
-                    ExcMessage("The operator <laplace> of the parameter "
-                               "'Benchmark/Operators' is for the box: "
-                               "'Problem/Points' has to be empty, but is <" +
-                               problem_parameters.bodies[0] + ">."));
+        Require(name != "laplace" || problem_parameters.bodies.empty(),
+                "The operator <laplace> of the parameter 'Benchmark/Operators' "
+                "is for the box: 'Problem/Points' has to be empty, but is <" +
+                  problem_parameters.bodies[0] + ">.");
       }
     for (const double nu : parameters.poissons_ratios)
-      AssertThrow(nu > -1. && nu < 0.5,
-                  ExcMessage("The parameter 'Benchmark/Poisson ratios' has <" +
-                             text_of(nu) +
-                             ">; it has to be greater than -1 and smaller than "
-                             "0.5."));
+      Require(nu > -1. && nu < 0.5,
+              "The parameter 'Benchmark/Poisson ratios' has <" + text_of(nu) +
+                ">; it has to be greater than -1 and smaller than 0.5.");
     for (const double C : parameters.courant_numbers)
-      AssertThrow(C > 0. && std::isfinite(C),
-                  ExcMessage("The parameter 'Benchmark/Courant numbers' has <" +
-                             text_of(C) + ">; it has to be greater than 0."));
+      Require(C > 0. && std::isfinite(C),
+              "The parameter 'Benchmark/Courant numbers' has <" + text_of(C) +
+                ">; it has to be greater than 0.");
     check_different(parameters.operators, "Benchmark/Operators");
     check_different(parameters.poissons_ratios, "Benchmark/Poisson ratios");
     check_different(parameters.courant_numbers, "Benchmark/Courant numbers");
@@ -162,11 +154,10 @@ namespace greville
     for (const std::string &entry : parameters.published)
       {
         const std::size_t colon = entry.find(':');
-        AssertThrow(colon != std::string::npos,
-                    ExcMessage(
-                      "The value <" + entry +
-                      "> of the parameter 'Benchmark/Published iterations' "
-                      "does not have the form solver:FILE."));
+        Require(colon != std::string::npos,
+                "The value <" + entry +
+                  "> of the parameter 'Benchmark/Published iterations' does "
+                  "not have the form solver:FILE.");
         const auto table = std::filesystem::path(directory) /
                            Utilities::trim(entry.substr(colon + 1));
         published.emplace_back(

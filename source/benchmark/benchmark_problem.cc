@@ -65,11 +65,11 @@ namespace greville
       }
     const std::string names = level_solver_names(operator_name);
     const auto        known = Utilities::split_string_list(names, '|');
-    AssertThrow(std::count(known.begin(), known.end(), solver) == 1,
-                ExcMessage("The parameter '" + parameter + "' is <" + solver +
-                           ">; for the operator <" + operator_name +
-                           "> it has to be one of " + names + "." +
-                           did_you_mean(solver, known)));
+    Require(std::count(known.begin(), known.end(), solver) == 1,
+            "The parameter '" + parameter + "' is <" + solver +
+              ">; for the operator <" + operator_name +
+              "> it has to be one of " + names + "." +
+              did_you_mean(solver, known));
   }
 
 

@@ -237,11 +237,9 @@ namespace greville
             body.points.for_each([&](const unsigned int, PointRef<dim> q) {
               const Point<dim> x   = q.position();
               const double     rho = density->value(x);
-              AssertThrow(rho >= 0. && std::isfinite(rho),
-                          ExcMessage("'Problem/Density' has to be a number >= "
-                                     "0, but is " +
-                                     text_of(rho) + " at (" + text_of(x) +
-                                     ")."));
+              Require(rho >= 0. && std::isfinite(rho),
+                      "'Problem/Density' has to be a number >= 0, but is " +
+                        text_of(rho) + " at (" + text_of(x) + ").");
               q.mass() = rho * q.volume0();
               sums[0] += q.mass();
               sums[1] += q.volume0();
@@ -249,9 +247,8 @@ namespace greville
           },
           space.communicator());
         Utilities::MPI::sum(sums, space.communicator(), sums);
-        AssertThrow(sums[0] > 0.,
-                    ExcMessage("'Problem/Density' is zero at all points: there "
-                               "is no mass."));
+        Require(sums[0] > 0.,
+                "'Problem/Density' is zero at all points: there is no mass.");
         set_mass_factor(sums[0] / sums[1]);
         bodies = {{&body.points, body.material, body.name, 1.}};
       }

@@ -79,12 +79,11 @@ namespace greville
       {
         points.reinit(space, PointLayout<dim>());
         run_on_all([&]() { make_points(body, n); }, space.communicator());
-        AssertThrow(
-          Utilities::MPI::sum<std::uint64_t>(points.n_points(),
-                                             space.communicator()) > 0,
-          ExcMessage("No point of the body '" + body +
-                     "' has a mass: 'Problem/Density' is zero there, or "
-                     "'Benchmark/Cells' are too few."));
+        Require(Utilities::MPI::sum<std::uint64_t>(points.n_points(),
+                                                   space.communicator()) > 0,
+                "No point of the body '" + body +
+                  "' has a mass: 'Problem/Density' is zero there, or "
+                  "'Benchmark/Cells' are too few.");
 
         std::vector<double> parts(space.owned_cells().size(), 0.);
         points.for_each([&](const unsigned int cell, ConstPointRef<dim> q) {
@@ -178,11 +177,9 @@ namespace greville
         for (const auto &point : place_points<dim>(placement, "Problem", space))
           {
             const double rho = density->value(point.x);
-            AssertThrow(rho >= 0. && std::isfinite(rho),
-                        ExcMessage("'Problem/Density' has to be a number >= "
-                                   "0, but is " +
-                                   text_of(rho) + " at (" + text_of(point.x) +
-                                   ")."));
+            Require(rho >= 0. && std::isfinite(rho),
+                    "'Problem/Density' has to be a number >= 0, but is " +
+                      text_of(rho) + " at (" + text_of(point.x) + ").");
             if (rho == 0.)
               continue;
             for (unsigned int d = 0; d < dim; ++d)

@@ -2,6 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/benchmark/problem_parameters.h>
 #include <greville/geometry/shape.h>
@@ -73,16 +74,16 @@ namespace greville
   void
   ProblemParameters::check(const unsigned int dim) const
   {
-    AssertThrow(lower.size() >= dim && upper.size() >= dim &&
-                  cell_ratio.size() >= dim,
-                ExcMessage("'Problem/Lower corner', 'Problem/Upper corner' and "
-                           "'Problem/Cell ratio' need " +
-                           std::to_string(dim) + " numbers in " +
-                           std::to_string(dim) + "D."));
+    Require(lower.size() >= dim && upper.size() >= dim &&
+              cell_ratio.size() >= dim,
+            "'Problem/Lower corner', 'Problem/Upper corner' and 'Problem/Cell "
+            "ratio' need " +
+              std::to_string(dim) + " numbers in " + std::to_string(dim) +
+              "D.");
     for (unsigned int d = 0; d < dim; ++d)
-      AssertThrow(lower[d] < upper[d],
-                  ExcMessage("'Problem/Lower corner' has to be below "
-                             "'Problem/Upper corner' in each direction."));
+      Require(lower[d] < upper[d],
+              "'Problem/Lower corner' has to be below 'Problem/Upper corner' "
+              "in each direction.");
     const auto  of_shapes = formulas();
     std::string names     = dim == 2 ? "box|column|disk" : "box|column|ball";
     for (const auto &shape : of_shapes)
@@ -120,15 +121,14 @@ namespace greville
       {
         const std::size_t colon = entry.find(':');
         const std::string name  = Utilities::trim(entry.substr(0, colon));
-        AssertThrow(colon != std::string::npos && !name.empty() &&
-                      name.find_first_of(",|") == std::string::npos,
-                    ExcMessage("The entry <" + entry +
-                               "> of the parameter 'Problem/Shapes' does not "
-                               "have the form NAME: FORMULA."));
-        AssertThrow(
+        Require(colon != std::string::npos && !name.empty() &&
+                  name.find_first_of(",|") == std::string::npos,
+                "The entry <" + entry +
+                  "> of the parameter 'Problem/Shapes' does not have the form "
+                  "NAME: FORMULA.");
+        Require(
           result.emplace(name, Utilities::trim(entry.substr(colon + 1))).second,
-          ExcMessage("The parameter 'Problem/Shapes' has the name <" + name +
-                     "> twice."));
+          "The parameter 'Problem/Shapes' has the name <" + name + "> twice.");
       }
     return result;
   }

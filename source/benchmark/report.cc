@@ -70,11 +70,11 @@ namespace greville
         }
       catch (const std::exception &)
         {
-          AssertThrow(false,
-                      ExcMessage(line.where +
-                                 "neither 'elements,p1,p2,...' nor integers "
-                                 "for these columns: <" +
-                                 line.text + ">."));
+          Require(
+            false,
+            line.where +
+              "neither 'elements,p1,p2,...' nor integers for these columns: <" +
+              line.text + ">.");
         }
     });
     return table;

@@ -176,7 +176,7 @@ namespace greville
                       << p.reference()
                       << ") m is more than 1e100 m / s^2 at t = " << t
                       << " s from " << names(false);
-              AssertThrow(false, ExcMessage(message.str()));
+              Require(false, message.str());
             }
           largest = std::max(largest, size);
         });

@@ -149,7 +149,7 @@ namespace greville
                       << "': the load on the point with the initial position ("
                       << p.reference()
                       << ") m is more than 1e100 Pa at t = " << t << " s";
-              AssertThrow(false, ExcMessage(message.str()));
+              Require(false, message.str());
             }
           for (unsigned int d = 0; d < dim; ++d)
             p[first + d] = load[d];

@@ -156,10 +156,9 @@ namespace greville
                   }
                 else
                   path = (displacement[w](x, t) - displacement[w](x, start))[d];
-                AssertThrow(
+                Require(
                   !walls_have_to_stay || std::abs(path) <= 0.1 * h,
-                  ExcMessage(
-                    "The parameter 'Walls/" + WallParameters::names[w] +
+                  "The parameter 'Walls/" + WallParameters::names[w] +
                     (displacement[w].is_zero() ? " velocity"
                                                : " displacement") +
                     "' moves the wall along its normal: by " +
@@ -167,7 +166,7 @@ namespace greville
                     " s. Except in total Lagrangian steps, walls of the grid "
                     "only move tangentially (or by a tenth of a cell, " +
                     std::to_string(0.1 * h) +
-                    " m): take one of 'Simulation/Rigid bodies' as a piston."));
+                    " m): take one of 'Simulation/Rigid bodies' as a piston.");
               }
           }
   }

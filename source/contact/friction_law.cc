@@ -25,7 +25,7 @@ namespace greville
       static std::unique_ptr<const FrictionLaw>
       make(const std::vector<double> &numbers)
       {
-        AssertThrow(numbers.empty(), ExcMessage("it takes no numbers."));
+        Require(numbers.empty(), "it takes no numbers.");
         return std::make_unique<RoughFriction>();
       }
 
@@ -52,11 +52,11 @@ namespace greville
         : mu(text, parameter, {"p", "v"})
       {
         const double first = coefficient(1., 0.);
-        AssertThrow(first >= 0.,
-                    ExcMessage("The formula <" + text + "> of the parameter '" +
-                               parameter + "' is " + text_of(first) +
-                               " at p = 1, v = 0: a coefficient of friction is "
-                               "not negative."));
+        Require(
+          first >= 0.,
+          "The formula <" + text + "> of the parameter '" + parameter +
+            "' is " + text_of(first) +
+            " at p = 1, v = 0: a coefficient of friction is not negative.");
         // Find undefined values before the first contact.
         for (const double pressure : {0., 1., 1e6})
           for (const double speed : {0., 1e-3, 10.})
@@ -135,10 +135,9 @@ namespace greville
           {
             return std::make_unique<FormulaFriction>(text, parameter);
           }
-        AssertThrow(mu >= 0. && std::isfinite(mu),
-                    ExcMessage(what +
-                               "; it has to be rough, a nonnegative number, "
-                               "or a formula of p and v."));
+        Require(mu >= 0. && std::isfinite(mu),
+                what + "; it has to be rough, a nonnegative number, or a "
+                       "formula of p and v.");
         return std::make_unique<CoulombFriction>(mu);
       }
     try
@@ -146,8 +145,7 @@ namespace greville
         std::vector<double> numbers;
         if (open != std::string::npos)
           {
-            AssertThrow(text.back() == ')',
-                        ExcMessage("there is no ')' at its end."));
+            Require(text.back() == ')', "there is no ')' at its end.");
             numbers = Utilities::string_to_double(Utilities::split_string_list(
               text.substr(open + 1, text.size() - open - 2), ','));
           }
@@ -155,9 +153,8 @@ namespace greville
       }
     catch (const std::exception &exception)
       {
-        AssertThrow(false,
-                    ExcMessage(what + ", the law '" + name +
-                               "': " + message_of(exception)));
+        Require(false,
+                what + ", the law '" + name + "': " + message_of(exception));
       }
     return nullptr;
   }

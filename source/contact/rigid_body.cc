@@ -58,11 +58,10 @@ namespace greville
           {
             lower[d] = box.lower_bound(d);
             upper[d] = box.upper_bound(d);
-            AssertThrow(std::isfinite(lower[d]) && std::isfinite(upper[d]),
-                        ExcMessage("'" + section +
-                                   "' is free and has a 'Density', but the "
-                                   "extent of its shape is unknown: give "
-                                   "'Mass' and 'Inertia'."));
+            Require(std::isfinite(lower[d]) && std::isfinite(upper[d]),
+                    "'" + section +
+                      "' is free and has a 'Density', but the extent of its "
+                      "shape is unknown: give 'Mass' and 'Inertia'.");
             const double more = 1e-3 * (upper[d] - lower[d]);
             lower[d] -= more;
             upper[d] += more;
@@ -149,13 +148,11 @@ namespace greville
       {
         const Moments<dim> moments(parameters, section, extent);
         const double       turning = trace(moments.second);
-        AssertThrow(moments.volume > 0. && turning > 0. &&
-                      std::isfinite(turning),
-                    ExcMessage("'" + section +
-                               "' is free and has a 'Density', but its shape "
-                               "is so small, or so far away, that it has no "
-                               "mass or inertia in double precision: give "
-                               "'Mass' and 'Inertia'."));
+        Require(moments.volume > 0. && turning > 0. && std::isfinite(turning),
+                "'" + section +
+                  "' is free and has a 'Density', but its shape is so small, "
+                  "or so far away, that it has no mass or inertia in double "
+                  "precision: give 'Mass' and 'Inertia'.");
         reference = moments.center;
         mass      = parameters.density * moments.volume;
         if constexpr (dim == 2)
@@ -174,11 +171,10 @@ namespace greville
   RigidPosition<dim>
   RigidBody<dim>::position_at_start(const double t) const
   {
-    AssertThrow(rotation.is_zero() || rotation(t).norm() == 0.,
-                ExcMessage(
-                  "The parameter 'Rigid body " + body_name +
-                  "/Rotation' is not zero at the start, t = " + text_of(t) +
-                  " s: 'Shape' gives the initial orientation."));
+    Require(rotation.is_zero() || rotation(t).norm() == 0.,
+            "The parameter 'Rigid body " + body_name +
+              "/Rotation' is not zero at the start, t = " + text_of(t) +
+              " s: 'Shape' gives the initial orientation.");
     RigidPosition<dim> position;
     position.reference = reference;
     if (free)

@@ -2,6 +2,7 @@
 
 #include <deal.II/numerics/rtree.h>
 
+#include <greville/base/errors.h>
 #include <greville/geometry/closest_surface.h>
 
 #include <algorithm>
@@ -160,7 +161,7 @@ namespace greville
     template <int dim>
     ClosestFacet<dim>::ClosestFacet(const ClosedSurface<dim> &surface)
     {
-      AssertThrow(!surface.empty(), ExcMessage("The surface has no facets."));
+      Require(!surface.empty(), "The surface has no facets.");
       std::vector<Entry> entries;
       for (const Facet<dim> &corners : surface)
         {

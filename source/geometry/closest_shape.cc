@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/geometry/closest_surface.h>
 #include <greville/geometry/level_set.h>
 #include <greville/geometry/shape.h>
@@ -266,10 +267,9 @@ namespace greville
                       high[d] = std::max(high[d], corner[d] + 1.);
                     }
               }
-            AssertThrow(low[0] <= high[0],
-                        ExcMessage("The parameter '" + parameter + "' is <" +
-                                   formula +
-                                   ">, which is empty: no point is inside."));
+            Require(low[0] <= high[0],
+                    "The parameter '" + parameter + "' is <" + formula +
+                      ">, which is empty: no point is inside.");
             for (unsigned int d = 0; d < dim; ++d)
               {
                 if (pass == 0 && (low[d] == 0. || high[d] == 16.))

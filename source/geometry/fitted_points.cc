@@ -45,11 +45,9 @@ namespace greville
       double n_cells = 1.;
       for (const unsigned int n : space.cells_per_direction())
         n_cells *= n;
-      AssertThrow(n_cells * n_per_cell < largest_id,
-                  ExcMessage("The grid has too many cells to number the "
-                             "points of '" +
-                             section +
-                             "': make 'Points per direction' smaller."));
+      Require(n_cells * n_per_cell < largest_id,
+              "The grid has too many cells to number the points of '" +
+                section + "': make 'Points per direction' smaller.");
     }
 
 
@@ -82,14 +80,13 @@ namespace greville
                           (part.points[0].x[e] - 0.5 + (e == d ? side : 0));
                 else if (e == d)
                   x[e] += box.size[e] * side;
-              AssertThrow(volume < smallest_part,
-                          ExcMessage(
-                            "The body of '" + section +
-                            "' sticks out of the grid, for instance at (" +
-                            text_of(x) +
-                            ") m. Make the grid larger ('Grid/Lower corner', "
-                            "'Grid/Upper corner'), the shape smaller, or set "
-                            "'Clip at the grid' to true."));
+              Require(volume < smallest_part,
+                      "The body of '" + section +
+                        "' sticks out of the grid, for instance at (" +
+                        text_of(x) +
+                        ") m. Make the grid larger ('Grid/Lower corner', "
+                        "'Grid/Upper corner'), the shape smaller, or set 'Clip "
+                        "at the grid' to true.");
             }
     }
 
@@ -146,15 +143,14 @@ namespace greville
                               size / (space.upper_corner()[d] -
                                       space.lower_corner()[d]));
         }
-      AssertThrow(
+      Require(
         in_cells > 1. && in_grids < 10.,
-        ExcMessage(
-          "The body in <" + placement.shape_file + "> of the parameter '" +
+        "The body in <" + placement.shape_file + "> of the parameter '" +
           section + "/Shape file' reaches from (" + text_of(lower) + ") to (" +
           text_of(upper) + ") m: it is " +
           (in_cells > 1. ? "far larger than the grid" : "smaller than a cell") +
           ". Is 'Unit of shape file' = " + text_of(placement.shape_file_unit) +
-          " m right (0.001 for mm)?"));
+          " m right (0.001 for mm)?");
     }
 
 
@@ -196,11 +192,11 @@ namespace greville
                       const std::string      &section,
                       const SplineSpace<dim> &space)
   {
-    AssertThrow(placement.jitter == 0.,
-                ExcMessage("The parameter '" + section +
-                           "/Jitter' has to be 0 with 'Placement = " +
-                           word_of(placement.placement, placements) +
-                           "': jittered points do not follow the boundary."));
+    Require(placement.jitter == 0.,
+            "The parameter '" + section +
+              "/Jitter' has to be 0 with 'Placement = " +
+              word_of(placement.placement, placements) +
+              "': jittered points do not follow the boundary.");
     const auto extents = points_of_cell<dim>(placement, section);
     const auto shape   = make_fitted_shape<dim>(placement, section, space);
     const auto whole =

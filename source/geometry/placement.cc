@@ -20,11 +20,10 @@ namespace greville
   points_of_cell(const PointPlacement &parameters, const std::string &section)
   {
     const auto &given = parameters.points_per_direction;
-    AssertThrow(given.size() == 1 || given.size() == dim,
-                ExcMessage("The parameter '" + section +
-                           "/Points per direction' takes 1 or " +
-                           std::to_string(dim) + " numbers, not " +
-                           std::to_string(given.size()) + "."));
+    Require(given.size() == 1 || given.size() == dim,
+            "The parameter '" + section + "/Points per direction' takes 1 or " +
+              std::to_string(dim) + " numbers, not " +
+              std::to_string(given.size()) + ".");
     MultiIndex<dim> result;
     for (unsigned int d = 0; d < dim; ++d)
       result[d] = given[given.size() == 1 ? 0 : d];
@@ -140,13 +139,13 @@ namespace greville
                   result.push_back(point);
                 }
             });
-            AssertThrow(n_images <= 1 || parameters.clip,
-                        ExcMessage("The body of '" + section +
-                                   "' meets its own image across the periodic "
-                                   "walls of the grid, for instance at (" +
-                                   text_of(point.x) +
-                                   ") m. Make the shape smaller, or set 'Clip "
-                                   "at the grid' to true."));
+            Require(n_images <= 1 || parameters.clip,
+                    "The body of '" + section +
+                      "' meets its own image across the periodic walls of the "
+                      "grid, for instance at (" +
+                      text_of(point.x) +
+                      ") m. Make the shape smaller, or set 'Clip at the grid' "
+                      "to true.");
 
             // One cell beyond each wall must be empty.
             for (unsigned int d = 0; d < dim && !parameters.clip; ++d)
@@ -157,15 +156,13 @@ namespace greville
                   {
                     Point<dim> outside = point.x;
                     outside[d] += side * box.size[d];
-                    AssertThrow(
-                      !contains(outside),
-                      ExcMessage(
-                        "The body of '" + section +
-                        "' sticks out of the grid, for instance at (" +
-                        text_of(outside) +
-                        ") m. Make the grid larger ('Grid/Lower corner', "
-                        "'Grid/Upper corner'), the shape smaller, or set "
-                        "'Clip at the grid' to true."));
+                    Require(!contains(outside),
+                            "The body of '" + section +
+                              "' sticks out of the grid, for instance at (" +
+                              text_of(outside) +
+                              ") m. Make the grid larger ('Grid/Lower corner', "
+                              "'Grid/Upper corner'), the shape smaller, or set "
+                              "'Clip at the grid' to true.");
                   }
           }
       }

@@ -49,12 +49,12 @@ namespace greville
       const std::string parameter = section + "/Points file";
       const std::string ending    = boost::algorithm::to_lower_copy(
         std::filesystem::path(file).extension().string());
-      AssertThrow(ending.empty() || ending == ".csv" || ending == ".txt" ||
-                    ending == ".dat",
-                  ExcMessage("The file <" + file + "> of the parameter '" +
-                             parameter + "' ends with <" + ending +
-                             ">. Points come as CSV (.csv, .txt, .dat); "
-                             "scripts/points_to_csv converts files of VTK."));
+      Require(ending.empty() || ending == ".csv" || ending == ".txt" ||
+                ending == ".dat",
+              "The file <" + file + "> of the parameter '" + parameter +
+                "' ends with <" + ending +
+                ">. Points come as CSV (.csv, .txt, .dat); "
+                "scripts/points_to_csv converts files of VTK.");
       read_csv(file, parameter, visit);
     }
 
@@ -80,14 +80,13 @@ namespace greville
           {
             const auto lines =
               find_in_points_file<dim>(file, section, points[k]->x);
-            AssertThrow(false,
-                        ExcMessage(
-                          lines.back() + "the point (" + text_of(points[k]->x) +
-                          ") m coincides with another one: there are " +
-                          std::to_string(lines.size()) +
-                          " points, the first one in " +
-                          lines[0].substr(lines[0].rfind(", ") + 2) +
-                          "their mass would be counted twice."));
+            Require(false,
+                    lines.back() + "the point (" + text_of(points[k]->x) +
+                      ") m coincides with another one: there are " +
+                      std::to_string(lines.size()) +
+                      " points, the first one in " +
+                      lines[0].substr(lines[0].rfind(", ") + 2) +
+                      "their mass would be counted twice.");
           }
     }
 
@@ -133,12 +132,11 @@ namespace greville
       void
       check_sum(const std::string &where) const
       {
-        AssertThrow(sum <= (1. + largest_excess) * grid_volume,
-                    ExcMessage(where + ": the volumes (column '" +
-                               (columns.volume >= 0 ? "volume" : "mass") +
-                               "') add up to " + text_of(sum) + ' ' +
-                               volume_unit + ", but the grid has " +
-                               text_of(grid_volume) + ". Is the unit right?"));
+        Require(sum <= (1. + largest_excess) * grid_volume,
+                where + ": the volumes (column '" +
+                  (columns.volume >= 0 ? "volume" : "mass") + "') add up to " +
+                  text_of(sum) + ' ' + volume_unit + ", but the grid has " +
+                  text_of(grid_volume) + ". Is the unit right?");
       }
 
       PointsOfFile<dim> result;
@@ -151,17 +149,16 @@ namespace greville
         for (const std::string &name : coordinate_names<dim>())
           {
             columns.coordinates.push_back(place_of(header, name));
-            AssertThrow(columns.coordinates.back() >= 0,
-                        ExcMessage(line.where + "there is no column '" + name +
-                                   "' in <" + line.text + ">."));
+            Require(columns.coordinates.back() >= 0,
+                    line.where + "there is no column '" + name + "' in <" +
+                      line.text + ">.");
           }
         columns.volume  = place_of(header, "volume");
         columns.mass    = place_of(header, "mass");
         columns.density = place_of(header, "density");
-        AssertThrow(columns.volume >= 0 || columns.mass >= 0,
-                    ExcMessage(line.where + "there is no column 'volume' in <" +
-                               line.text +
-                               ">, and no column 'mass' to compute it from."));
+        Require(columns.volume >= 0 || columns.mass >= 0,
+                line.where + "there is no column 'volume' in <" + line.text +
+                  ">, and no column 'mass' to compute it from.");
         columns.reference    = find_group(line, vector("reference"));
         columns.displacement = find_group(line, vector("displacement"));
         auto &further        = result.names;
@@ -202,10 +199,9 @@ namespace greville
             column_numbers.push_back(place_of(header, name));
             (column_numbers.back() < 0 ? missing : there) = name;
           }
-        AssertThrow(there.empty() || missing.empty(),
-                    ExcMessage(line.where + "there is a column '" + there +
-                               "', but no '" + missing + "' in <" + line.text +
-                               ">."));
+        Require(there.empty() || missing.empty(),
+                line.where + "there is a column '" + there + "', but no '" +
+                  missing + "' in <" + line.text + ">.");
         return missing.empty() ? column_numbers : std::vector<int>();
       }
 
@@ -231,9 +227,9 @@ namespace greville
       positive(const CsvLine &row, const int column, const char *name) const
       {
         const double value = number(row, column);
-        AssertThrow(value > 0.,
-                    ExcMessage(row.where + "the " + name +
-                               " has to be positive in <" + row.text + ">."));
+        Require(value > 0.,
+                row.where + "the " + name + " has to be positive in <" +
+                  row.text + ">.");
         return value;
       }
 
@@ -287,26 +283,23 @@ namespace greville
         const auto   is_near = [](const double a, const double b) {
           return std::abs(a - b) <= largest_difference * std::max(a, b);
         };
-        AssertThrow(columns.density < 0 || columns.volume < 0 ||
-                      is_near(mass, rho * volume),
-                    ExcMessage(row.where +
-                               "the columns 'mass', 'volume' and "
-                               "'density' contradict each other: " +
-                               text_of(mass) + " kg are not " + text_of(rho) +
-                               " times " + text_of(volume) + " in <" +
-                               row.text + ">."));
+        Require(columns.density < 0 || columns.volume < 0 ||
+                  is_near(mass, rho * volume),
+                row.where +
+                  "the columns 'mass', 'volume' and 'density' contradict each "
+                  "other: " +
+                  text_of(mass) + " kg are not " + text_of(rho) + " times " +
+                  text_of(volume) + " in <" + row.text + ">.");
         const double ratio = mass / (volume * density);
-        AssertThrow(ratio < largest_ratio && ratio > 1. / largest_ratio,
-                    ExcMessage(
-                      row.where + "the density is " + text_of(mass / volume) +
-                      " kg / m^3, but the material has " + text_of(density) +
-                      ", in <" + row.text + ">. Are volume and mass in " +
-                      volume_unit + " and kg?"));
-        AssertThrow(volume <= (1. + largest_excess) * grid_volume,
-                    ExcMessage(row.where + "the volume of the point is " +
-                               text_of(volume) + ' ' + volume_unit +
-                               ", but the grid has " + text_of(grid_volume) +
-                               ", in <" + row.text + ">."));
+        Require(ratio < largest_ratio && ratio > 1. / largest_ratio,
+                row.where + "the density is " + text_of(mass / volume) +
+                  " kg / m^3, but the material has " + text_of(density) +
+                  ", in <" + row.text + ">. Are volume and mass in " +
+                  volume_unit + " and kg?");
+        Require(volume <= (1. + largest_excess) * grid_volume,
+                row.where + "the volume of the point is " + text_of(volume) +
+                  ' ' + volume_unit + ", but the grid has " +
+                  text_of(grid_volume) + ", in <" + row.text + ">.");
         return mass;
       }
 
@@ -315,16 +308,15 @@ namespace greville
                      const Point<dim> &place,
                      const double      smallest_x) const
       {
-        AssertThrow(!is_axisymmetric || smallest_x > 0.,
-                    ExcMessage(row.where +
-                               "the point lies on the axis of symmetry, or "
-                               "beyond, in <" +
-                               row.text + ">: its x has to be positive."));
+        Require(!is_axisymmetric || smallest_x > 0.,
+                row.where +
+                  "the point lies on the axis of symmetry, or beyond, in <" +
+                  row.text + ">: its x has to be positive.");
         for (unsigned int d = 0; d < dim; ++d)
-          AssertThrow(place[d] >= space.lower_corner()[d] &&
-                        place[d] <= space.upper_corner()[d],
-                      ExcMessage(row.where + "the point (" + text_of(place) +
-                                 ") m lies outside of the grid."));
+          Require(place[d] >= space.lower_corner()[d] &&
+                    place[d] <= space.upper_corner()[d],
+                  row.where + "the point (" + text_of(place) +
+                    ") m lies outside of the grid.");
       }
 
       const double                                 density;

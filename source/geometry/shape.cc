@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/geometry/shape.h>
 
 #include <algorithm>
@@ -20,11 +21,10 @@ namespace greville
     void
     check_arguments(const char *shape, const int given, const int wanted)
     {
-      AssertThrow(given == wanted,
-                  ExcMessage(std::string(shape) + "() takes " +
-                             std::to_string(wanted) + " numbers in " +
-                             std::to_string(shape_dim) + "D, not " +
-                             std::to_string(given)));
+      Require(given == wanted,
+              std::string(shape) + "() takes " + std::to_string(wanted) +
+                " numbers in " + std::to_string(shape_dim) + "D, not " +
+                std::to_string(given));
     }
 
     double
@@ -32,9 +32,8 @@ namespace greville
     {
       check_arguments("box", n, 2 * shape_dim);
       for (int d = 0; d < shape_dim; ++d)
-        AssertThrow(arguments[d] <= arguments[shape_dim + d],
-                    ExcMessage("the upper corner of a box() has to be above "
-                               "the lower one"));
+        Require(arguments[d] <= arguments[shape_dim + d],
+                "the upper corner of a box() has to be above the lower one");
       bool inside = true;
       for (int d = 0; d < shape_dim; ++d)
         inside = inside && shape_point[d] >= arguments[d] &&
@@ -46,8 +45,8 @@ namespace greville
     ball(const double *arguments, const int n)
     {
       check_arguments("ball", n, shape_dim + 1);
-      AssertThrow(arguments[shape_dim] > 0.,
-                  ExcMessage("the radius of a ball() has to be positive"));
+      Require(arguments[shape_dim] > 0.,
+              "the radius of a ball() has to be positive");
       double square = 0.;
       for (int d = 0; d < shape_dim; ++d)
         square += std::pow(shape_point[d] - arguments[d], 2);
@@ -58,9 +57,9 @@ namespace greville
     cylinder(const double *arguments, const int n)
     {
       check_arguments("cylinder", n, 7);
-      AssertThrow(shape_dim == 3, ExcMessage("cylinder() is a shape of 3D"));
-      AssertThrow(arguments[6] > 0.,
-                  ExcMessage("the radius of a cylinder() has to be positive"));
+      Require(shape_dim == 3, "cylinder() is a shape of 3D");
+      Require(arguments[6] > 0.,
+              "the radius of a cylinder() has to be positive");
       double along = 0., length = 0., square = 0.;
       for (int d = 0; d < 3; ++d)
         {
@@ -70,8 +69,7 @@ namespace greville
           length += axis * axis;
           square += distance * distance;
         }
-      AssertThrow(length > 0.,
-                  ExcMessage("the ends of a cylinder() have to be different"));
+      Require(length > 0., "the ends of a cylinder() have to be different");
       return along >= 0. && along <= length &&
              square - along * along / length <= std::pow(arguments[6], 2);
     }
@@ -86,17 +84,14 @@ namespace greville
           sum += arguments[d] * shape_point[d];
           normal += std::abs(arguments[d]);
         }
-      AssertThrow(normal > 0.,
-                  ExcMessage("the normal of a half_space() is zero"));
+      Require(normal > 0., "the normal of a half_space() is zero");
       return sum <= arguments[shape_dim];
     }
 
     double
     level_set(const double *arguments, const int n)
     {
-      AssertThrow(n == 1,
-                  ExcMessage("level_set() takes 1 formula, not " +
-                             std::to_string(n)));
+      Require(n == 1, "level_set() takes 1 formula, not " + std::to_string(n));
       return arguments[0] < 0.;
     }
 
@@ -137,11 +132,10 @@ namespace greville
     Expression
     make_shape(const std::string &formula, const std::string &parameter)
     {
-      AssertThrow(formula.find_first_not_of(" \t") != std::string::npos,
-                  ExcMessage("The parameter '" + parameter +
-                             "' is empty: it takes a formula like " +
-                             (dim == 2 ? "box(0, 0, 1, 2)."
-                                       : "box(0, 0, 0, 1, 1, 2).")));
+      Require(formula.find_first_not_of(" \t") != std::string::npos,
+              "The parameter '" + parameter +
+                "' is empty: it takes a formula like " +
+                (dim == 2 ? "box(0, 0, 1, 2)." : "box(0, 0, 0, 1, 1, 2)."));
       const Point<dim> origin;
       shape_point = &origin[0];
       shape_dim   = dim;

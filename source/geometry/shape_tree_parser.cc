@@ -92,16 +92,13 @@ namespace greville
     [[noreturn]] void
     refuse(const std::string &text) const
     {
-      AssertThrow(false,
-                  ExcMessage(
-                    "The parameter '" + parameter +
-                    "' has to define a surface, which fitted points, contacts "
-                    "and rigid bodies need: it takes shapes, comparisons f < "
-                    "g, level_set(f) with f negative inside, and their "
-                    "combinations by union(), intersection(), difference(), & "
-                    "and |. <" +
-                    text +
-                    "> is only true or false: replace it by one of these."));
+      Require(false,
+              "The parameter '" + parameter +
+                "' has to define a surface, which fitted points, contacts and "
+                "rigid bodies need: it takes shapes, comparisons f < g, "
+                "level_set(f) with f negative inside, and their combinations "
+                "by union(), intersection(), difference(), & and |. <" +
+                text + "> is only true or false: replace it by one of these.");
       std::abort();
     }
 
@@ -263,12 +260,12 @@ namespace greville
           const auto at = [&](const Point<dim> &x) {
             return expression(ArrayView<const double>(&x[0], dim));
           };
-          AssertThrow(at(one) == at(other),
-                      ExcMessage("The parameter '" + parameter +
-                                 "' has to define a surface, which fitted "
-                                 "points, contacts and rigid bodies need: it "
-                                 "takes shapes made of numbers only; <" +
-                                 argument + "> depends on the position."));
+          Require(
+            at(one) == at(other),
+            "The parameter '" + parameter +
+              "' has to define a surface, which fitted points, contacts and "
+              "rigid bodies need: it takes shapes made of numbers only; <" +
+              argument + "> depends on the position.");
           result.push_back(at(one));
         }
       return result;

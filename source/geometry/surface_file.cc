@@ -57,9 +57,7 @@ namespace greville
                                                                    : 0;
       };
       const auto fail_if = [&](const bool wrong, const std::string &why) {
-        AssertThrow(!wrong,
-                    ExcMessage("Cannot read the file " + of + ": " + why +
-                               "."));
+        Require(!wrong, "Cannot read the file " + of + ": " + why + ".");
       };
       std::ifstream stream(file, std::ios::binary);
       std::string   line, word;
@@ -120,18 +118,17 @@ namespace greville
       Assimp::Importer importer;
       const aiScene   *scene = importer.ReadFile(file, aiProcess_Triangulate);
       // Assimp's reasons may quote the rest of the file.
-      AssertThrow(
-        scene != nullptr,
-        ExcMessage(
-          "Cannot read the file " + of + ": " +
-          (importer.IsExtensionSupported(ending)
-             ? "its ending " + ending +
-                 " is wrong, or it is damaged. Does it open in another "
-                 "program? The reader says: <" +
-                 std::string(importer.GetErrorString()).substr(0, 80) + ">"
-             : "it ends with <" + ending +
-                 ">. Triangles come as STL, PLY or OBJ") +
-          "."));
+      Require(scene != nullptr,
+              "Cannot read the file " + of + ": " +
+                (importer.IsExtensionSupported(ending)
+                   ? "its ending " + ending +
+                       " is wrong, or it is damaged. Does it open in another "
+                       "program? The reader says: <" +
+                       std::string(importer.GetErrorString()).substr(0, 80) +
+                       ">"
+                   : "it ends with <" + ending +
+                       ">. Triangles come as STL, PLY or OBJ") +
+                ".");
       Mesh                                         result;
       std::size_t                                  n_triangles = 0;
       std::map<std::array<float, 3>, unsigned int> numbers;
@@ -146,12 +143,11 @@ namespace greville
                   {
                     const aiVector3D &x =
                       mesh.mVertices[mesh.mFaces[f].mIndices[k]];
-                    AssertThrow(std::isfinite(x.x) && std::isfinite(x.y) &&
-                                  std::isfinite(x.z),
-                                ExcMessage("In the file " + of +
-                                           ", a vertex of triangle " +
-                                           std::to_string(n_triangles + 1) +
-                                           " is infinite or NaN."));
+                    Require(std::isfinite(x.x) && std::isfinite(x.y) &&
+                              std::isfinite(x.z),
+                            "In the file " + of + ", a vertex of triangle " +
+                              std::to_string(n_triangles + 1) +
+                              " is infinite or NaN.");
                     const auto found =
                       numbers.insert({{{x.x, x.y, x.z}},
                                       (unsigned int)(result.points.size())});
@@ -167,17 +163,17 @@ namespace greville
                   result.triangles.push_back(triangle);
               }
         }
-      AssertThrow(!result.triangles.empty(),
-                  ExcMessage("The file " + of + " has no triangles."));
+      Require(!result.triangles.empty(),
+              "The file " + of + " has no triangles.");
       return result;
     }
 #else
     Mesh
     read_mesh(const std::string &, const std::string &of, const double)
     {
-      AssertThrow(false,
-                  ExcMessage("Cannot read the file " + of +
-                             ": deal.II was built without Assimp."));
+      Require(false,
+              "Cannot read the file " + of +
+                ": deal.II was built without Assimp.");
       return Mesh();
     }
 #endif
@@ -209,20 +205,18 @@ namespace greville
           const std::string from =
             " from (" + text_of(mesh.points[edge.first.first]) + ") to (" +
             text_of(mesh.points[edge.first.second]) + ") m";
-          AssertThrow((count[0] + count[1]) % 2 == 0,
-                      ExcMessage(
-                        "The surface in " + of + " is not closed: the edge" +
-                        from + " belongs to " +
-                        std::to_string(count[0] + count[1]) + " triangle(s)."));
-          AssertThrow(count[0] == count[1],
-                      ExcMessage("The triangles in " + of + " at the edge" +
-                                 from +
-                                 " have normals that point to different "
-                                 "sides. All have to point outwards."));
+          Require((count[0] + count[1]) % 2 == 0,
+                  "The surface in " + of + " is not closed: the edge" + from +
+                    " belongs to " + std::to_string(count[0] + count[1]) +
+                    " triangle(s).");
+          Require(count[0] == count[1],
+                  "The triangles in " + of + " at the edge" + from +
+                    " have normals that point to different sides. All have to "
+                    "point outwards.");
         }
-      AssertThrow(volume > 0.,
-                  ExcMessage("The normals of the triangles in " + of +
-                             " point inwards. They have to point outwards."));
+      Require(volume > 0.,
+              "The normals of the triangles in " + of +
+                " point inwards. They have to point outwards.");
     }
 
 
@@ -261,10 +255,9 @@ namespace greville
     check_readable(const std::string &file, const std::string &of)
     {
       std::error_code none;
-      AssertThrow(std::filesystem::exists(file, none),
-                  ExcMessage("There is no file " + of + "."));
-      AssertThrow(std::ifstream(file),
-                  ExcMessage("Cannot read the file " + of + "."));
+      Require(std::filesystem::exists(file, none),
+              "There is no file " + of + ".");
+      Require(std::ifstream(file), "Cannot read the file " + of + ".");
     }
   } // namespace
 
@@ -316,11 +309,11 @@ namespace greville
                 std::find(line.words.begin(), line.words.end(), names[k]);
               if (found != line.words.end())
                 columns[k] = found - line.words.begin();
-              AssertThrow(k == 2 || columns[k] >= 0,
-                          ExcMessage(line.where + "there is no column '" +
-                                     names[k] + "' in <" + line.text +
-                                     ">. In 2D the surface of a body is a "
-                                     "polygon: a CSV file of its vertices."));
+              Require(k == 2 || columns[k] >= 0,
+                      line.where + "there is no column '" + names[k] +
+                        "' in <" + line.text +
+                        ">. In 2D the surface of a body is a polygon: a CSV "
+                        "file of its vertices.");
             }
           return;
         }
@@ -340,13 +333,10 @@ namespace greville
       {
         if (loop.size() > 1 && loop.front() == loop.back())
           loop.pop_back();
-        AssertThrow(loop.size() > 2 && signed_area(loop) != 0.,
-                    ExcMessage("A polygon in <" + file +
-                               "> of the parameter '" + parameter +
-                               "' has no area: it has " +
-                               std::to_string(loop.size()) +
-                               " vertices, the first one at (" +
-                               text_of(loop[0]) + ") m."));
+        Require(loop.size() > 2 && signed_area(loop) != 0.,
+                "A polygon in <" + file + "> of the parameter '" + parameter +
+                  "' has no area: it has " + std::to_string(loop.size()) +
+                  " vertices, the first one at (" + text_of(loop[0]) + ") m.");
       }
     for (const auto &loop : loops)
       {

@@ -46,9 +46,9 @@ namespace greville
   add_surface_load_kind(const std::string &name, const MakeSurfaceLoadKind make)
   {
     for (const KindOfLoad &kind : kinds_of_loads())
-      AssertThrow(kind.name != name,
-                  ExcMessage("A kind of surface load '" + name +
-                             "' exists already: choose another name."));
+      Require(kind.name != name,
+              "A kind of surface load '" + name +
+                "' exists already: choose another name.");
     kinds_of_loads().push_back({name, make});
   }
 
@@ -84,8 +84,8 @@ namespace greville
                  const std::string &kind,
                  const std::string &parameter)
   {
-    AssertThrow(is_given,
-                ExcMessage("'" + section + "' has 'Kind' = " + kind +
-                           " and needs the parameter '" + parameter + "'."));
+    Require(is_given,
+            "'" + section + "' has 'Kind' = " + kind +
+              " and needs the parameter '" + parameter + "'.");
   }
 } // namespace greville

@@ -200,17 +200,15 @@ namespace greville
                 break;
               }
           }
-        AssertThrow(std::isfinite(ended.stress.norm()),
-                    ExcMessage(where(strain) +
-                               " gives a stress that is not finite."));
-        AssertThrow(
-          is_done,
-          ExcMessage(where(strain) + " has not converged: the " +
-                     (is_shear ? "axial" : "lateral") + " stress is " +
-                     text_of(-residual(ended) - stress_start[kept][kept]) +
-                     " Pa and has to be " + text_of(-stress_start[kept][kept]) +
-                     " Pa, positive in compression. Increase 'Element "
-                     "test/Steps' for smaller steps."));
+        Require(std::isfinite(ended.stress.norm()),
+                where(strain) + " gives a stress that is not finite.");
+        Require(is_done,
+                where(strain) + " has not converged: the " +
+                  (is_shear ? "axial" : "lateral") + " stress is " +
+                  text_of(-residual(ended) - stress_start[kept][kept]) +
+                  " Pa and has to be " + text_of(-stress_start[kept][kept]) +
+                  " Pa, positive in compression. Increase 'Element test/Steps' "
+                  "for smaller steps.");
         point   = ended;
         stretch = stretch_of(strain, unknown);
         time += dt;

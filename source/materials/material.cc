@@ -84,14 +84,13 @@ namespace greville
       std::all_of(name.begin(), name.end(), [](const unsigned char c) {
         return std::isalnum(c) || c == '-' || c == '_';
       });
-    AssertThrow(is_word,
-                ExcMessage("A material law has the name '" + name +
-                           "', which has to consist of letters, digits, - and "
-                           "_."));
+    Require(is_word,
+            "A material law has the name '" + name +
+              "', which has to consist of letters, digits, - and _.");
     for (const Entry &material : materials())
-      AssertThrow(material.name != name,
-                  ExcMessage("A material law '" + name +
-                             "' exists already: choose another name."));
+      Require(material.name != name,
+              "A material law '" + name +
+                "' exists already: choose another name.");
     materials().push_back({name, make});
   }
 
@@ -179,9 +178,9 @@ namespace greville
     for (const Entry &material : materials())
       if (name == material.name)
         return material.make();
-    AssertThrow(false,
-                ExcMessage("The parameter '" + parameter + "' is '" + name +
-                           "'; it has to be one of " + material_names() + "."));
+    Require(false,
+            "The parameter '" + parameter + "' is '" + name +
+              "'; it has to be one of " + material_names() + ".");
     return nullptr;
   }
 } // namespace greville

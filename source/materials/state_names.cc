@@ -54,21 +54,16 @@ namespace greville
   {
     for (const std::string &name : names)
       {
-        AssertThrow(is_state_name(name),
-                    ExcMessage("The law of '" + section +
-                               "' has a history variable <" + name +
-                               ">; its name has to consist of letters, digits "
-                               "and _."));
+        Require(is_state_name(name),
+                "The law of '" + section + "' has a history variable <" + name +
+                  ">; its name has to consist of letters, digits and _.");
         // Laws store "dissipation" as a history variable.
-        AssertThrow(!is_taken_by_points(name) || name == "dissipation",
-                    ExcMessage("The law of '" + section +
-                               "' has a history variable <" + name +
-                               ">, but all points have a variable of this "
-                               "name."));
-        AssertThrow(std::count(names.begin(), names.end(), name) == 1,
-                    ExcMessage("The law of '" + section +
-                               "' has the history variable <" + name +
-                               "> twice."));
+        Require(!is_taken_by_points(name) || name == "dissipation",
+                "The law of '" + section + "' has a history variable <" + name +
+                  ">, but all points have a variable of this name.");
+        Require(std::count(names.begin(), names.end(), name) == 1,
+                "The law of '" + section + "' has the history variable <" +
+                  name + "> twice.");
       }
   }
 } // namespace greville

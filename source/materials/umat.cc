@@ -135,10 +135,9 @@ namespace greville
   Umat::reinit(const std::string &section)
   {
     law.section = section;
-    AssertThrow(!law.library.empty(),
-                ExcMessage("The parameter '" + section +
-                           "/Library' is empty: the law '" + name +
-                           "' needs a shared library with a UMAT."));
+    Require(!law.library.empty(),
+            "The parameter '" + section + "/Library' is empty: the law '" +
+              name + "' needs a shared library with a UMAT.");
     function                = find_function(law.library, section + "/Library");
     std::string padded_name = section.substr(section.find(' ') + 1);
     for (char &c : padded_name)
@@ -149,11 +148,10 @@ namespace greville
     units.clear();
     const auto given = Utilities::split_string_list(state_variables, ',');
     const auto check_number = [&](const double n) {
-      AssertThrow(n <= most_state_variables,
-                  ExcMessage(
-                    "The parameter '" + section + "/State variables' has " +
-                    text_of(n) + " variables per point; at most " +
-                    std::to_string(most_state_variables) + " are allowed."));
+      Require(n <= most_state_variables,
+              "The parameter '" + section + "/State variables' has " +
+                text_of(n) + " variables per point; at most " +
+                std::to_string(most_state_variables) + " are allowed.");
     };
     check_number(double(given.size()));
     if (given.size() == 1 && !given[0].empty() &&
@@ -172,18 +170,15 @@ namespace greville
           const std::size_t open  = text.find('[');
           const bool        has   = open != std::string::npos;
           const std::string state = Utilities::trim(text.substr(0, open));
-          AssertThrow(is_state_name(state) && (!has || text.back() == ']'),
-                      ExcMessage("The parameter '" + section +
-                                 "/State variables' has <" + text +
-                                 ">; it has to be a name of letters, digits "
-                                 "and _ with an optional unit in brackets, or "
-                                 "the number of all variables."));
-          AssertThrow(!is_taken_by_points(state) &&
-                        !contains(fixed_names, state),
-                      ExcMessage("The parameter '" + section +
-                                 "/State variables' has the name <" + state +
-                                 ">, but all points have a variable of this "
-                                 "name."));
+          Require(
+            is_state_name(state) && (!has || text.back() == ']'),
+            "The parameter '" + section + "/State variables' has <" + text +
+              ">; it has to be a name of letters, digits and _ with an "
+              "optional unit in brackets, or the number of all variables.");
+          Require(!is_taken_by_points(state) && !contains(fixed_names, state),
+                  "The parameter '" + section +
+                    "/State variables' has the name <" + state +
+                    ">, but all points have a variable of this name.");
           names.push_back(state);
           units.push_back(
             has ? Utilities::trim(text.substr(open + 1, text.size() - open - 2))
@@ -204,10 +199,10 @@ namespace greville
                                       parameter,
                                       coordinate_names<3>());
 
-    AssertThrow((bulk > 0.) == (shear > 0.),
-                ExcMessage("'" + section +
-                           "' has one of 'Bulk modulus' and 'Shear modulus': "
-                           "give both or none."));
+    Require(
+      (bulk > 0.) == (shear > 0.),
+      "'" + section +
+        "' has one of 'Bulk modulus' and 'Shear modulus': give both or none.");
     if (bulk > 0.)
       return;
     MaterialPoint point;
@@ -221,13 +216,11 @@ namespace greville
       }
     const bool is_stiff =
       std::isfinite(bulk + shear) && bulk > 0. && shear >= 0.;
-    AssertThrow(is_stiff,
-                ExcMessage("The UMAT of '" + section +
-                           "/Library' has no stiffness without stress (DDSDDE "
-                           "gives K = " +
-                           text_of(bulk) + " Pa, G = " + text_of(shear) +
-                           " Pa): it needs 'Bulk modulus' and 'Shear "
-                           "modulus'."));
+    Require(is_stiff,
+            "The UMAT of '" + section +
+              "/Library' has no stiffness without stress (DDSDDE gives K = " +
+              text_of(bulk) + " Pa, G = " + text_of(shear) +
+              " Pa): it needs 'Bulk modulus' and 'Shear modulus'.");
   }
 
 
@@ -381,20 +374,18 @@ namespace greville
     AssertThrow(memory.is_intact(),
                 UmatFault(UmatCall::message(memory.damage())));
     const double pnewdt = results[2];
-    AssertThrow(!std::isnan(pnewdt),
-                ExcMessage(UmatCall::message("returns nan in PNEWDT")));
-    AssertThrow(pnewdt >= 1.,
-                ExcMessage(UmatCall::message(
-                  "asks for a step of " + text_of(pnewdt) +
-                  " times this length (PNEWDT), which is " +
-                  text_of(*memory[UmatMemory::dtime]) +
-                  " s; for explicit steps, set a smaller 'Time/Step' or "
-                  "'Time/Safety'")));
+    Require(!std::isnan(pnewdt), UmatCall::message("returns nan in PNEWDT"));
+    Require(
+      pnewdt >= 1.,
+      UmatCall::message(
+        "asks for a step of " + text_of(pnewdt) +
+        " times this length (PNEWDT), which is " +
+        text_of(*memory[UmatMemory::dtime]) +
+        " s; for explicit steps, set a smaller 'Time/Step' or 'Time/Safety'"));
     if (!memory.is_finite())
       {
         const std::string bad = memory.not_finite();
-        AssertThrow(bad.empty(),
-                    ExcMessage(UmatCall::message("returns " + bad)));
+        Require(bad.empty(), UmatCall::message("returns " + bad));
       }
     std::copy_n(results + 3, 3, first + sse);
   }

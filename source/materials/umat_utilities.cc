@@ -155,7 +155,7 @@ namespace greville
   void
   xit_()
   {
-    AssertThrow(false, ExcMessage(UmatCall::message("has called XIT")));
+    Require(false, UmatCall::message("has called XIT"));
   }
 
 
@@ -172,7 +172,7 @@ namespace greville
     const std::string format = Utilities::trim(std::string(text, text_length));
     const std::string message =
       "says: " + filled(format, intv, realv, charv, charv_length);
-    AssertThrow(*lop > -2, ExcMessage(UmatCall::message(message)));
+    Require(*lop > -2, UmatCall::message(message));
     static std::set<std::string> said;
     if (said.insert(format).second)
       std::cerr << (*lop < 0 ? "Warning: " : "Note: ") << UmatCall::caller()

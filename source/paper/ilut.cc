@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/paper/ilut.h>
 
 #include <algorithm>
@@ -148,10 +149,9 @@ namespace greville
                       [&](const unsigned int j, const double value) {
                         return j > i && std::abs(value) > least;
                       });
-        AssertThrow(row.is_set[i] && std::abs(row.values[i]) > 1e-15 * norm,
-                    ExcMessage("ILUT found a vanishing pivot in row " +
-                               std::to_string(i) + " of " + std::to_string(n) +
-                               "."));
+        Require(row.is_set[i] && std::abs(row.values[i]) > 1e-15 * norm,
+                "ILUT found a vanishing pivot in row " + std::to_string(i) +
+                  " of " + std::to_string(n) + ".");
         inverse_diagonal.push_back(1. / row.values[i]);
         for (const unsigned int j : row.columns)
           row.is_set[j] = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/mass/fmpm.h>
 #include <greville/paper/level_solver.h>
@@ -67,10 +68,9 @@ namespace greville
     , smoother_parameters(smoother_parameters)
     , n_terms(n_fmpm_terms(name))
   {
-    AssertThrow(n_terms > 0 ||
-                  std::count(solver_names.begin(), solver_names.end(), name) ==
-                    1,
-                ExcMessage("Unknown solver <" + name + ">."));
+    Require(n_terms > 0 ||
+              std::count(solver_names.begin(), solver_names.end(), name) == 1,
+            "Unknown solver <" + name + ">.");
   }
 
 

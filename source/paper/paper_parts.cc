@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/linear_algebra/petsc_preconditioner.h>
 #include <greville/paper/ilut.h>
@@ -106,10 +107,9 @@ namespace greville
       check_petsc(PCSetUp(handle));
       PCFailedReason reason;
       check_petsc(PCGetFailedReason(handle, &reason));
-      AssertThrow(reason == PC_NOERROR,
-                  ExcMessage("ILU(0) found a pivot that is zero: the matrix "
-                             "needs a shift (parameter 'Shift', try "
-                             "1e-3)."));
+      Require(reason == PC_NOERROR,
+              "ILU(0) found a pivot that is zero: the matrix needs a shift "
+              "(parameter 'Shift', try 1e-3).");
 
       const auto in =
         std::make_shared<const PetscVectorView>(PETSC_COMM_SELF, n);

@@ -2,6 +2,7 @@
 
 #include <deal.II/base/mpi_noncontiguous_partitioner.templates.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/simd.h>
 #include <greville/paper/tensor_product_solver.h>
 
@@ -13,11 +14,10 @@ namespace greville
   TensorProductSolver<dim>::TensorProductSolver(const SplineSpace<dim> &s)
     : space(&s)
   {
-    AssertThrow(!s.lattice().is_periodic(),
-                ExcMessage("Periodic walls do not support 'Prolongation' or "
-                           "'Restriction' = exact-l2, nor tensor-product as "
-                           "'Smoother' or 'Coarse preconditioner': all of "
-                           "them need open knot vectors."));
+    Require(!s.lattice().is_periodic(),
+            "Periodic walls do not support 'Prolongation' or 'Restriction' = "
+            "exact-l2, nor tensor-product as 'Smoother' or 'Coarse "
+            "preconditioner': all of them need open knot vectors.");
     for (unsigned int d = 0; d < dim; ++d)
       factors[d] = factorize(s.knots(d));
 

@@ -25,22 +25,21 @@ namespace greville
       const auto needs = [&](const std::size_t  size,
                              const std::string &name,
                              const std::string &what) {
-        AssertThrow(size == dim,
-                    ExcMessage("The parameter '" + name + "' takes " +
-                               std::to_string(dim) + " " + what + " in " +
-                               std::to_string(dim) +
-                               "D (see 'Simulation/Dimension'), not " +
-                               std::to_string(size) + "."));
+        Require(size == dim,
+                "The parameter '" + name + "' takes " + std::to_string(dim) +
+                  " " + what + " in " + std::to_string(dim) +
+                  "D (see 'Simulation/Dimension'), not " +
+                  std::to_string(size) + ".");
       };
       needs(grid.lower.size(), "Grid/Lower corner", "numbers");
       needs(grid.upper.size(), "Grid/Upper corner", "numbers");
       needs(grid.cells.size(), "Grid/Cells", "numbers");
       for (unsigned int d = 0; d < dim; ++d)
-        AssertThrow(grid.lower[d] < grid.upper[d],
-                    ExcMessage("'Grid/Upper corner' has to be larger than "
-                               "'Grid/Lower corner' in all directions, but " +
-                               text_of(grid.upper[d]) + " is not above " +
-                               text_of(grid.lower[d]) + "."));
+        Require(grid.lower[d] < grid.upper[d],
+                "'Grid/Upper corner' has to be larger than 'Grid/Lower corner' "
+                "in all directions, but " +
+                  text_of(grid.upper[d]) + " is not above " +
+                  text_of(grid.lower[d]) + ".");
     }
 
 
@@ -49,21 +48,18 @@ namespace greville
     void
     check_output(const std::string &name, const OutputParameters &output)
     {
-      AssertThrow(name.find('/') == std::string::npos && name != "..",
-                  ExcMessage("The parameter 'Simulation/Name' is <" + name +
-                             ">: a name has no slashes; 'Output/Directory' is "
-                             "for other folders."));
-      AssertThrow(output.directory != "~" &&
-                    output.directory.compare(0, 2, "~/") != 0,
-                  ExcMessage("The parameter 'Output/Directory' is <" +
-                             output.directory +
-                             ">: parameter files do not expand ~. Write the "
-                             "full path."));
+      Require(
+        name.find('/') == std::string::npos && name != "..",
+        "The parameter 'Simulation/Name' is <" + name +
+          ">: a name has no slashes; 'Output/Directory' is for other folders.");
+      Require(output.directory != "~" &&
+                output.directory.compare(0, 2, "~/") != 0,
+              "The parameter 'Output/Directory' is <" + output.directory +
+                ">: parameter files do not expand ~. Write the full path.");
       for (const auto &part : std::filesystem::path(output.directory))
-        AssertThrow(part != "..",
-                    ExcMessage("The parameter 'Output/Directory' is <" +
-                               output.directory +
-                               ">: write the folder without '..'."));
+        Require(part != "..",
+                "The parameter 'Output/Directory' is <" + output.directory +
+                  ">: write the folder without '..'.");
       if (output.statistics_every != "auto")
         {
           double every = -1.;
@@ -73,12 +69,10 @@ namespace greville
             }
           catch (const std::exception &)
             {}
-          AssertThrow(every >= 0. && std::isfinite(every),
-                      ExcMessage(
-                        "The parameter 'Output/Statistics every' is <" +
-                        output.statistics_every +
-                        ">; it has to be auto or a nonnegative number "
-                        "of seconds."));
+          Require(every >= 0. && std::isfinite(every),
+                  "The parameter 'Output/Statistics every' is <" +
+                    output.statistics_every +
+                    ">; it has to be auto or a nonnegative number of seconds.");
         }
     }
 
@@ -95,19 +89,16 @@ namespace greville
       check_different(sweep.masses, "Sweep/Masses");
       check_different(Utilities::split_string_list(sweep.values, '|'),
                       "Sweep/Values");
-      AssertThrow(sweep.parameter.empty() == sweep.values.empty(),
-                  ExcMessage(
-                    "'Sweep' needs both of 'Parameter' and 'Values', or "
-                    "none."));
-      AssertThrow(sweep.parameter.empty() ||
-                    (sweep.parameter.find('/') != std::string::npos &&
-                     sweep.parameter.compare(0, 6, "Sweep/") != 0 &&
-                     sweep.parameter != "Output/Directory"),
-                  ExcMessage("The parameter 'Sweep/Parameter' is <" +
-                             sweep.parameter +
-                             ">: it takes a parameter of another section, "
-                             "written as SECTION/PARAMETER, such as Material "
-                             "clay/Cohesion, but not 'Output/Directory'."));
+      Require(sweep.parameter.empty() == sweep.values.empty(),
+              "'Sweep' needs both of 'Parameter' and 'Values', or none.");
+      Require(sweep.parameter.empty() ||
+                (sweep.parameter.find('/') != std::string::npos &&
+                 sweep.parameter.compare(0, 6, "Sweep/") != 0 &&
+                 sweep.parameter != "Output/Directory"),
+              "The parameter 'Sweep/Parameter' is <" + sweep.parameter +
+                ">: it takes a parameter of another section, written as "
+                "SECTION/PARAMETER, such as Material clay/Cohesion, but not "
+                "'Output/Directory'.");
     }
 
 
@@ -116,9 +107,9 @@ namespace greville
     check_materials_of_bodies(const SimulationParameters &parameters)
     {
       for (const auto &body : parameters.bodies)
-        AssertThrow((body.second.K0 >= 0.) == !body.second.surface.empty(),
-                    ExcMessage("'Body " + body.first +
-                               "' needs both of 'K0' and 'Surface', or none."));
+        Require((body.second.K0 >= 0.) == !body.second.surface.empty(),
+                "'Body " + body.first +
+                  "' needs both of 'K0' and 'Surface', or none.");
       const auto check_material = [&](const std::string &body,
                                       const std::string &material) {
         const auto &known = parameters.general.materials;
@@ -147,37 +138,30 @@ namespace greville
       SimulationParameters first = all;
       first.enter_stage(0);
       const double start = parameters.time.start, end = parameters.time.end;
-      AssertThrow(parameters.scheme.formulation ==
-                    all.stages[0].scheme.formulation,
-                  ExcMessage(all.stage_text(k) + "'Scheme/Formulation' is " +
-                             parameters.scheme.formulation +
-                             ", but the first stage has " +
-                             all.stages[0].scheme.formulation +
-                             ": all stages need the same."));
-      AssertThrow(!(all.stages[k].reset_displacements &&
-                    parameters.scheme.is_total_lagrangian()),
-                  ExcMessage(all.stage_text(k) +
-                             "'Reset displacements' does not support "
-                             "'Scheme/Formulation' = total Lagrangian, in "
-                             "which basis functions belong to the initial "
-                             "positions."));
+      Require(parameters.scheme.formulation == all.stages[0].scheme.formulation,
+              all.stage_text(k) + "'Scheme/Formulation' is " +
+                parameters.scheme.formulation + ", but the first stage has " +
+                all.stages[0].scheme.formulation +
+                ": all stages need the same.");
+      Require(!(all.stages[k].reset_displacements &&
+                parameters.scheme.is_total_lagrangian()),
+              all.stage_text(k) +
+                "'Reset displacements' does not support 'Scheme/Formulation' = "
+                "total Lagrangian, in which basis functions belong to the "
+                "initial positions.");
       // Times of steps have round-off errors.
-      AssertThrow(start + 1e-12 * std::max(std::abs(start), std::abs(end)) <
-                    end,
-                  ExcMessage(all.stage_text(k) + "'Time/End' is " +
-                             text_of(end) + " s, but the stage begins at " +
-                             text_of(start) +
-                             " s. Time continues over the stages: each "
-                             "'End' has to be later than the one before."));
+      Require(start + 1e-12 * std::max(std::abs(start), std::abs(end)) < end,
+              all.stage_text(k) + "'Time/End' is " + text_of(end) +
+                " s, but the stage begins at " + text_of(start) +
+                " s. Time continues over the stages: each 'End' has to be "
+                "later than the one before.");
       for (unsigned int w = 0; w < 2 * all.general.dimension; ++w)
-        AssertThrow(parameters.walls.is_periodic(w) ==
-                      first.walls.is_periodic(w),
-                    ExcMessage(all.stage_text(k) + "the wall '" +
-                               WallParameters::names[w] + "' is " +
-                               parameters.walls.type[w] + ", but it is " +
-                               first.walls.type[w] +
-                               " in the first stage: a wall is periodic "
-                               "in all stages or in none."));
+        Require(parameters.walls.is_periodic(w) == first.walls.is_periodic(w),
+                all.stage_text(k) + "the wall '" + WallParameters::names[w] +
+                  "' is " + parameters.walls.type[w] + ", but it is " +
+                  first.walls.type[w] +
+                  " in the first stage: a wall is periodic in all stages or in "
+                  "none.");
     }
 
 
@@ -202,16 +186,15 @@ namespace greville
     check_friction_walls(const SimulationParameters &parameters)
     {
       for (unsigned int w = 0; w < 2 * parameters.general.dimension; ++w)
-        AssertThrow(parameters.walls.type[w] != "friction" ||
-                      support_of_mass(parameters.scheme.mass).friction_walls ||
-                      is_implicit_scheme(parameters.scheme.stress_update),
-                    ExcMessage(
-                      "'Walls/" + WallParameters::names[w] +
-                      "' = friction does not support 'Scheme/Mass' = " +
-                      parameters.scheme.mass + ": take " +
-                      masses_with(&MassSupport::friction_walls) +
-                      ", or a rigid body that 'Contacts' name, such as "
-                      "half_space(0, 1, 0)."));
+        Require(parameters.walls.type[w] != "friction" ||
+                  support_of_mass(parameters.scheme.mass).friction_walls ||
+                  is_implicit_scheme(parameters.scheme.stress_update),
+                "'Walls/" + WallParameters::names[w] +
+                  "' = friction does not support 'Scheme/Mass' = " +
+                  parameters.scheme.mass + ": take " +
+                  masses_with(&MassSupport::friction_walls) +
+                  ", or a rigid body that 'Contacts' name, such as "
+                  "half_space(0, 1, 0).");
     }
 
 
@@ -255,11 +238,10 @@ namespace greville
     check_grid(grid, general.dimension);
     if (has_body_grids())
       check_body_grids();
-    AssertThrow(solver.tolerance == 0. || solver.tolerance >= 1e-15,
-                ExcMessage("The parameter 'Solver/Tolerance' is <" +
-                           text_of(solver.tolerance) +
-                           ">; it has to be 0 or a number between 1e-15 and "
-                           "1."));
+    Require(solver.tolerance == 0. || solver.tolerance >= 1e-15,
+            "The parameter 'Solver/Tolerance' is <" +
+              text_of(solver.tolerance) +
+              ">; it has to be 0 or a number between 1e-15 and 1.");
     check_output(general.name, output);
     check_sweep(sweep);
     load_balance.check();
@@ -282,8 +264,7 @@ namespace greville
           }
         catch (const std::exception &exception)
           {
-            AssertThrow(false,
-                        ExcMessage(stage_text(k) + message_of(exception)));
+            Require(false, stage_text(k) + message_of(exception));
           }
       }
   }
@@ -296,27 +277,26 @@ namespace greville
     for (const auto &[name, contact] : contacts)
       {
         contact.check("Contact " + name, bodies, rigid_bodies);
-        AssertThrow(
-          !contact.is_by_material_points() || !scheme.is_total_lagrangian(),
-          ExcMessage("'Contact " + name +
-                     "/Contactors' = material points does not support "
-                     "'Scheme/Formulation' = total Lagrangian, in which "
-                     "surfaces stay whole: take surface points."));
+        Require(!contact.is_by_material_points() ||
+                  !scheme.is_total_lagrangian(),
+                "'Contact " + name +
+                  "/Contactors' = material points does not support "
+                  "'Scheme/Formulation' = total Lagrangian, in which surfaces "
+                  "stay whole: take surface points.");
       }
     for (const auto &[name, body] : rigid_bodies)
       {
         body.check("Rigid body " + name, general.dimension);
-        AssertThrow(bodies.count(name) == 0,
-                    ExcMessage("The name <" + name +
-                               "> is in both 'Simulation/Bodies' and 'Rigid "
-                               "bodies'."));
+        Require(bodies.count(name) == 0,
+                "The name <" + name +
+                  "> is in both 'Simulation/Bodies' and 'Rigid bodies'.");
         const auto is_met = [&name = name](const auto &contact) {
           return contact.second.sides()[1] == std::vector<std::string>{name};
         };
-        AssertThrow(std::any_of(contacts.begin(), contacts.end(), is_met),
-                    ExcMessage("'Rigid body " + name +
-                               "' is in no contact: nothing meets it. Name it "
-                               "as the second one of 'Contact NAME/Bodies'."));
+        Require(std::any_of(contacts.begin(), contacts.end(), is_met),
+                "'Rigid body " + name +
+                  "' is in no contact: nothing meets it. Name it as the second "
+                  "one of 'Contact NAME/Bodies'.");
       }
     // Pressure and friction would count twice.
     std::map<std::set<std::string>, std::string> contact_of;
@@ -328,12 +308,11 @@ namespace greville
             {
               const auto added =
                 contact_of.emplace(std::set<std::string>{first, second}, name);
-              AssertThrow(
-                added.second,
-                ExcMessage("The parameter 'Contact " + name + "/Bodies' is <" +
-                           contact.bodies + ">, but <" + first + "> and <" +
-                           second + "> are in 'Contact " + added.first->second +
-                           "' already: two bodies can have only one contact."));
+              Require(added.second,
+                      "The parameter 'Contact " + name + "/Bodies' is <" +
+                        contact.bodies + ">, but <" + first + "> and <" +
+                        second + "> are in 'Contact " + added.first->second +
+                        "' already: two bodies can have only one contact.");
             }
       }
     const auto groups = body_groups();
@@ -344,19 +323,17 @@ namespace greville
           const auto has   = [&](const unsigned int side) {
             return std::count(group.begin(), group.end(), sides[side][0]) > 0;
           };
-          AssertThrow(!has(0) || !has(1),
-                      ExcMessage("'Contact " + name + "/Bodies' is <" +
-                                 contact.bodies +
-                                 ">, but another contact joins them by '+': "
-                                 "bodies that stick have no contact."));
+          Require(!has(0) || !has(1),
+                  "'Contact " + name + "/Bodies' is <" + contact.bodies +
+                    ">, but another contact joins them by '+': bodies that "
+                    "stick have no contact.");
         }
     for (unsigned int w = 0; w < 2 * general.dimension && !contacts.empty();
          ++w)
-      AssertThrow(!walls.is_periodic(w),
-                  ExcMessage("'Walls/" + WallParameters::names[w] +
-                             "' = periodic does not support "
-                             "'Simulation/Contacts': surfaces do not meet "
-                             "across periodic walls."));
+      Require(!walls.is_periodic(w),
+              "'Walls/" + WallParameters::names[w] +
+                "' = periodic does not support 'Simulation/Contacts': surfaces "
+                "do not meet across periodic walls.");
   }
 
 
@@ -370,54 +347,48 @@ namespace greville
         const std::string &name = WallParameters::names[w];
         const std::string &v    = walls.velocity[w];
         const std::string &d    = walls.displacement[w];
-        AssertThrow(v.empty() || d.empty(),
-                    ExcMessage("The wall '" + name + "' has both of '" + name +
-                               " velocity' (<" + v + ">) and '" + name +
-                               " displacement' (<" + d +
-                               ">): give one of them."));
-        AssertThrow(walls.type[w] == "sliding" ||
-                      (walls.type[w] == "moving") == !(v + d).empty(),
-                    ExcMessage("The wall '" + name + "' is " + walls.type[w] +
-                               ", and '" + name +
-                               (!d.empty()   ? " displacement' is <" + d + ">"
-                                : !v.empty() ? " velocity' is <" + v + ">"
-                                             : " velocity' and '" + name +
-                                                 " displacement' are empty") +
-                               ": a moving wall needs one of them, a sliding "
-                               "wall may have one, other walls have none."));
-        AssertThrow(walls.region[w].empty() || walls.type[w] == "fixed" ||
-                      walls.type[w] == "sliding" || walls.type[w] == "moving",
-                    ExcMessage("The wall '" + name + "' is " + walls.type[w] +
-                               ", and '" + name + " region' is <" +
-                               formula_text(walls.region[w]) +
-                               ">: only fixed, sliding and moving walls may "
-                               "have a region."));
+        Require(v.empty() || d.empty(),
+                "The wall '" + name + "' has both of '" + name +
+                  " velocity' (<" + v + ">) and '" + name +
+                  " displacement' (<" + d + ">): give one of them.");
+        Require(walls.type[w] == "sliding" ||
+                  (walls.type[w] == "moving") == !(v + d).empty(),
+                "The wall '" + name + "' is " + walls.type[w] + ", and '" +
+                  name +
+                  (!d.empty() ? " displacement' is <" + d + ">"
+                   : !v.empty()
+                     ? " velocity' is <" + v + ">"
+                     : " velocity' and '" + name + " displacement' are empty") +
+                  ": a moving wall needs one of them, a sliding wall may have "
+                  "one, other walls have none.");
+        Require(walls.region[w].empty() || walls.type[w] == "fixed" ||
+                  walls.type[w] == "sliding" || walls.type[w] == "moving",
+                "The wall '" + name + "' is " + walls.type[w] + ", and '" +
+                  name + " region' is <" + formula_text(walls.region[w]) +
+                  ">: only fixed, sliding and moving walls may have a region.");
       }
     for (unsigned int w = 0; w < 2 * dim; w += 2)
       {
         const bool is_periodic = walls.is_periodic(w);
-        AssertThrow(is_periodic == walls.is_periodic(w + 1),
-                    ExcMessage("The wall '" + WallParameters::names[w] +
-                               "' is " + walls.type[w] + " and '" +
-                               WallParameters::names[w + 1] + "' is " +
-                               walls.type[w + 1] +
-                               ": both or none have to be periodic."));
+        Require(is_periodic == walls.is_periodic(w + 1),
+                "The wall '" + WallParameters::names[w] + "' is " +
+                  walls.type[w] + " and '" + WallParameters::names[w + 1] +
+                  "' is " + walls.type[w + 1] +
+                  ": both or none have to be periodic.");
         // Cells of the pore pressure are twice as large.
         const unsigned int n = grid.cells.size() == dim ? grid.cells[w / 2] : 0,
                            needed =
                              (general.pore_water ? 2 : 1) * (grid.degree + 1);
-        AssertThrow(!is_periodic || n == 0 || n >= needed,
-                    ExcMessage(
-                      "The parameter 'Grid/Cells' has " + std::to_string(n) +
-                      " cells from '" + WallParameters::names[w] + "' to '" +
-                      WallParameters::names[w + 1] + "', which are periodic: " +
-                      (general.pore_water
-                         ? "the pressure of pore water has half as many, and "
-                         : "") +
-                      "B-splines of 'Grid/Order' " +
-                      std::to_string(grid.degree) + " need " +
-                      std::to_string(needed) +
-                      " cells or more, so that none overlaps itself."));
+        Require(!is_periodic || n == 0 || n >= needed,
+                "The parameter 'Grid/Cells' has " + std::to_string(n) +
+                  " cells from '" + WallParameters::names[w] + "' to '" +
+                  WallParameters::names[w + 1] + "', which are periodic: " +
+                  (general.pore_water
+                     ? "the pressure of pore water has half as many, and "
+                     : "") +
+                  "B-splines of 'Grid/Order' " + std::to_string(grid.degree) +
+                  " need " + std::to_string(needed) +
+                  " cells or more, so that none overlaps itself.");
       }
     check_mass_name(scheme.mass, "Scheme/Mass");
     if (grid.is_axisymmetric())
@@ -428,33 +399,27 @@ namespace greville
     if (scheme.averages_over_domains())
       check_domains(*this);
     check_water_of_stage();
-    AssertThrow(scheme.transfer == "FLIP" || scheme.flip == 1.,
-                ExcMessage("The parameter 'Scheme/FLIP share' is " +
-                           text_of(scheme.flip) +
-                           ", but 'Scheme/Transfer' is " + scheme.transfer +
-                           ": only FLIP has a share."));
-    AssertThrow(time.start <= time.end,
-                ExcMessage("'Time/Start' is " + text_of(time.start) +
-                           " s, after 'Time/End', " + text_of(time.end) +
-                           " s."));
-    AssertThrow(!time.step.empty() || (time.cfl > 0. && time.safety > 0.),
-                ExcMessage("Without a 'Time/Step', the parameters 'Time/CFL "
-                           "number' and 'Time/Safety' have to be above zero; "
-                           "they are " +
-                           text_of(time.cfl) + " and " + text_of(time.safety) +
-                           "."));
+    Require(scheme.transfer == "FLIP" || scheme.flip == 1.,
+            "The parameter 'Scheme/FLIP share' is " + text_of(scheme.flip) +
+              ", but 'Scheme/Transfer' is " + scheme.transfer +
+              ": only FLIP has a share.");
+    Require(time.start <= time.end,
+            "'Time/Start' is " + text_of(time.start) +
+              " s, after 'Time/End', " + text_of(time.end) + " s.");
+    Require(!time.step.empty() || (time.cfl > 0. && time.safety > 0.),
+            "Without a 'Time/Step', the parameters 'Time/CFL number' and "
+            "'Time/Safety' have to be above zero; they are " +
+              text_of(time.cfl) + " and " + text_of(time.safety) + ".");
     for (unsigned int w = 0; w < 2 * dim; ++w)
-      AssertThrow(walls.friction[w] == 0. || walls.type[w] == "friction",
-                  ExcMessage("The wall '" + WallParameters::names[w] + "' is " +
-                             walls.type[w] +
-                             ", but has a coefficient of "
-                             "friction."));
+      Require(walls.friction[w] == 0. || walls.type[w] == "friction",
+              "The wall '" + WallParameters::names[w] + "' is " +
+                walls.type[w] + ", but has a coefficient of friction.");
     for (unsigned int w = 2 * dim; w < 6; ++w)
       {
         const std::string &name = WallParameters::names[w];
-        AssertThrow(walls.type[w] == "free",
-                    ExcMessage("The wall '" + name + "' is " + walls.type[w] +
-                               ", but there is no such wall in 2D."));
+        Require(walls.type[w] == "free",
+                "The wall '" + name + "' is " + walls.type[w] +
+                  ", but there is no such wall in 2D.");
         for (const auto &[what, value] :
              {std::make_pair(" velocity", walls.velocity[w]),
               std::make_pair(" displacement", walls.displacement[w]),
@@ -463,10 +428,9 @@ namespace greville
                              walls.friction[w] == 0.
                                ? std::string()
                                : text_of(walls.friction[w]))})
-          AssertThrow(value.empty(),
-                      ExcMessage("The parameter 'Walls/" + name + what +
-                                 "' is <" + value +
-                                 ">, but there is no such wall in 2D."));
+          Require(value.empty(),
+                  "The parameter 'Walls/" + name + what + "' is <" + value +
+                    ">, but there is no such wall in 2D.");
       }
   }
 } // namespace greville

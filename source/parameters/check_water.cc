@@ -22,9 +22,9 @@ namespace greville
     void
     refuse_without_water(const bool is_given, const std::string &parameter)
     {
-      AssertThrow(!is_given,
-                  ExcMessage("The parameter '" + parameter +
-                             "' needs 'Simulation/Pore water' = true."));
+      Require(!is_given,
+              "The parameter '" + parameter +
+                "' needs 'Simulation/Pore water' = true.");
     }
 
 
@@ -38,14 +38,12 @@ namespace greville
                    const bool                        is_seepage_face,
                    const std::string                &flux)
     {
-      AssertThrow(pressure.empty() || flux.empty(),
-                  ExcMessage("The parameters '" + section + names[0] +
-                             "' and '" + names[2] +
-                             "' are both given: give one of them."));
-      AssertThrow(!pressure.empty() || !is_seepage_face,
-                  ExcMessage("The parameter '" + section + names[1] +
-                             "' is true and needs '" + names[0] +
-                             "': 0 in air."));
+      Require(pressure.empty() || flux.empty(),
+              "The parameters '" + section + names[0] + "' and '" + names[2] +
+                "' are both given: give one of them.");
+      Require(!pressure.empty() || !is_seepage_face,
+              "The parameter '" + section + names[1] + "' is true and needs '" +
+                names[0] + "': 0 in air.");
     }
 
 
@@ -102,17 +100,14 @@ namespace greville
     void
     check_dry(const std::string &section, const Material &material)
     {
-      AssertThrow(material.conductivity == 0.,
-                  ExcMessage("The parameter '" + section +
-                             "Hydraulic conductivity' is " +
-                             text_of(material.conductivity) +
-                             " m / s, but its 'Porosity' is 0: water "
-                             "needs pores."));
-      AssertThrow(!material.has_kozeny_carman,
-                  ExcMessage("The parameter '" + section +
-                             "Conductivity law' is kozeny-carman, but "
-                             "its 'Porosity' is 0: water needs "
-                             "pores."));
+      Require(material.conductivity == 0.,
+              "The parameter '" + section + "Hydraulic conductivity' is " +
+                text_of(material.conductivity) +
+                " m / s, but its 'Porosity' is 0: water needs pores.");
+      Require(!material.has_kozeny_carman,
+              "The parameter '" + section +
+                "Conductivity law' is kozeny-carman, but its 'Porosity' is 0: "
+                "water needs pores.");
     }
 
 
@@ -122,26 +117,24 @@ namespace greville
                     const Material        &material,
                     const WaterParameters &water)
     {
-      AssertThrow(material.porosity > 0. && material.porosity < 1.,
-                  ExcMessage("The parameter '" + section + "Porosity' is " +
-                             text_of(material.porosity) +
-                             ": with 'Simulation/Pore water' it has to be "
-                             "above 0 and below 1."));
-      AssertThrow(material.density >= material.porosity * water.density,
-                  ExcMessage("The parameter '" + section + "Density' is " +
-                             text_of(material.density) +
-                             " kg / m^3 for soil and water together, but "
-                             "the water in the pores alone has " +
-                             text_of(material.porosity * water.density) +
-                             " kg / m^3 ('Porosity' times 'Water/"
-                             "Density')."));
-      AssertThrow(material.conductivity > 0. &&
-                    std::isfinite(material.conductivity),
-                  ExcMessage("The parameter '" + section +
-                             "Hydraulic conductivity' is " +
-                             text_of(material.conductivity) +
-                             " m / s: with 'Simulation/Pore water' it has to "
-                             "be above 0, and finite."));
+      Require(
+        material.porosity > 0. && material.porosity < 1.,
+        "The parameter '" + section + "Porosity' is " +
+          text_of(material.porosity) +
+          ": with 'Simulation/Pore water' it has to be above 0 and below 1.");
+      Require(material.density >= material.porosity * water.density,
+              "The parameter '" + section + "Density' is " +
+                text_of(material.density) +
+                " kg / m^3 for soil and water together, but the water in the "
+                "pores alone has " +
+                text_of(material.porosity * water.density) +
+                " kg / m^3 ('Porosity' times 'Water/Density').");
+      Require(material.conductivity > 0. &&
+                std::isfinite(material.conductivity),
+              "The parameter '" + section + "Hydraulic conductivity' is " +
+                text_of(material.conductivity) +
+                " m / s: with 'Simulation/Pore water' it has to be above 0, "
+                "and finite.");
     }
 
 
@@ -180,13 +173,12 @@ namespace greville
            {std::make_pair("Density", water.density),
             std::make_pair("Bulk modulus", water.bulk_modulus),
             std::make_pair("Capillary height", water.capillary_height)})
-        AssertThrow(std::isfinite(value),
-                    ExcMessage(
-                      std::string("The parameter 'Water/") + name + "' is " +
-                      text_of(value) +
-                      ": it has to be finite. 'Bulk modulus' = 0 makes "
-                      "water incompressible, and 'Capillary height' = "
-                      "0 keeps pores full."));
+        Require(
+          std::isfinite(value),
+          std::string("The parameter 'Water/") + name + "' is " +
+            text_of(value) +
+            ": it has to be finite. 'Bulk modulus' = 0 makes water "
+            "incompressible, and 'Capillary height' = 0 keeps pores full.");
     }
 
 
@@ -197,13 +189,11 @@ namespace greville
       const auto check_cells = [](const std::string               &section,
                                   const std::vector<unsigned int> &cells) {
         for (const unsigned int n : cells)
-          AssertThrow(n % 2 == 0,
-                      ExcMessage("The parameter '" + section +
-                                 "Grid/Cells' has a direction with " +
-                                 std::to_string(n) +
-                                 " cells: 'Simulation/Pore water' needs even "
-                                 "numbers, because cells of the pressure are "
-                                 "twice as large."));
+          Require(n % 2 == 0,
+                  "The parameter '" + section +
+                    "Grid/Cells' has a direction with " + std::to_string(n) +
+                    " cells: 'Simulation/Pore water' needs even numbers, "
+                    "because cells of the pressure are twice as large.");
       };
       check_cells("", parameters.grid.cells);
       for (const auto &[name, own] : parameters.body_grids)

@@ -62,54 +62,50 @@ namespace greville
   RigidBodyParameters::check(const std::string &section,
                              const unsigned int dim) const
   {
-    AssertThrow(shape.empty() != shape_file.empty(),
-                ExcMessage("'" + section +
-                           "' needs a 'Shape' or a 'Shape file', and not "
-                           "both."));
-    AssertThrow(reference_point.empty() || reference_point.size() == dim,
-                ExcMessage("The parameter '" + section +
-                           "/Reference point' takes " + std::to_string(dim) +
-                           " numbers in " + std::to_string(dim) + "D, not " +
-                           std::to_string(reference_point.size()) + "."));
+    Require(shape.empty() != shape_file.empty(),
+            "'" + section +
+              "' needs a 'Shape' or a 'Shape file', and not both.");
+    Require(reference_point.empty() || reference_point.size() == dim,
+            "The parameter '" + section + "/Reference point' takes " +
+              std::to_string(dim) + " numbers in " + std::to_string(dim) +
+              "D, not " + std::to_string(reference_point.size()) + ".");
     const bool has_mass = mass > 0. || !inertia.empty();
-    AssertThrow(is_free || (density == 0. && !has_mass),
-                ExcMessage("'" + section +
-                           "' has a 'Density', 'Mass' or 'Inertia', which "
-                           "need 'Free' = true."));
+    Require(
+      is_free || (density == 0. && !has_mass),
+      "'" + section +
+        "' has a 'Density', 'Mass' or 'Inertia', which need 'Free' = true.");
     if (!is_free)
       return;
-    AssertThrow((density > 0.) != has_mass,
-                ExcMessage("'" + section +
-                           "' is free: it needs a 'Density', or 'Mass' and "
-                           "'Inertia', and not both."));
+    Require((density > 0.) != has_mass,
+            "'" + section +
+              "' is free: it needs a 'Density', or 'Mass' and 'Inertia', and "
+              "not both.");
     const unsigned int n = dim == 2 ? 1 : 3;
-    AssertThrow(!has_mass ||
-                  (mass > 0. && inertia.size() == n &&
-                   *std::min_element(inertia.begin(), inertia.end()) > 0.),
-                ExcMessage("'" + section + "' needs a 'Mass' and " +
-                           std::to_string(n) + " numbers of 'Inertia' in " +
-                           std::to_string(dim) + "D, all above zero."));
+    Require(!has_mass ||
+              (mass > 0. && inertia.size() == n &&
+               *std::min_element(inertia.begin(), inertia.end()) > 0.),
+            "'" + section + "' needs a 'Mass' and " + std::to_string(n) +
+              " numbers of 'Inertia' in " + std::to_string(dim) +
+              "D, all above zero.");
     // A plate attains the sum.
     const double sum =
       std::accumulate(inertia.begin(), inertia.end(), 0.) * (1. + 1e-9);
-    AssertThrow(!has_mass || dim == 2 ||
-                  2. * *std::max_element(inertia.begin(), inertia.end()) <= sum,
-                ExcMessage(
-                  "'" + section +
-                  "' has an impossible 'Inertia': none of the three "
-                  "numbers can be larger than the sum of the others."));
-    AssertThrow(!has_mass || !reference_point.empty(),
-                ExcMessage("'" + section +
-                           "' has a 'Mass': it needs a 'Reference point', its "
-                           "center of mass."));
-    AssertThrow(has_mass || reference_point.empty(),
-                ExcMessage("'" + section +
-                           "' has a 'Density': its reference point is its "
-                           "center of mass; leave out 'Reference point'."));
-    AssertThrow(rotation.empty(),
-                ExcMessage("'" + section +
-                           "' is free: moments of contacts turn it; leave out "
-                           "'Rotation'."));
+    Require(!has_mass || dim == 2 ||
+              2. * *std::max_element(inertia.begin(), inertia.end()) <= sum,
+            "'" + section +
+              "' has an impossible 'Inertia': none of the three numbers can be "
+              "larger than the sum of the others.");
+    Require(
+      !has_mass || !reference_point.empty(),
+      "'" + section +
+        "' has a 'Mass': it needs a 'Reference point', its center of mass.");
+    Require(has_mass || reference_point.empty(),
+            "'" + section +
+              "' has a 'Density': its reference point is its center of mass; "
+              "leave out 'Reference point'.");
+    Require(rotation.empty(),
+            "'" + section +
+              "' is free: moments of contacts turn it; leave out 'Rotation'.");
   }
 
 
@@ -182,54 +178,50 @@ namespace greville
     for (const std::string &name : keys_of(rigid))
       names.push_back(name);
     const auto n_sides = Utilities::split_string_list(bodies, ',').size();
-    AssertThrow(n_sides == 2,
-                ExcMessage("The parameter '" + section + "/Bodies' is <" +
-                           bodies + ">: a contact has two sides, not " +
-                           std::to_string(n_sides) + "."));
+    Require(n_sides == 2,
+            "The parameter '" + section + "/Bodies' is <" + bodies +
+              ">: a contact has two sides, not " + std::to_string(n_sides) +
+              ".");
     std::vector<std::string> named;
     const auto               both = sides();
     for (const auto &side : both)
-      AssertThrow(!side.empty(),
-                  ExcMessage("The parameter '" + section + "/Bodies' is <" +
-                             bodies + ">: one side is empty."));
+      Require(!side.empty(),
+              "The parameter '" + section + "/Bodies' is <" + bodies +
+                ">: one side is empty.");
     for (const auto &side : both)
       for (const std::string &name : side)
         {
           const std::string parameter = "The parameter '" + section +
                                         "/Bodies' has the name <" + name + ">";
-          AssertThrow(std::count(names.begin(), names.end(), name) > 0,
-                      ExcMessage(parameter +
-                                 "; it has to be one of the bodies and rigid "
-                                 "bodies of 'Simulation': " +
-                                 boost::algorithm::join(names, ", ") + "." +
-                                 did_you_mean(name, names)));
-          AssertThrow(std::count(named.begin(), named.end(), name) == 0,
-                      ExcMessage(parameter +
-                                 " twice: contact of a body with itself is "
-                                 "not supported."));
+          Require(std::count(names.begin(), names.end(), name) > 0,
+                  parameter +
+                    "; it has to be one of the bodies and rigid bodies of "
+                    "'Simulation': " +
+                    boost::algorithm::join(names, ", ") + "." +
+                    did_you_mean(name, names));
+          Require(std::count(named.begin(), named.end(), name) == 0,
+                  parameter +
+                    " twice: contact of a body with itself is not supported.");
           named.push_back(name);
           if (rigid.count(name) > 0)
             {
-              AssertThrow(sides()[1] == std::vector<std::string>{name},
-                          ExcMessage(parameter +
-                                     ", which is a rigid body: it has to be "
-                                     "the second side, alone, and the first "
-                                     "side has to deform."));
+              Require(sides()[1] == std::vector<std::string>{name},
+                      parameter +
+                        ", which is a rigid body: it has to be the second "
+                        "side, alone, and the first side has to deform.");
               continue;
             }
           const BodyParameters &body = all_bodies.at(name);
           const bool            needs_surface =
             !is_by_material_points() || &side == &both[1];
-          AssertThrow(!needs_surface || body.points_file.empty(),
-                      ExcMessage(parameter +
-                                 ", which has a 'Points file': its surface is "
-                                 "unknown. Give it a 'Shape' or a 'Shape "
-                                 "file', or take 'Contactors' = material "
-                                 "points."));
+          Require(!needs_surface || body.points_file.empty(),
+                  parameter + ", which has a 'Points file': its surface is "
+                              "unknown. Give it a 'Shape' or a 'Shape file', "
+                              "or take 'Contactors' = material points.");
         }
-    AssertThrow(!is_by_material_points() || !is_augmented(),
-                ExcMessage("'" + section +
-                           "/Method' = augmented does not support "
-                           "'Contactors' = material points."));
+    Require(!is_by_material_points() || !is_augmented(),
+            "'" + section +
+              "/Method' = augmented does not support 'Contactors' = material "
+              "points.");
   }
 } // namespace greville

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/mass/fmpm.h>
 #include <greville/parameters/names.h>
@@ -51,9 +52,7 @@ namespace greville
                       const std::string &parameter,
                       const std::string &why) const
   {
-    AssertThrow(!wrong,
-                ExcMessage(feature + " does not support " + parameter + ": " +
-                           why));
+    Require(!wrong, feature + " does not support " + parameter + ": " + why);
   }
 
 
@@ -68,8 +67,7 @@ namespace greville
                      return mass.first == name ||
                             (mass.first == "fmpm-K" && n_fmpm_terms(name) > 0);
                    });
-    AssertThrow(found != known_masses.end(),
-                ExcMessage("Unknown mass <" + name + ">."));
+    Require(found != known_masses.end(), "Unknown mass <" + name + ">.");
     return found->second;
   }
 

@@ -63,19 +63,18 @@ namespace greville
             if (kind == "Stage" || kind == "Body")
               sections.back() =
                 sections.back().substr(0, sections.back().find('/'));
-            AssertThrow(
-              std::count(names.begin(), names.end(), sections.back()) == 1,
-              ExcMessage(line.place + ": there is a section '" + line.section +
-                         "', but the parameter 'Simulation/" + entry +
-                         "' does not name <" + sections.back() + ">." +
-                         did_you_mean(sections.back(), names)));
+            Require(std::count(names.begin(), names.end(), sections.back()) ==
+                      1,
+                    line.place + ": there is a section '" + line.section +
+                      "', but the parameter 'Simulation/" + entry +
+                      "' does not name <" + sections.back() + ">." +
+                      did_you_mean(sections.back(), names));
           }
       for (const std::string &name : names)
-        AssertThrow(std::count(sections.begin(), sections.end(), name) > 0,
-                    ExcMessage("The parameter 'Simulation/" + entry +
-                               "' has the name <" + name +
-                               ">, but there is no section '" + kind + " " +
-                               name + "'." + did_you_mean(name, sections)));
+        Require(std::count(sections.begin(), sections.end(), name) > 0,
+                "The parameter 'Simulation/" + entry + "' has the name <" +
+                  name + ">, but there is no section '" + kind + " " + name +
+                  "'." + did_you_mean(name, sections));
     }
 
 
@@ -122,11 +121,11 @@ namespace greville
         if (line.section == section && kinds_with.count(line.name) > 0)
           {
             const auto &kinds = kinds_with[line.name];
-            AssertThrow(std::count(kinds.begin(), kinds.end(), name) > 0,
-                        ExcMessage(line.place + ": the parameter '" + section +
-                                   "/" + line.name + "' belongs to 'Kind' = " +
-                                   boost::algorithm::join(kinds, " and ") +
-                                   ", not " + name + "."));
+            Require(std::count(kinds.begin(), kinds.end(), name) > 0,
+                    line.place + ": the parameter '" + section + "/" +
+                      line.name + "' belongs to 'Kind' = " +
+                      boost::algorithm::join(kinds, " and ") + ", not " + name +
+                      ".");
           }
       return result;
     }
@@ -189,8 +188,7 @@ namespace greville
           }
         catch (const std::exception &error)
           {
-            AssertThrow(false,
-                        ExcMessage(line.place + ": " + message_of(error)));
+            Require(false, line.place + ": " + message_of(error));
           }
       return lines;
     }
@@ -212,12 +210,11 @@ namespace greville
           const std::string message = message_of(error);
           const bool        has_name =
             message.find("'" + section) != std::string::npos;
-          AssertThrow(false, ExcMessage((has_name ? "" : begin) + message));
+          Require(false, (has_name ? "" : begin) + message);
         }
       catch (...)
         {
-          AssertThrow(false,
-                      ExcMessage(begin + "its law throws an exception."));
+          Require(false, begin + "its law throws an exception.");
         }
     }
 
@@ -229,11 +226,9 @@ namespace greville
     {
       const std::string method = value_of(lines, "Solver", "Method");
       for (const ParameterLine &line : lines)
-        AssertThrow(line.section != "p-multigrid" || !method.empty(),
-                    ExcMessage(
-                      line.place +
-                      ": the section p-multigrid is for 'Solver/Method' = "
-                      "cg-p-multigrid: set it, too."));
+        Require(line.section != "p-multigrid" || !method.empty(),
+                line.place + ": the section p-multigrid is for 'Solver/Method' "
+                             "= cg-p-multigrid: set it, too.");
     }
 
 
@@ -246,16 +241,14 @@ namespace greville
       for (unsigned int w = 0; w < 6; ++w)
         {
           const std::string name = WallParameters::names[w] + " friction";
-          AssertThrow(walls.type[w] != "friction" ||
-                        !value_of(lines, "Walls", name).empty() ||
-                        (!stage.empty() &&
-                         !value_of(lines, stage + "/Walls", name).empty()),
-                      ExcMessage(
-                        "The wall '" + WallParameters::names[w] +
-                        "' is friction and needs a coefficient: the parameter "
-                        "'" +
-                        (stage.empty() ? "" : stage + "/") + "Walls/" + name +
-                        "'."));
+          Require(walls.type[w] != "friction" ||
+                    !value_of(lines, "Walls", name).empty() ||
+                    (!stage.empty() &&
+                     !value_of(lines, stage + "/Walls", name).empty()),
+                  "The wall '" + WallParameters::names[w] +
+                    "' is friction and needs a coefficient: the parameter '" +
+                    (stage.empty() ? "" : stage + "/") + "Walls/" + name +
+                    "'.");
         }
     }
 
@@ -389,13 +382,13 @@ namespace greville
       for (const ParameterLine &line : lines)
         {
           const std::string hint = did_you_mean(line.section, {"Simulation"});
-          AssertThrow(hint.empty() || line.section == "Simulation",
-                      ExcMessage(line.place + ": there is no section '" +
-                                 line.section + "'." + hint));
+          Require(hint.empty() || line.section == "Simulation",
+                  line.place + ": there is no section '" + line.section + "'." +
+                    hint);
         }
-    AssertThrow(!body_names.empty(),
-                ExcMessage("The parameter 'Simulation/Bodies' is empty: a "
-                           "simulation needs a body."));
+    Require(
+      !body_names.empty(),
+      "The parameter 'Simulation/Bodies' is empty: a simulation needs a body.");
     check_sections(lines, "Body", "Bodies", body_names);
     check_sections(lines, "Material", "Materials", law_names);
     check_sections(lines, "Surface load", "Surface loads", load_names);
@@ -453,15 +446,16 @@ namespace greville
   {
     for (StageParameters &stage : stages)
       {
-        const auto check_common =
-          [&](const bool is_same, const std::string &name, const double value) {
-            AssertThrow(is_same,
-                        ExcMessage("The parameter 'Stage " + stage.name +
-                                   "/Time/" + name + "' is <" + text_of(value) +
-                                   ">. It belongs to the whole run: set it in "
-                                   "the section 'Time' outside of stages. A "
-                                   "stage begins when the stage before ends."));
-          };
+        const auto check_common = [&](const bool         is_same,
+                                      const std::string &name,
+                                      const double       value) {
+          Require(
+            is_same,
+            "The parameter 'Stage " + stage.name + "/Time/" + name + "' is <" +
+              text_of(value) +
+              ">. It belongs to the whole run: set it in the section 'Time' "
+              "outside of stages. A stage begins when the stage before ends.");
+        };
         check_common(stage.time.start == time.start, "Start", stage.time.start);
         check_common(stage.time.max_steps == time.max_steps,
                      "Maximum steps",

@@ -169,10 +169,9 @@ namespace greville
   void
   LoadBalanceParameters::check() const
   {
-    AssertThrow(threshold == 0. || threshold >= 1.,
-                ExcMessage("The parameter 'Load balance/Threshold' is " +
-                           text_of(threshold) +
-                           ": the largest work of a process is at least the "
-                           "mean, so it takes 1 or more, or 0 for never."));
+    Require(threshold == 0. || threshold >= 1.,
+            "The parameter 'Load balance/Threshold' is " + text_of(threshold) +
+              ": the largest work of a process is at least the mean, so it "
+              "takes 1 or more, or 0 for never.");
   }
 } // namespace greville

@@ -193,17 +193,16 @@ namespace greville
                 "the bodies of 'Simulation/Bodies': " +
                   boost::algorithm::join(names, ", "));
     const BodyParameters &bearer = bodies.at(body);
-    AssertThrow(bearer.points_file.empty() &&
-                  (bearer.placement == Placement::fitted ||
-                   bearer.placement == Placement::fitted_lattice),
-                ExcMessage(
-                  "'" + section + "' acts on the surface of 'Body " + body +
-                  "', which needs a 'Shape' with 'Placement' = fitted or "
-                  "fitted lattice; here " +
-                  (bearer.points_file.empty()
-                     ? "'Placement' is " + word_of(bearer.placement, placements)
-                     : "there is a 'Points file'") +
-                  "."));
+    Require(bearer.points_file.empty() &&
+              (bearer.placement == Placement::fitted ||
+               bearer.placement == Placement::fitted_lattice),
+            "'" + section + "' acts on the surface of 'Body " + body +
+              "', which needs a 'Shape' with 'Placement' = fitted or fitted "
+              "lattice; here " +
+              (bearer.points_file.empty()
+                 ? "'Placement' is " + word_of(bearer.placement, placements)
+                 : "there is a 'Points file'") +
+              ".");
     kind->check(section);
   }
 } // namespace greville

@@ -22,12 +22,11 @@ namespace greville
                const std::string              &kind,
                const std::vector<std::string> &names)
     {
-      AssertThrow(contains(names, name),
-                  ExcMessage("The parameter '" + parameter + "' names <" +
-                             name + ">, which is not one of 'Simulation/" +
-                             kind +
-                             "': " + boost::algorithm::join(names, ", ") + "." +
-                             did_you_mean(name, names)));
+      Require(contains(names, name),
+              "The parameter '" + parameter + "' names <" + name +
+                ">, which is not one of 'Simulation/" + kind +
+                "': " + boost::algorithm::join(names, ", ") + "." +
+                did_you_mean(name, names));
     }
   } // namespace
 
@@ -108,22 +107,21 @@ namespace greville
         for (const std::string &text : stage.materials)
           {
             const std::size_t colon = text.find(':');
-            AssertThrow(colon != std::string::npos,
-                        ExcMessage("The parameter '" + parameter +
-                                   "' takes pairs of a body and a material, "
-                                   "such as 'clay: weak clay', not <" +
-                                   text + ">."));
+            Require(colon != std::string::npos,
+                    "The parameter '" + parameter +
+                      "' takes pairs of a body and a material, such as 'clay: "
+                      "weak clay', not <" +
+                      text + ">.");
             const std::string body = Utilities::trim(text.substr(0, colon));
             const std::string law  = Utilities::trim(text.substr(colon + 1));
             check_name(parameter, body, "Bodies", general.bodies);
             check_name(parameter, law, "Materials", general.materials);
-            AssertThrow(stage.has_all_bodies() || stage.bodies.empty() ||
-                          contains(stage.bodies, body),
-                        ExcMessage(
-                          "The parameter '" + parameter + "' names the body <" +
-                          body + ">, which is not in this stage: 'Stage " +
-                          stage.name + "/Bodies' is " +
-                          boost::algorithm::join(stage.bodies, ", ") + "."));
+            Require(stage.has_all_bodies() || stage.bodies.empty() ||
+                      contains(stage.bodies, body),
+                    "The parameter '" + parameter + "' names the body <" +
+                      body + ">, which is not in this stage: 'Stage " +
+                      stage.name + "/Bodies' is " +
+                      boost::algorithm::join(stage.bodies, ", ") + ".");
             named.push_back(body);
             stage.material_of[body] = law;
           }
@@ -141,10 +139,10 @@ namespace greville
       {
         const StageParameters &stage     = stages[k];
         const std::string      parameter = "Stage " + stage.name + "/Bodies";
-        AssertThrow(!stage.bodies.empty(),
-                    ExcMessage("The parameter '" + parameter +
-                               "' is empty: a stage needs a body. Give names "
-                               "of bodies, or all."));
+        Require(
+          !stage.bodies.empty(),
+          "The parameter '" + parameter +
+            "' is empty: a stage needs a body. Give names of bodies, or all.");
         if (stage.has_all_bodies())
           continue;
         check_different(stage.bodies, parameter, "body");
@@ -157,61 +155,53 @@ namespace greville
         for (unsigned int k = 0; k < stages.size(); ++k)
           if (is_in_stage(name, k))
             {
-              AssertThrow(n == 0 || last + 1 == k,
-                          ExcMessage(
-                            stage_text(k) + "the body <" + name +
-                            "> was removed before ('Stage " +
-                            stages[last + 1].name +
-                            "/Bodies' does not name it) and cannot return. "
-                            "Add another body of the same shape, with its own "
-                            "name and section."));
+              Require(
+                n == 0 || last + 1 == k,
+                stage_text(k) + "the body <" + name +
+                  "> was removed before ('Stage " + stages[last + 1].name +
+                  "/Bodies' does not name it) and cannot return. Add another "
+                  "body of the same shape, with its own name and section.");
               ++n;
               last = k;
             }
         if (n == stages.size())
           continue;
-        AssertThrow(n > 0,
-                    ExcMessage("'Body " + name +
-                               "' is in no stage: no 'Stage NAME/Bodies' "
-                               "names it."));
-        AssertThrow(!scheme.is_total_lagrangian(),
-                    ExcMessage("'Body " + name +
-                               "' appears or disappears ('Stage "
-                               "NAME/Bodies'), but bodies do not interact "
-                               "with 'Scheme/Formulation' = total Lagrangian. "
-                               "Take updated Lagrangian."));
+        Require(n > 0,
+                "'Body " + name +
+                  "' is in no stage: no 'Stage NAME/Bodies' names it.");
+        Require(!scheme.is_total_lagrangian(),
+                "'Body " + name +
+                  "' appears or disappears ('Stage NAME/Bodies'), but bodies "
+                  "do not interact with 'Scheme/Formulation' = total "
+                  "Lagrangian. Take updated Lagrangian.");
         for (const auto &[contact, given] : contacts)
           for (const auto &side : given.sides())
-            AssertThrow(!contains(side, name),
-                        ExcMessage("'Contact " + contact + "/Bodies' has <" +
-                                   name +
-                                   ">, which appears or disappears ('Stage "
-                                   "NAME/Bodies'): bodies in contacts have to "
-                                   "be in all stages."));
+            Require(!contains(side, name),
+                    "'Contact " + contact + "/Bodies' has <" + name +
+                      ">, which appears or disappears ('Stage NAME/Bodies'): "
+                      "bodies in contacts have to be in all stages.");
       }
     for (unsigned int k = 0; k < stages.size(); ++k)
       {
         for (const auto &group : groups)
-          AssertThrow(std::any_of(group.begin(),
-                                  group.end(),
-                                  [&](const std::string &name) {
-                                    return is_in_stage(name, k);
-                                  }),
-                      ExcMessage(stage_text(k) + "none of the bodies <" +
-                                 boost::algorithm::join(group, ", ") +
-                                 "> is in 'Bodies': they share a velocity "
-                                 "field that no contact names, and it needs "
-                                 "one of them."));
+          Require(std::any_of(group.begin(),
+                              group.end(),
+                              [&](const std::string &name) {
+                                return is_in_stage(name, k);
+                              }),
+                  stage_text(k) + "none of the bodies <" +
+                    boost::algorithm::join(group, ", ") +
+                    "> is in 'Bodies': they share a velocity field that no "
+                    "contact names, and it needs one of them.");
         for (const auto &[name, material] : stages[k].material_of)
           for (const auto &contact : contacts)
             for (const auto &side : contact.second.sides())
-              AssertThrow(
-                !contains(side, name) ||
-                  material == stages[0].material_of.at(name),
-                ExcMessage(stage_text(k) + "'Materials' gives 'Body " + name +
-                           "' another material, but 'Contact " + contact.first +
-                           "/Bodies' names it: bodies in contacts keep their "
-                           "material, because the penalty depends on it."));
+              Require(!contains(side, name) ||
+                        material == stages[0].material_of.at(name),
+                      stage_text(k) + "'Materials' gives 'Body " + name +
+                        "' another material, but 'Contact " + contact.first +
+                        "/Bodies' names it: bodies in contacts keep their "
+                        "material, because the penalty depends on it.");
       }
   }
 } // namespace greville

@@ -39,10 +39,9 @@ namespace greville
       {
         if (!parameters.stress.empty())
           {
-            AssertThrow(K0 < 0.,
-                        ExcMessage("'" + section +
-                                   "' has both 'Stress' and 'K0': give one of "
-                                   "them."));
+            Require(K0 < 0.,
+                    "'" + section +
+                      "' has both 'Stress' and 'K0': give one of them.");
             components = {parameters.stress,
                           section + "/Stress",
                           coordinate_names<dim>()};
@@ -52,11 +51,11 @@ namespace greville
             for (unsigned int d = 0; d < dim; ++d)
               if (std::abs(gravity[d]) > 0.999 * gravity.norm())
                 axis = d;
-            AssertThrow(axis < dim && weight > 0.,
-                        ExcMessage("The parameter '" + section +
-                                   "/K0' needs a gravity along an axis, but "
-                                   "'Loads/Gravity' is (" +
-                                   text_of(gravity) + ") m / s^2 at t = 0."));
+            Require(
+              axis < dim && weight > 0.,
+              "The parameter '" + section +
+                "/K0' needs a gravity along an axis, but 'Loads/Gravity' is (" +
+                text_of(gravity) + ") m / s^2 at t = 0.");
             cell_size = space.cell_size(axis);
             grid_height =
               space.upper_corner()[axis] - space.lower_corner()[axis];
@@ -81,21 +80,19 @@ namespace greville
           {
             const double height = surface(x)[0];
             const double depth  = upwards * (height - x[axis]);
-            AssertThrow(depth > -0.5 * cell_size,
-                        ExcMessage(
-                          "this point lies " + text_of(-depth) +
-                          " m beyond the parameter 'Surface', which is " +
-                          text_of(height) +
-                          " m there: a body with 'K0' has to lie below its "
-                          "'Surface' everywhere, in the direction of "
-                          "'Loads/Gravity' = (" +
-                          text_of(g) + ") m / s^2."));
-            AssertThrow(depth < deepest * grid_height,
-                        ExcMessage(
-                          "the parameter 'Surface' is " + text_of(height) +
-                          " m there, which is " + text_of(depth) +
-                          " m above this point: more than " + text_of(deepest) +
-                          " heights of the grid. Is it given in m?"));
+            Require(
+              depth > -0.5 * cell_size,
+              "this point lies " + text_of(-depth) +
+                " m beyond the parameter 'Surface', which is " +
+                text_of(height) +
+                " m there: a body with 'K0' has to lie below its 'Surface' "
+                "everywhere, in the direction of 'Loads/Gravity' = (" +
+                text_of(g) + ") m / s^2.");
+            Require(depth < deepest * grid_height,
+                    "the parameter 'Surface' is " + text_of(height) +
+                      " m there, which is " + text_of(depth) +
+                      " m above this point: more than " + text_of(deepest) +
+                      " heights of the grid. Is it given in m?");
             const double pressure = weight * std::max(0., depth) +
                                     pressure_above(x, height) - table(x);
             for (unsigned int d = 0; d < 3; ++d)
@@ -192,8 +189,7 @@ namespace greville
       state.F = state.increment * state.F;
       state.J *= determinant(state.increment);
       state.dt = 0.; // it has no rate
-      AssertThrow(state.J > 0.,
-                  ExcMessage("the displacement turns the body inside out."));
+      Require(state.J > 0., "the displacement turns the body inside out.");
       material.update(ArrayView<MaterialPoint>(&state, 1));
     }
 
@@ -212,17 +208,16 @@ namespace greville
       for (const auto &[name, given] : ways)
         if (!given->empty())
           {
-            AssertThrow(last.empty(),
-                        ExcMessage("'" + section + "' has both '" + last +
-                                   "' and '" + name + "'."));
+            Require(last.empty(),
+                    "'" + section + "' has both '" + last + "' and '" + name +
+                      "'.");
             last = name;
           }
-      AssertThrow(!last.empty(),
-                  ExcMessage(
-                    "The parameter '" + section +
-                    "/Shape' is empty: it takes a formula like " +
-                    (dim == 2 ? "box(0, 0, 1, 2)" : "box(0, 0, 0, 1, 1, 2)") +
-                    ", unless there is a 'Shape file' or a 'Points file'."));
+      Require(!last.empty(),
+              "The parameter '" + section +
+                "/Shape' is empty: it takes a formula like " +
+                (dim == 2 ? "box(0, 0, 1, 2)" : "box(0, 0, 0, 1, 1, 2)") +
+                ", unless there is a 'Shape file' or a 'Points file'.");
     }
 
 
@@ -296,18 +291,17 @@ namespace greville
           if (dim == 3 || (i < 2 && j < 2) || (i == 2 && j == 2))
             state.F[i][j] = file.value(k, F + Layout::F_index(i, j));
       state.J = J >= 0 ? file.value(k, J) : determinant(state.F);
-      AssertThrow(state.J > 0.,
-                  ExcMessage("the deformation in the points file has J = " +
-                             text_of(state.J) + "; it has to be positive."));
+      Require(state.J > 0.,
+              "the deformation in the points file has J = " + text_of(state.J) +
+                "; it has to be positive.");
       // share_volume() changes only J of fluids.
       const double determinant_of_F = determinant(state.F);
-      AssertThrow(F < 0 || J < 0 || material.shares_volume() ||
-                    std::abs(determinant_of_F - state.J) <=
-                      0.01 * state.J + 1e-5 * std::pow(state.F.norm(), 3),
-                  ExcMessage("the columns 'F_xx', ... and 'J' contradict each "
-                             "other: det F = " +
-                             text_of(determinant_of_F) +
-                             ", and J = " + text_of(state.J) + "."));
+      Require(
+        F < 0 || J < 0 || material.shares_volume() ||
+          std::abs(determinant_of_F - state.J) <=
+            0.01 * state.J + 1e-5 * std::pow(state.F.norm(), 3),
+        "the columns 'F_xx', ... and 'J' contradict each other: det F = " +
+          text_of(determinant_of_F) + ", and J = " + text_of(state.J) + ".");
       state.stress = sigma;
       state.dt     = 0.;
       material.update(ArrayView<MaterialPoint>(&state, 1));
@@ -422,19 +416,19 @@ namespace greville
           }
         catch (const std::exception &error)
           {
-            AssertThrow(false,
-                        ExcMessage(
-                          (parameters.points_file.empty()
-                             ? ""
-                             : find_in_points_file<dim>(
-                                 parameters.points_file, section, point.image)
-                                 .at(0)) +
-                          "'" + section + "'" +
-                          (parameters.material.empty()
-                             ? ""
-                             : " of 'Material " + parameters.material + "'") +
-                          " at (" + text_of(point.image) +
-                          ") m: " + message_of(error)));
+            Require(false,
+                    (parameters.points_file.empty()
+                       ? ""
+                       : find_in_points_file<dim>(parameters.points_file,
+                                                  section,
+                                                  point.image)
+                           .at(0)) +
+                      "'" + section + "'" +
+                      (parameters.material.empty()
+                         ? ""
+                         : " of 'Material " + parameters.material + "'") +
+                      " at (" + text_of(point.image) +
+                      ") m: " + message_of(error));
           }
         write_motion(p, x, state, point, k);
         p.mass() =
@@ -571,14 +565,12 @@ namespace greville
     body.points.defragment();
     body.n_points = Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),
                                                        space.communicator());
-    AssertThrow(body.n_points > 0,
-                ExcMessage("The body of '" + section +
-                           "' is empty: there is no point inside <" +
-                           formula_text(parameters.shape) +
-                           parameters.shape_file +
-                           "> in the grid: is it outside ('Grid/Lower corner', "
-                           "'Grid/Upper corner'), or are the cells too large "
-                           "('Grid/Cells')?"));
+    Require(body.n_points > 0,
+            "The body of '" + section +
+              "' is empty: there is no point inside <" +
+              formula_text(parameters.shape) + parameters.shape_file +
+              "> in the grid: is it outside ('Grid/Lower corner', 'Grid/Upper "
+              "corner'), or are the cells too large ('Grid/Cells')?");
     return parameters.displacement.empty() ? std::vector<unsigned int>()
                                            : body.points.cells();
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/points/material_points.h>
 
 #include <algorithm>
@@ -62,7 +63,7 @@ namespace greville
   PointLayout<dim>::first(const std::string &name) const
   {
     const PointField *field = find(name);
-    AssertThrow(field, ExcMessage("There is no field '" + name + "'."));
+    Require(field, "There is no field '" + name + "'.");
     return field->first;
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/points/point_transport.h>
 
@@ -140,9 +141,9 @@ namespace greville
         {
           const unsigned int cell =
             spline_space->find(std::uint64_t(message.second[k]));
-          AssertThrow(cell != numbers::invalid_unsigned_int,
-                      ExcMessage("A point has been sent to a process that "
-                                 "does not own its cell."));
+          Require(
+            cell != numbers::invalid_unsigned_int,
+            "A point has been sent to a process that does not own its cell.");
           points.insert(cell,
                         ArrayView<const double>(&message.second[k + 1],
                                                 width - 1));

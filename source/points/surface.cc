@@ -172,8 +172,7 @@ namespace greville
     const MPI_Comm comm = space.communicator();
     if (Utilities::MPI::sum<std::uint64_t>(surface.points.n_points(), comm) ==
         0)
-      AssertThrow(
-        false, ExcMessage(no_point(section, where, body.name, placed, comm)));
+      Require(false, no_point(section, where, body.name, placed, comm));
     return surface;
   }
 

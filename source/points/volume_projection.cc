@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/points/point_material.h>
 #include <greville/points/volume_projection.h>
 
@@ -97,13 +98,12 @@ namespace greville
         const double       lower = space.lower_corner()[d];
         const double       upper = lower + 2. * n_all * space.cell_size(d);
         const bool         wraps = space.is_periodic(d);
-        AssertThrow(!wraps || (n % 2 == 0 && n_all > q),
-                    ExcMessage(
-                      "'Scheme/Volumetric projection' = coarse mesh joins two "
-                      "cells in each direction: the number of 'Grid/Cells' in "
-                      "a periodic direction has to be even, and " +
-                      std::to_string(2 * q + 2) + " at least; it is " +
-                      std::to_string(n) + "."));
+        Require(!wraps || (n % 2 == 0 && n_all > q),
+                "'Scheme/Volumetric projection' = coarse mesh joins two cells "
+                "in each direction: the number of 'Grid/Cells' in a periodic "
+                "direction has to be even, and " +
+                  std::to_string(2 * q + 2) + " at least; it is " +
+                  std::to_string(n) + ".");
         extents[d] = wraps ? n_all : n_all + q;
         n_functions *= extents[d];
         polynomials[d].reinit(

@@ -23,10 +23,10 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       if (std::abs(gravity[d]) > 0.999 * gravity.norm())
         axis = d;
-    AssertThrow(axis < dim && gravity.norm() > 0.,
-                ExcMessage("The parameter 'Water/Table' needs a gravity along "
-                           "an axis, but 'Loads/Gravity' is (" +
-                           text_of(gravity) + ") m / s^2 at the start."));
+    Require(axis < dim && gravity.norm() > 0.,
+            "The parameter 'Water/Table' needs a gravity along an axis, but "
+            "'Loads/Gravity' is (" +
+              text_of(gravity) + ") m / s^2 at the start.");
     weight = -density * gravity[axis];
     height.emplace(table, "Water/Table", coordinate_names<dim>());
   }

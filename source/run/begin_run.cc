@@ -31,13 +31,11 @@ namespace greville
     for (const std::string &setting : options.settings)
       {
         std::error_code error;
-        AssertThrow(setting.rfind("Output/Directory", 0) != 0 ||
-                      std::filesystem::equivalent(given, own, error),
-                    ExcMessage("The option --set <" + setting +
-                               ">: a run resumes in its own folder, <" +
-                               own.string() +
-                               ">. To use another folder, move this one and "
-                               "resume there."));
+        Require(setting.rfind("Output/Directory", 0) != 0 ||
+                  std::filesystem::equivalent(given, own, error),
+                "The option --set <" + setting +
+                  ">: a run resumes in its own folder, <" + own.string() +
+                  ">. To use another folder, move this one and resume there.");
       }
     return own.string();
   }
@@ -73,10 +71,10 @@ namespace greville
     run_on_first(
       [&]() {
         std::error_code error;
-        AssertThrow(!std::filesystem::equivalent(options.from, folder, error),
-                    ExcMessage("--from names the folder <" + options.from +
-                               "> of this run itself: give the new run "
-                               "another 'Output/Directory'."));
+        Require(!std::filesystem::equivalent(options.from, folder, error),
+                "--from names the folder <" + options.from +
+                  "> of this run itself: give the new run another "
+                  "'Output/Directory'.");
       },
       comm);
   }
@@ -104,12 +102,11 @@ namespace greville
   void
   refuse_sweep(const SimulationParameters &parameters, const std::string &file)
   {
-    AssertThrow(parameters.sweep.is_empty(),
-                ExcMessage("<" + file +
-                           "> has a 'Sweep', but this program makes one run. "
-                           "All runs are made by scripts/run, scripts/sweep "
-                           "(greville-sweep of an installation), or "
-                           "greville.sweep() in Python."));
+    Require(parameters.sweep.is_empty(),
+            "<" + file +
+              "> has a 'Sweep', but this program makes one run. All runs are "
+              "made by scripts/run, scripts/sweep (greville-sweep of an "
+              "installation), or greville.sweep() in Python.");
   }
 
 
@@ -168,9 +165,8 @@ namespace greville
         }
       catch (const std::exception &error)
         {
-          AssertThrow(false,
-                      ExcMessage("Run " + path.stem().string() + ": " +
-                                 message_of(error)));
+          Require(false,
+                  "Run " + path.stem().string() + ": " + message_of(error));
         }
     if (!makes_room)
       return;

@@ -262,8 +262,7 @@ namespace greville
               {
                 error = tangent_error(*body.material, point, strain, dim);
                 // A maximum over processes would drop NaN.
-                AssertThrow(std::isfinite(error),
-                            ExcMessage("it is infinite or NaN"));
+                Require(std::isfinite(error), "it is infinite or NaN");
               }
             catch (const UmatFault &exception)
               {

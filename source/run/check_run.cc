@@ -99,10 +99,9 @@ namespace greville
               }
             catch (const std::exception &error)
               {
-                AssertThrow(false,
-                            ExcMessage("The run cannot resume from <" +
-                                       checkpoint.file +
-                                       ">: " + message_of(error)));
+                Require(false,
+                        "The run cannot resume from <" + checkpoint.file +
+                          ">: " + message_of(error));
               }
             out << "It would resume from <" << checkpoint.file << ">, step "
                 << common().n_steps << ", t = " << common().time << " s.\n\n";
@@ -143,12 +142,11 @@ namespace greville
       {
         run_on_first(
           [&]() {
-            AssertThrow(!std::filesystem::exists(folder) ||
-                          (std::filesystem::is_directory(folder) &&
-                           std::filesystem::is_empty(folder)),
-                        ExcMessage(
-                          "The folder <" + folder +
-                          "> of --draw is not empty: name a new one."));
+            Require(!std::filesystem::exists(folder) ||
+                      (std::filesystem::is_directory(folder) &&
+                       std::filesystem::is_empty(folder)),
+                    "The folder <" + folder +
+                      "> of --draw is not empty: name a new one.");
             create_folder(folder, "--draw");
             write_atomically(folder + "/parameters.prm", parameters.used());
           },

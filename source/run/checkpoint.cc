@@ -112,20 +112,18 @@ namespace greville
          {"Simulation/Dimension", "Grid/Geometry"})
       {
         const auto value = there.find(parameter);
-        AssertThrow(value == there.end() || value->second == here.at(parameter),
-                    ExcMessage(
-                      "the parameter '" + parameter + "' is <" + value->second +
-                      "> there and <" + here.at(parameter) +
-                      "> here, so that its points carry different data"));
+        Require(value == there.end() || value->second == here.at(parameter),
+                "the parameter '" + parameter + "' is <" + value->second +
+                  "> there and <" + here.at(parameter) +
+                  "> here, so that its points carry different data");
       }
     const auto is_wet = there.find("Simulation/Pore water");
-    AssertThrow(is_wet == there.end() || is_wet->second == "true" ||
-                  here.at("Water/Table").empty(),
-                ExcMessage("the parameter 'Water/Table' is <" +
-                           here.at("Water/Table") +
-                           ">, but 'Simulation/Pore water' is false there: "
-                           "its stresses include no water table. Leave the "
-                           "table out; the pore pressure then begins with 0"));
+    Require(is_wet == there.end() || is_wet->second == "true" ||
+              here.at("Water/Table").empty(),
+            "the parameter 'Water/Table' is <" + here.at("Water/Table") +
+              ">, but 'Simulation/Pore water' is false there: its stresses "
+              "include no water table. Leave the table out; the pore pressure "
+              "then begins with 0");
   }
 
 
@@ -162,13 +160,12 @@ namespace greville
     run_on_first(
       [&]() {
         std::error_code error;
-        AssertThrow(std::filesystem::exists(folder, error),
-                    ExcMessage("There is no folder <" + folder +
-                               ">, and no checkpoint to resume from."));
-        AssertThrow(std::filesystem::is_directory(folder, error),
-                    ExcMessage("<" + folder +
-                               "> is a file, not the folder of a run with its "
-                               "checkpoints."));
+        Require(std::filesystem::exists(folder, error),
+                "There is no folder <" + folder +
+                  ">, and no checkpoint to resume from.");
+        Require(std::filesystem::is_directory(folder, error),
+                "<" + folder +
+                  "> is a file, not the folder of a run with its checkpoints.");
       },
       comm);
   }
@@ -191,11 +188,10 @@ namespace greville
         {
           checkpoint.content       = read_tables(checkpoint.file, comm);
           const std::string &other = checkpoint.content.text("format");
-          AssertThrow(other == format,
-                      ExcMessage("Cannot read <" + checkpoint.file +
-                                 ">: it has the format <" + other +
-                                 ">, and this version of the program reads <" +
-                                 format + ">."));
+          Require(other == format,
+                  "Cannot read <" + checkpoint.file + ">: it has the format <" +
+                    other + ">, and this version of the program reads <" +
+                    format + ">.");
           return checkpoint;
         }
       catch (const std::exception &error)
@@ -205,9 +201,9 @@ namespace greville
     std::string reasons;
     for (const auto &[file, reason] : checkpoint.refused)
       reasons += " " + reason;
-    AssertThrow(false,
-                ExcMessage("There is no checkpoint in the folder <" + folder +
-                           "> to resume from." + reasons));
+    Require(false,
+            "There is no checkpoint in the folder <" + folder +
+              "> to resume from." + reasons);
     return checkpoint;
   }
 } // namespace greville

@@ -114,13 +114,13 @@ namespace greville
           std::pair(parameters.series_file, "Series file")})
       {
         std::error_code error;
-        AssertThrow(file.empty() || std::filesystem::exists(file, error),
-                    ExcMessage("There is no file <" + file +
-                               "> of the parameter 'Reference/" + name + "'."));
+        Require(file.empty() || std::filesystem::exists(file, error),
+                "There is no file <" + file + "> of the parameter 'Reference/" +
+                  name + "'.");
       }
-    AssertThrow(dim == 2 || parameters.failure_line_file.empty(),
-                ExcMessage("The parameter 'Reference/Failure line file' is for "
-                           "simulations in 2D."));
+    Require(
+      dim == 2 || parameters.failure_line_file.empty(),
+      "The parameter 'Reference/Failure line file' is for simulations in 2D.");
     const auto names = Statistics<dim>::names();
     if (!parameters.series_file.empty())
       check_known(parameters.series_quantity,

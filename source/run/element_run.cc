@@ -57,17 +57,16 @@ namespace greville
     check_word(test, "--element-test", element_test_names());
     const SimulationParameters parameters(file, options.settings);
     const auto                 names = keys_of(parameters.materials);
-    AssertThrow(!name.empty() || names.size() == 1,
-                ExcMessage("--element-test needs --material NAME, because the "
-                           "file has several: " +
-                           boost::algorithm::join(names, ", ") + "."));
+    Require(
+      !name.empty() || names.size() == 1,
+      "--element-test needs --material NAME, because the file has several: " +
+        boost::algorithm::join(names, ", ") + ".");
     const std::string chosen = name.empty() ? names[0] : name;
     const auto        found  = parameters.materials.find(chosen);
-    AssertThrow(found != parameters.materials.end(),
-                ExcMessage("--material: there is no material <" + chosen +
-                           "> in <" + file + ">, which has: " +
-                           boost::algorithm::join(names, ", ") + "." +
-                           did_you_mean(chosen, names)));
+    Require(found != parameters.materials.end(),
+            "--material: there is no material <" + chosen + "> in <" + file +
+              ">, which has: " + boost::algorithm::join(names, ", ") + "." +
+              did_you_mean(chosen, names));
     const ElementTestTable table =
       run_element_test(*found->second,
                        "Material " + chosen,

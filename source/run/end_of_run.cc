@@ -73,12 +73,12 @@ namespace greville
     {
       constexpr unsigned int n = 100;
       const auto fail          = [&](const double t, const std::string &why) {
-        AssertThrow(false,
-                    ExcMessage("The parameter 'Time/Ramp until failure' is <" +
-                               formula_text(time.ramp) + ">, which " + why +
-                               " at t = " + text_of(t) +
-                               " s: it has to be a nonnegative factor that "
-                                        "grows from 'Time/Start' to 'Time/End'."));
+        Require(false,
+                "The parameter 'Time/Ramp until failure' is <" +
+                  formula_text(time.ramp) + ">, which " + why +
+                  " at t = " + text_of(t) +
+                  " s: it has to be a nonnegative factor that grows from "
+                           "'Time/Start' to 'Time/End'.");
       };
       double first = 0., last = 0.;
       for (unsigned int k = 0; k <= n; ++k)
@@ -146,10 +146,9 @@ namespace greville
         }
       catch (const std::exception &error)
         {
-          AssertThrow(false,
-                      ExcMessage(message_of(error) +
-                                 " 'Output/Probes' gives the columns of "
-                                 "probes."));
+          Require(false,
+                  message_of(error) +
+                    " 'Output/Probes' gives the columns of probes.");
         }
     const std::string end_when    = formula_text(time.end_when);
     const std::string definitions = time.end_when.substr(end_when.size());
@@ -170,11 +169,9 @@ namespace greville
           {
             continue;
           }
-        AssertThrow((*constant)({}) != 0.,
-                    ExcMessage("The parameter 'Time/End when' is <" + end_when +
-                               ">, where <" + side +
-                               "> is NaN: comparisons with it are never "
-                               "true."));
+        Require((*constant)({}) != 0.,
+                "The parameter 'Time/End when' is <" + end_when + ">, where <" +
+                  side + "> is NaN: comparisons with it are never true.");
       }
     if (!time.ramp.empty())
       {

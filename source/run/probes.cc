@@ -61,9 +61,9 @@ namespace greville
         if (shape.contains(p.position()))
           is_empty = false;
       });
-    AssertThrow(Utilities::MPI::min<unsigned int>(is_empty, comm) == 0,
-                ExcMessage("The parameter 'Output/Probes' has the shape <" +
-                           text + ">, which contains no point of a body."));
+    Require(Utilities::MPI::min<unsigned int>(is_empty, comm) == 0,
+            "The parameter 'Output/Probes' has the shape <" + text +
+              ">, which contains no point of a body.");
     probes.push_back({numbers::invalid_unsigned_int, 0., shape});
   }
 
@@ -82,12 +82,11 @@ namespace greville
       }
     catch (const std::exception &)
       {}
-    AssertThrow(x.size() == dim,
-                ExcMessage("The parameter 'Output/Probes' takes positions of " +
-                           std::to_string(dim) +
-                           " numbers, or shapes, separated by semicolons, not "
-                           "<" +
-                           position + ">."));
+    Require(x.size() == dim,
+            "The parameter 'Output/Probes' takes positions of " +
+              std::to_string(dim) +
+              " numbers, or shapes, separated by semicolons, not <" + position +
+              ">.");
 
     // The nearest point; of several, the point with the lowest body and id.
     double nearest = std::numeric_limits<double>::max();
@@ -111,11 +110,9 @@ namespace greville
     for (const Body<dim> &body : bodies)
       for (unsigned int d = 0; d < dim; ++d)
         size = std::max(size, body.points.space().cell_size(d));
-    AssertThrow(best <= size * size,
-                ExcMessage("The parameter 'Output/Probes' has the position <" +
-                           position +
-                           ">, but no point of a body is within a cell length "
-                           "of it."));
+    Require(best <= size * size,
+            "The parameter 'Output/Probes' has the position <" + position +
+              ">, but no point of a body is within a cell length of it.");
     const double       none = std::numeric_limits<double>::max();
     const unsigned int own_body =
       nearest == best ? probe.body : numbers::invalid_unsigned_int;

@@ -165,9 +165,8 @@ namespace greville
             const std::string file = directory + "/" + name;
             std::error_code   error;
             std::filesystem::remove(file, error);
-            AssertThrow(!error,
-                        ExcMessage("Cannot remove <" + file +
-                                   ">: " + error.message() + "."));
+            Require(!error,
+                    "Cannot remove <" + file + ">: " + error.message() + ".");
           }
       },
       comm);

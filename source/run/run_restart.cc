@@ -78,13 +78,12 @@ namespace greville
   {
     const std::string changes =
       describe_changes(checkpoint.text("parameters"), parameters.used());
-    AssertThrow(changes.empty(),
-                ExcMessage(
-                  "these parameters have changed: " + changes +
-                  ". A resumed run may only change 'Output', 'Checkpoints', "
-                  "'Load balance', 'Time/End', 'Time/Maximum steps', "
-                  "'Time/Largest displacement' and 'Time/End when'; with "
-                  "--from a new run begins from its end"));
+    Require(changes.empty(),
+            "these parameters have changed: " + changes +
+              ". A resumed run may only change 'Output', 'Checkpoints', 'Load "
+              "balance', 'Time/End', 'Time/Maximum steps', 'Time/Largest "
+              "displacement' and 'Time/End when'; with --from a new run begins "
+              "from its end");
   }
 
 
@@ -108,14 +107,13 @@ namespace greville
         const bool   fits = k < stage ? end == ends[section]
                                       : end >= time - 1e-12 * std::abs(time) ||
                                         k + 1 == parameters.stages.size();
-        AssertThrow(fits,
-                    ExcMessage("the parameter '" + section + "/End' is " +
-                               text_of(end) +
-                               " s, but the run is at t = " + text_of(time) +
-                               " s in stage " + std::to_string(stage + 1) +
-                               " (" + parameters.stages[stage].name +
-                               "): past stages keep their 'End', and other "
-                               "stages have to end later"));
+        Require(fits,
+                "the parameter '" + section + "/End' is " + text_of(end) +
+                  " s, but the run is at t = " + text_of(time) +
+                  " s in stage " + std::to_string(stage + 1) + " (" +
+                  parameters.stages[stage].name +
+                  "): past stages keep their 'End', and other stages have to "
+                  "end later");
       }
   }
 
@@ -135,10 +133,9 @@ namespace greville
       }
     catch (const std::exception &error)
       {
-        AssertThrow(false,
-                    ExcMessage("This run cannot begin with <" +
-                               checkpoint.file +
-                               ">: " + without_stop(message_of(error)) + "."));
+        Require(false,
+                "This run cannot begin with <" + checkpoint.file +
+                  ">: " + without_stop(message_of(error)) + ".");
       }
   }
 
@@ -231,8 +228,8 @@ namespace greville
         simulations.set_from_tables(content);
         check_stages(content, parameters, common().stage, common().time);
         const auto numbers = content.table(run_name).gather(comm);
-        AssertThrow(numbers.size() == run_columns.size(),
-                    ExcMessage("its table of the run has other columns"));
+        Require(numbers.size() == run_columns.size(),
+                "its table of the run has other columns");
         largest_runout    = numbers[2];
         largest_runout_99 = numbers[3];
         if (!parameters.contacts.empty())
@@ -269,9 +266,9 @@ namespace greville
       }
     catch (const std::exception &error)
       {
-        AssertThrow(false,
-                    ExcMessage("The run cannot resume from <" +
-                               checkpoint.file + ">: " + message_of(error)));
+        Require(false,
+                "The run cannot resume from <" + checkpoint.file +
+                  ">: " + message_of(error));
       }
     is_resumed      = true;
     checkpoint_file = checkpoint.file;
@@ -466,7 +463,7 @@ namespace greville
       text += "There is no earlier one either: the run has to start again.";
     else
       text += "--resume continues from <" + checkpoint_file + ">.";
-    AssertThrow(false, ExcMessage(text));
+    Require(false, text);
   }
 
 

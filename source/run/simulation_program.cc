@@ -2,6 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/templates.h>
 #include <greville/geometry/shape.h>
 #include <greville/materials/element_test.h>
@@ -29,17 +30,15 @@ namespace greville
         return file;
       const auto own         = std::filesystem::path(file) / "parameters.prm";
       const bool has_results = std::filesystem::exists(own, none);
-      AssertThrow(has_results || !resumes,
-                  dealii::ExcMessage("The folder <" + file +
-                                     "> has no results to resume from: there "
-                                     "is no file <" +
-                                     own.string() + ">."));
-      AssertThrow(resumes || !has_results,
-                  dealii::ExcMessage("<" + file +
-                                     "> is a folder with results, not a "
-                                     "parameter file. --resume continues from "
-                                     "them, and <" +
-                                     own.string() + "> has their parameters."));
+      Require(has_results || !resumes,
+              "The folder <" + file +
+                "> has no results to resume from: there is no file <" +
+                own.string() + ">.");
+      Require(resumes || !has_results,
+              "<" + file +
+                "> is a folder with results, not a parameter file. --resume "
+                "continues from them, and <" +
+                own.string() + "> has their parameters.");
       return resumes ? own.string() : file;
     }
 
@@ -58,22 +57,18 @@ namespace greville
       options.from    = value("from");
       if (given.count("set") > 0)
         options.settings = given.at("set");
-      AssertThrow(!options.resumes || options.from.empty(),
-                  dealii::ExcMessage(
-                    "--resume and --from exclude each other: a run either "
-                    "continues or begins from another run."));
-      AssertThrow(given.count("check") > 0 || given.count("draw") == 0,
-                  dealii::ExcMessage("--draw is for the initial state that "
-                                     "--check makes: give both."));
+      Require(!options.resumes || options.from.empty(),
+              "--resume and --from exclude each other: a run either continues "
+              "or begins from another run.");
+      Require(given.count("check") > 0 || given.count("draw") == 0,
+              "--draw is for the initial state that --check makes: give both.");
       const bool is_test = given.count("element-test") > 0;
-      AssertThrow(!is_test || (given.count("check") == 0 && !options.resumes &&
-                               options.from.empty()),
-                  dealii::ExcMessage(
-                    "--element-test runs no simulation: leave out --check, "
-                    "--resume and --from."));
-      AssertThrow(is_test || given.count("material") == 0,
-                  dealii::ExcMessage("--material is for --element-test TEST: "
-                                     "give both."));
+      Require(!is_test || (given.count("check") == 0 && !options.resumes &&
+                           options.from.empty()),
+              "--element-test runs no simulation: leave out --check, --resume "
+              "and --from.");
+      Require(is_test || given.count("material") == 0,
+              "--material is for --element-test TEST: give both.");
       if (given.count("runs") > 0)
         prepare_sweep(file,
                       value("runs"),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/spline/extension.h>
 
@@ -217,8 +218,8 @@ namespace greville
     const auto place = std::lower_bound(functions.numbers.begin(),
                                         functions.numbers.end(),
                                         function);
-    AssertThrow(place != functions.numbers.end() && *place == function,
-                ExcMessage("The function is not extended."));
+    Require(place != functions.numbers.end() && *place == function,
+            "The function is not extended.");
     const unsigned int k     = place - functions.numbers.begin();
     const std::size_t  begin = functions.rows.begin[k],
                       end    = functions.rows.begin[k + 1];

@@ -2,6 +2,7 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
+#include <greville/base/errors.h>
 #include <greville/spline/knot_vector.h>
 
 #include <algorithm>
@@ -15,25 +16,23 @@ namespace greville
     : p(degree)
     , t(k)
   {
-    AssertThrow(p >= 1,
-                ExcMessage("A knot vector needs an order of 1 or more."));
-    AssertThrow(t.size() >= 2 * (p + 1) && std::is_sorted(t.begin(), t.end()),
-                ExcMessage("The knots of order " + std::to_string(p) +
-                           " have to be at least " +
-                           std::to_string(2 * (p + 1)) +
-                           " numbers that do not decrease."));
-    AssertThrow(t[p] == t.front() && t[t.size() - p - 1] == t.back(),
-                ExcMessage("A knot vector is open if its first and its last "
-                           "knot are repeated order + 1 times."));
+    Require(p >= 1, "A knot vector needs an order of 1 or more.");
+    Require(t.size() >= 2 * (p + 1) && std::is_sorted(t.begin(), t.end()),
+            "The knots of order " + std::to_string(p) +
+              " have to be at least " + std::to_string(2 * (p + 1)) +
+              " numbers that do not decrease.");
+    Require(t[p] == t.front() && t[t.size() - p - 1] == t.back(),
+            "A knot vector is open if its first and its last knot are repeated "
+            "order + 1 times.");
     for (unsigned int i = 1; i + p + 1 < t.size(); ++i)
-      AssertThrow(t[i] < t[i + p] || i + p >= t.size() - 1,
-                  ExcMessage("An inner knot is repeated more than " +
-                             std::to_string(p) + " times."));
+      Require(t[i] < t[i + p] || i + p >= t.size() - 1,
+              "An inner knot is repeated more than " + std::to_string(p) +
+                " times.");
 
     for (unsigned int i = p; i + p + 1 < t.size(); ++i)
       if (t[i] < t[i + 1])
         spans.push_back(i);
-    AssertThrow(!spans.empty(), ExcMessage("The knot vector has no length."));
+    Require(!spans.empty(), "The knot vector has no length.");
   }
 
 
@@ -44,9 +43,9 @@ namespace greville
                            const double       lower,
                            const double       upper)
   {
-    AssertThrow(n_elements > 0 && lower < upper,
-                ExcMessage("A knot vector needs at least one element, and a "
-                           "lower end below its upper end."));
+    Require(n_elements > 0 && lower < upper,
+            "A knot vector needs at least one element, and a lower end below "
+            "its upper end.");
     std::vector<double> knots(degree, lower);
     for (unsigned int i = 0; i <= n_elements; ++i)
       knots.push_back(
@@ -63,10 +62,9 @@ namespace greville
                                const double       lower,
                                const double       upper)
   {
-    AssertThrow(degree >= 1 && n_elements > 0 && lower < upper,
-                ExcMessage("A periodic knot vector needs an order of 1 or "
-                           "more, at least one element, and a lower end below "
-                           "its upper end."));
+    Require(degree >= 1 && n_elements > 0 && lower < upper,
+            "A periodic knot vector needs an order of 1 or more, at least one "
+            "element, and a lower end below its upper end.");
     KnotVector result;
     result.p       = degree;
     const double h = (upper - lower) / n_elements;

@@ -3,6 +3,7 @@
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_tools.h>
 
+#include <greville/base/errors.h>
 #include <greville/spline/coarse_cells.h>
 #include <greville/spline/lattice.h>
 
@@ -41,16 +42,15 @@ namespace greville
         lower_corner[d]   = global[d];
         upper_corner[d]   = -global[dim + d];
         const double size = global[2 * dim + d];
-        AssertThrow(size > 0 && -global[3 * dim + d] - size <= 1e-6 * size,
-                    ExcMessage("A spline space needs a mesh whose cells are "
-                               "all boxes of the same size."));
+        Require(size > 0 && -global[3 * dim + d] - size <= 1e-6 * size,
+                "A spline space needs a mesh whose cells are all boxes of the "
+                "same size.");
         cells[d] = std::lround((upper_corner[d] - lower_corner[d]) / size);
         product *= cells[d];
       }
-    AssertThrow(product ==
-                  static_cast<double>(triangulation.n_global_active_cells()),
-                ExcMessage("A spline space needs a mesh whose cells fill a "
-                           "box."));
+    Require(product ==
+              static_cast<double>(triangulation.n_global_active_cells()),
+            "A spline space needs a mesh whose cells fill a box.");
     set_sizes();
 
     // The faces of coarse cells are known on all processes.
@@ -77,11 +77,11 @@ namespace greville
     Lattice result = *this;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        AssertThrow(cells[d] % 2 == 0,
-                    ExcMessage("Cells join in pairs only if their number is "
-                               "even in all directions; it is " +
-                               std::to_string(cells[d]) + " in " +
-                               std::string(1, "xyz"[d]) + "."));
+        Require(cells[d] % 2 == 0,
+                "Cells join in pairs only if their number is even in all "
+                "directions; it is " +
+                  std::to_string(cells[d]) + " in " + std::string(1, "xyz"[d]) +
+                  ".");
         result.cells[d] /= 2;
       }
     result.set_sizes();
@@ -124,12 +124,11 @@ namespace greville
   {
     for (unsigned int d = 0; d < dim; ++d)
       {
-        AssertThrow(n_cells[d] > 0,
-                    ExcMessage("A box mesh needs at least one cell in each "
-                               "direction."));
-        AssertThrow(lower[d] < upper[d],
-                    ExcMessage("The lower corner of a box has to be below its "
-                               "upper corner in each direction."));
+        Require(n_cells[d] > 0,
+                "A box mesh needs at least one cell in each direction.");
+        Require(lower[d] < upper[d],
+                "The lower corner of a box has to be below its upper corner in "
+                "each direction.");
       }
 
     const CoarseCells<dim> trees(n_cells);

@@ -41,9 +41,9 @@ namespace greville
       has_parents ? GeometryInfo<dim>::max_children_per_cell : 1;
     run_on_all(
       [&]() {
-        AssertThrow(found.size() == cells.size() * n_children,
-                    ExcMessage("The children of a cell of the once coarser "
-                               "mesh are on several processes."));
+        Require(found.size() == cells.size() * n_children,
+                "The children of a cell of the once coarser mesh are on "
+                "several processes.");
       },
       comm);
   }
@@ -128,8 +128,7 @@ namespace greville
   unsigned int
   SpaceCells<dim>::cell_number(const CellIterator &cell) const
   {
-    AssertThrow(cell->is_locally_owned(),
-                ExcMessage("Only owned cells have a place here."));
+    Require(cell->is_locally_owned(), "Only owned cells have a place here.");
     return cell_numbers[cell->active_cell_index()];
   }
 

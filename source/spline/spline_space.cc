@@ -35,12 +35,11 @@ namespace greville
                            const unsigned int             n_components,
                            const bool                     on_parents)
   {
-    AssertThrow(degree >= 1 && degree <= max_degree,
-                ExcMessage("A spline space has an order from 1 to " +
-                           std::to_string(max_degree) + ", not " +
-                           std::to_string(degree) + "."));
-    AssertThrow(n_components >= 1,
-                ExcMessage("A spline space has at least one component."));
+    Require(degree >= 1 && degree <= max_degree,
+            "A spline space has an order from 1 to " +
+              std::to_string(max_degree) + ", not " + std::to_string(degree) +
+              ".");
+    Require(n_components >= 1, "A spline space has at least one component.");
 
     SpaceCells<dim>::reinit(triangulation, on_parents);
     p                  = degree;
@@ -52,12 +51,11 @@ namespace greville
         const unsigned int n = mesh_lattice.n_cells()[d];
         if (mesh_lattice.is_periodic(d))
           {
-            AssertThrow(
-              n > p,
-              ExcMessage(
-                "A grid that is periodic in " + std::string(1, "xyz"[d]) +
-                " needs at least order + 1 = " + std::to_string(p + 1) +
-                " cells in this direction; it has " + std::to_string(n) + "."));
+            Require(n > p,
+                    "A grid that is periodic in " + std::string(1, "xyz"[d]) +
+                      " needs at least order + 1 = " + std::to_string(p + 1) +
+                      " cells in this direction; it has " + std::to_string(n) +
+                      ".");
             knot_vectors[d] = KnotVector::periodic_uniform(
               p, n, mesh_lattice.lower()[d], mesh_lattice.upper()[d]);
             extents[d] = n;
@@ -253,14 +251,12 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       {
         n *= extents[d];
-        AssertThrow(
+        Require(
           n < largest_index,
-          ExcMessage(
-            "The grid has more functions than this deal.II can number, at "
-            "most " +
+          "The grid has more functions than this deal.II can number, at most " +
             std::to_string(largest_index) +
             ": use a coarser grid, or a deal.II with 64-bit indices "
-            "(DEAL_II_WITH_64BIT_INDICES)."));
+            "(DEAL_II_WITH_64BIT_INDICES).");
       }
     return n;
   }
@@ -379,8 +375,8 @@ namespace greville
                             const DoFHandler<dim> &dof_handler,
                             VectorType            &bernstein) const
   {
-    AssertThrow(dof_handler.get_fe() == fe(),
-                ExcMessage("The DoFHandler has to carry the space's fe()."));
+    Require(dof_handler.get_fe() == fe(),
+            "The DoFHandler has to carry the space's fe().");
 
     VectorType ghosted;
     initialize_vector(ghosted);

@@ -68,21 +68,20 @@ namespace greville
           others = scheme;
       }
     for (const std::string &name : parameters.general.contacts)
-      AssertThrow(others.empty() ||
-                    !parameters.contacts.at(name).is_augmented(),
-                  ExcMessage("'Contact " + name +
-                             "/Method' = augmented does not support "
-                             "'Scheme/Stress update' = " +
-                             others + ": explicit steps have no iterations."));
+      Require(
+        others.empty() || !parameters.contacts.at(name).is_augmented(),
+        "'Contact " + name +
+          "/Method' = augmented does not support 'Scheme/Stress update' = " +
+          others + ": explicit steps have no iterations.");
     std::vector<RigidBodyState<dim>> positions;
     for (const std::string &name : parameters.general.rigid_bodies)
       {
-        AssertThrow(!has_static || !parameters.rigid_bodies.at(name).is_free,
-                    ExcMessage("'Scheme/Stress update' = quasi-static does "
-                               "not support 'Rigid body " +
-                               name +
-                               "/Free' = true: without inertia its motion is "
-                               "unknown. Give it a 'Velocity'."));
+        Require(!has_static || !parameters.rigid_bodies.at(name).is_free,
+                "'Scheme/Stress update' = quasi-static does not support 'Rigid "
+                "body " +
+                  name +
+                  "/Free' = true: without inertia its motion is unknown. Give "
+                  "it a 'Velocity'.");
         rigid_bodies.emplace_back(name, parameters.rigid_bodies.at(name));
         const auto position =
           rigid_bodies.back().position_at_start(parameters.time.start);

@@ -232,68 +232,56 @@ namespace greville
     for (const auto &[name, own] : body_grids)
       {
         const std::string section = "Body " + name + "/Grid";
-        AssertThrow(scheme.is_total_lagrangian() || !own.is_given() ||
-                      is_alone(name),
-                    ExcMessage("There is a section '" + section +
-                               "', but 'Scheme/Formulation' is " +
-                               scheme.formulation +
-                               ": in updated Lagrangian steps, bodies that "
-                               "contacts name have grids of their own; all "
-                               "others meet on one grid."));
+        Require(scheme.is_total_lagrangian() || !own.is_given() ||
+                  is_alone(name),
+                "There is a section '" + section +
+                  "', but 'Scheme/Formulation' is " + scheme.formulation +
+                  ": in updated Lagrangian steps, bodies that contacts name "
+                  "have grids of their own; all others meet on one grid.");
         const auto needs = [&](const std::size_t  size,
                                const std::string &entry) {
-          AssertThrow(size == 0 || size == dim,
-                      ExcMessage("The parameter '" + section + "/" + entry +
-                                 "' takes " + std::to_string(dim) +
-                                 " numbers in " + std::to_string(dim) +
-                                 "D, or none, not " + std::to_string(size) +
-                                 "."));
+          Require(size == 0 || size == dim,
+                  "The parameter '" + section + "/" + entry + "' takes " +
+                    std::to_string(dim) + " numbers in " + std::to_string(dim) +
+                    "D, or none, not " + std::to_string(size) + ".");
         };
         needs(own.lower.size(), "Lower corner");
         needs(own.upper.size(), "Upper corner");
         needs(own.cells.size(), "Cells");
-        AssertThrow(!own.cells.empty() ||
-                      (own.lower.empty() && own.upper.empty()),
-                    ExcMessage("'" + section +
-                               "' has a corner and no 'Cells': give both."));
+        Require(!own.cells.empty() || (own.lower.empty() && own.upper.empty()),
+                "'" + section + "' has a corner and no 'Cells': give both.");
         const GridParameters whole = grid_of(name);
         for (unsigned int d = 0; d < dim; ++d)
           {
-            AssertThrow(whole.lower[d] < whole.upper[d],
-                        ExcMessage("'" + section +
-                                   "/Upper corner' has to be larger than "
-                                   "'Lower corner' in all directions, but " +
-                                   text_of(whole.upper[d]) + " is not above " +
-                                   text_of(whole.lower[d]) + "."));
+            Require(whole.lower[d] < whole.upper[d],
+                    "'" + section +
+                      "/Upper corner' has to be larger than 'Lower corner' in "
+                      "all directions, but " +
+                      text_of(whole.upper[d]) + " is not above " +
+                      text_of(whole.lower[d]) + ".");
             if (!walls.is_periodic(2 * d))
               continue;
-            AssertThrow(whole.lower[d] == grid.lower[d] &&
-                          whole.upper[d] == grid.upper[d],
-                        ExcMessage("'" + section + "' ends at " +
-                                   text_of(whole.lower[d]) + " and " +
-                                   text_of(whole.upper[d]) +
-                                   " m between periodic walls at " +
-                                   text_of(grid.lower[d]) + " and " +
-                                   text_of(grid.upper[d]) +
-                                   " m: there, all grids reach from wall to "
-                                   "wall."));
-            AssertThrow(whole.cells[d] > whole.degree,
-                        ExcMessage("'" + section + "' has " +
-                                   std::to_string(whole.cells[d]) +
-                                   " cells between periodic walls: B-splines "
-                                   "of order " +
-                                   std::to_string(whole.degree) + " need " +
-                                   std::to_string(whole.degree + 1) +
-                                   " or more, so that none overlaps itself."));
+            Require(whole.lower[d] == grid.lower[d] &&
+                      whole.upper[d] == grid.upper[d],
+                    "'" + section + "' ends at " + text_of(whole.lower[d]) +
+                      " and " + text_of(whole.upper[d]) +
+                      " m between periodic walls at " + text_of(grid.lower[d]) +
+                      " and " + text_of(grid.upper[d]) +
+                      " m: there, all grids reach from wall to wall.");
+            Require(whole.cells[d] > whole.degree,
+                    "'" + section + "' has " + std::to_string(whole.cells[d]) +
+                      " cells between periodic walls: B-splines of order " +
+                      std::to_string(whole.degree) + " need " +
+                      std::to_string(whole.degree + 1) +
+                      " or more, so that none overlaps itself.");
           }
       }
-    AssertThrow(scheme.is_total_lagrangian() || !grid.per_body,
-                ExcMessage("'Grid/Per body' = true does not support "
-                           "'Scheme/Formulation' = " +
-                           scheme.formulation +
-                           ": only total Lagrangian steps give bodies their "
-                           "own grids. In updated Lagrangian steps bodies "
-                           "share one grid, or meet in 'Contacts'."));
+    Require(
+      scheme.is_total_lagrangian() || !grid.per_body,
+      "'Grid/Per body' = true does not support 'Scheme/Formulation' = " +
+        scheme.formulation +
+        ": only total Lagrangian steps give bodies their own grids. In updated "
+        "Lagrangian steps bodies share one grid, or meet in 'Contacts'.");
   }
 
 

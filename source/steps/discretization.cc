@@ -28,15 +28,14 @@ namespace greville
     void
     check_parameters(const SimulationParameters &parameters)
     {
-      AssertThrow(!parameters.scheme.is_apic() ||
-                    support_of_mass(parameters.scheme.mass).apic,
-                  ExcMessage(
-                    "'Scheme/Transfer' = APIC needs 'Scheme/Mass' = " +
-                    masses_with(&MassSupport::apic) + ", not <" +
-                    parameters.scheme.mass +
-                    ">: the momentum of APIC is the right-hand side of "
-                    "a lumped solve. With the exact mass, PIC already "
-                    "is a projection that keeps linear fields."));
+      Require(!parameters.scheme.is_apic() ||
+                support_of_mass(parameters.scheme.mass).apic,
+              "'Scheme/Transfer' = APIC needs 'Scheme/Mass' = " +
+                masses_with(&MassSupport::apic) + ", not <" +
+                parameters.scheme.mass +
+                ">: the momentum of APIC is the right-hand side of a lumped "
+                "solve. With the exact mass, PIC already is a projection that "
+                "keeps linear fields.");
     }
 
 
@@ -119,11 +118,11 @@ namespace greville
     , mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
     , grid_walls(parameters.walls)
   {
-    AssertThrow(parameters.general.dimension == dim &&
-                  parameters.grid.cells.size() == dim,
-                ExcMessage("The parameters are those of a simulation in " +
-                           std::to_string(parameters.general.dimension) +
-                           "D, not " + std::to_string(dim) + "D."));
+    Require(parameters.general.dimension == dim &&
+              parameters.grid.cells.size() == dim,
+            "The parameters are those of a simulation in " +
+              std::to_string(parameters.general.dimension) + "D, not " +
+              std::to_string(dim) + "D.");
     const MultiIndex<dim> n_cells =
       create_grid_mesh(mesh, parameters.grid, parameters.walls, "Grid/Cells");
     cell_partition =

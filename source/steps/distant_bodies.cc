@@ -108,7 +108,7 @@ namespace greville
           ": nothing meets it. Check its 'Shape'" +
           (course.moves ? " and its motion."
                         : ", or give it a 'Velocity' or a 'Rotation'.");
-        AssertThrow(course.moves || may_leave, ExcMessage(problem));
+        Require(course.moves || may_leave, problem);
         notes.push_back(problem);
       }
     return notes;

@@ -169,8 +169,8 @@ namespace greville
     const std::string &mass = parameters.scheme.mass;
     if (const unsigned int n_terms = n_fmpm_terms(mass))
       return std::make_unique<LumpedMass<dim>>(n_terms, orders, walls);
-    AssertThrow(parameters.scheme.has_consistent_mass(),
-                ExcMessage("Unknown mass <" + mass + ">."));
+    Require(parameters.scheme.has_consistent_mass(),
+            "Unknown mass <" + mass + ">.");
     return std::make_unique<ConsistentMass<dim>>(orders, parameters, walls);
   }
 

@@ -164,9 +164,9 @@ namespace greville
     const auto refuse = [&](const bool         wrong,
                             const std::string &parameter,
                             const std::string &why) {
-      AssertThrow(!wrong,
-                  ExcMessage("'Scheme/Stress update' = " + name +
-                             " does not support " + parameter + ": " + why));
+      Require(!wrong,
+              "'Scheme/Stress update' = " + name + " does not support " +
+                parameter + ": " + why);
     };
     refuse(parameters.time.step.empty(),
            "an empty 'Time/Step'",

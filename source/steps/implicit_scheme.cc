@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/steps/implicit_scheme.h>
 
 #include <map>
@@ -69,8 +70,7 @@ namespace greville
   make_implicit_scheme(const std::string        &name,
                        const ImplicitParameters &parameters)
   {
-    AssertThrow(is_implicit_scheme(name),
-                ExcMessage("<" + name + "> is no implicit scheme."));
+    Require(is_implicit_scheme(name), "<" + name + "> is no implicit scheme.");
     ImplicitScheme scheme;
     schemes().at(name)(scheme, parameters);
     return scheme;

@@ -359,15 +359,13 @@ namespace greville
           parameters.scheme.is_total_lagrangian() ? p.volume0() : p.volume();
       });
     volume = Utilities::MPI::sum(volume, space.communicator());
-    AssertThrow(volume < (1. - negligible_layer / largest_n_cells) * box,
-                ExcMessage(
-                  "The pore pressure is undetermined: the parameter "
-                  "'Water/Bulk modulus' is 0 (incompressible water), the "
-                  "bodies fill the grid, all walls constrain the normal "
-                  "motion, and none of 'Walls/... pore pressure', 'Surface "
-                  "load NAME/Pore pressure' and 'Water/Free surface pressure' "
-                  "is given. Give one of them, a 'Bulk modulus', or a surface "
-                  "without a wall."));
+    Require(volume < (1. - negligible_layer / largest_n_cells) * box,
+            "The pore pressure is undetermined: the parameter 'Water/Bulk "
+            "modulus' is 0 (incompressible water), the bodies fill the grid, "
+            "all walls constrain the normal motion, and none of 'Walls/... "
+            "pore pressure', 'Surface load NAME/Pore pressure' and 'Water/Free "
+            "surface pressure' is given. Give one of them, a 'Bulk modulus', "
+            "or a surface without a wall.");
   }
 
 

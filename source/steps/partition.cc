@@ -13,8 +13,8 @@ namespace greville
   Partition::Partition(std::vector<double> rows_, const MPI_Comm comm)
     : rows(std::move(rows_))
   {
-    AssertThrow(rows.size() % 2 == 0,
-                ExcMessage("a row of a partition has a cell and a weight"));
+    Require(rows.size() % 2 == 0,
+            "a row of a partition has a cell and a weight");
     std::array<std::uint64_t, 2> sums{{rows.size() / 2, 0}};
     for (std::size_t k = 0; k < rows.size(); k += 2)
       sums[1] += mixed_bits(mixed_bits(std::uint64_t(rows[k])) +

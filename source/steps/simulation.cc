@@ -30,12 +30,11 @@ namespace greville
     first_stage_of(SimulationParameters parameters)
     {
       const bool has_groups = parameters.body_groups().size() > 1;
-      AssertThrow(!parameters.has_body_grids() && !has_groups,
-                  ExcMessage(
-                    "Bodies have grids of their own ('Grid/Per body' "
-                    "or a section 'Grid' of a body) or 'Contacts': "
-                    "they are simulations of their own, and "
-                    "greville::CoupledSimulations takes their common steps."));
+      Require(
+        !parameters.has_body_grids() && !has_groups,
+        "Bodies have grids of their own ('Grid/Per body' or a section 'Grid' "
+        "of a body) or 'Contacts': they are simulations of their own, and "
+        "greville::CoupledSimulations takes their common steps.");
       parameters.enter_stage(0);
       return parameters;
     }

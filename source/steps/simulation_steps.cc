@@ -143,11 +143,9 @@ namespace greville
   void
   Simulation<dim>::step()
   {
-    AssertThrow(parameters.contacts.empty(),
-                ExcMessage(
-                  "There are 'Simulation/Contacts': "
-                  "greville::CoupledSimulations takes the steps of bodies "
-                  "that meet."));
+    Require(parameters.contacts.empty(),
+            "There are 'Simulation/Contacts': greville::CoupledSimulations "
+            "takes the steps of bodies that meet.");
     CommonStep<dim>({this}).take();
   }
 

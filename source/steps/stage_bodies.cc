@@ -105,19 +105,17 @@ namespace greville
       if (!has_K0 && parameters.water.table.empty())
         return;
       for (unsigned int d = 0; d < dim; ++d)
-        AssertThrow(gravity[d] == 0. || !parameters.walls.is_periodic(2 * d),
-                    ExcMessage(
-                      "The parameter '" +
-                      (has_K0 ? "Body " + body.name + "/K0' is " +
-                                  text_of(body.parameters->K0)
-                              : "Water/Table' is <" +
-                                  formula_text(parameters.water.table) + ">") +
-                      ", but 'Loads/Gravity', (" + text_of(gravity) +
-                      ") m / s^2 at the start, acts between the "
-                      "walls '" +
-                      WallParameters::names[2 * d] + "' and '" +
-                      WallParameters::names[2 * d + 1] +
-                      "', which are periodic: there is no equilibrium."));
+        Require(gravity[d] == 0. || !parameters.walls.is_periodic(2 * d),
+                "The parameter '" +
+                  (has_K0 ? "Body " + body.name + "/K0' is " +
+                              text_of(body.parameters->K0)
+                          : "Water/Table' is <" +
+                              formula_text(parameters.water.table) + ">") +
+                  ", but 'Loads/Gravity', (" + text_of(gravity) +
+                  ") m / s^2 at the start, acts between the walls '" +
+                  WallParameters::names[2 * d] + "' and '" +
+                  WallParameters::names[2 * d + 1] +
+                  "', which are periodic: there is no equilibrium.");
     }
 
 
@@ -235,11 +233,10 @@ namespace greville
           }
         catch (const std::exception &error)
           {
-            AssertThrow(false,
-                        ExcMessage("'Body " + body.name + "' cannot have '" +
-                                   "Material " + body.parameters->material +
-                                   "' at (" + text_of(p.position()) +
-                                   ") m: " + message_of(error)));
+            Require(false,
+                    "'Body " + body.name + "' cannot have '" + "Material " +
+                      body.parameters->material + "' at (" +
+                      text_of(p.position()) + ") m: " + message_of(error));
           }
         const auto history = after.state_names();
         for (unsigned int i = 0; is_same_model() && i < history.size(); ++i)
@@ -353,10 +350,10 @@ namespace greville
                                                   parameters.water.suction(),
                                                   gravity));
     const auto moved = discretization.transport().move(body.points, left);
-    AssertThrow(Utilities::MPI::sum(moved.n_removed,
-                                    discretization.communicator()) == 0,
-                ExcMessage("The parameter 'Body " + body.name +
-                           "/Displacement' moves points out of the grid."));
+    Require(Utilities::MPI::sum(moved.n_removed,
+                                discretization.communicator()) == 0,
+            "The parameter 'Body " + body.name +
+              "/Displacement' moves points out of the grid.");
   }
 
 
@@ -374,11 +371,10 @@ namespace greville
         const auto moved =
           discretization.transport().move(surface.points,
                                           surface.points.cells());
-        AssertThrow(Utilities::MPI::sum(moved.n_removed,
-                                        discretization.communicator()) == 0,
-                    ExcMessage("The surface of 'Surface load " + surface.name +
-                               "' is outside of the grid after the initial "
-                               "displacement."));
+        Require(Utilities::MPI::sum(moved.n_removed,
+                                    discretization.communicator()) == 0,
+                "The surface of 'Surface load " + surface.name +
+                  "' is outside of the grid after the initial displacement.");
         if (bodies[surface.body].n_points == 0)
           surface.points.reinit(discretization.space(),
                                 PointLayout<dim>(surface.points.layout()));
@@ -468,13 +464,12 @@ namespace greville
             run_on_all([&]() { fits = change.fits(); }, comm);
             if (Utilities::MPI::min<unsigned int>(fits, comm) == 0)
               {
-                AssertThrow(
+                Require(
                   layout.projected_J == 0 || !layout.is_total_lagrangian(),
-                  ExcMessage("'Materials' gives 'Body " + body.name +
-                             "' a material with another model or other "
-                             "elastic constants, but 'Scheme/Volumetric "
-                             "projection' in total Lagrangian steps projects "
-                             "the volume since the start."));
+                  "'Materials' gives 'Body " + body.name +
+                    "' a material with another model or other elastic "
+                    "constants, but 'Scheme/Volumetric projection' in total "
+                    "Lagrangian steps projects the volume since the start.");
                 run_on_all([&]() { change.replace(state.time); }, comm);
               }
           }

@@ -174,20 +174,19 @@ namespace greville
     {
       const DistributedTable &table  = content.table(name_of(owner));
       const PointLayout<dim>  layout = owner.points.layout();
-      AssertThrow(table.columns == columns_of(layout),
-                  ExcMessage("the " + name_of(owner) +
-                             " has other numbers at its points there"));
+      Require(table.columns == columns_of(layout),
+              "the " + name_of(owner) +
+                " has other numbers at its points there");
       const double n_cells =
         discretization.space().triangulation().n_global_active_cells();
       run_on_all(
         [&]() {
           for (std::size_t k = 0; k < table.values.size();
                k += table.columns.size())
-            AssertThrow(table.values[k] >= 0. && table.values[k] < n_cells,
-                        ExcMessage(
-                          "a point of the " + name_of(owner) +
-                          " is in the cell " + text_of(table.values[k]) +
-                          ", but the grid has " + text_of(n_cells) + " cells"));
+            Require(table.values[k] >= 0. && table.values[k] < n_cells,
+                    "a point of the " + name_of(owner) + " is in the cell " +
+                      text_of(table.values[k]) + ", but the grid has " +
+                      text_of(n_cells) + " cells");
         },
         discretization.communicator());
       owner.points.reinit(discretization.space(), layout);
@@ -361,12 +360,11 @@ namespace greville
     const auto              value_of = [&](const std::string &name) {
       const auto found =
         std::find(numbers.columns.begin(), numbers.columns.end(), name);
-      AssertThrow(found != numbers.columns.end(),
-                  ExcMessage("there is no number " + name));
+      Require(found != numbers.columns.end(), "there is no number " + name);
       return values[found - numbers.columns.begin()];
     };
-    AssertThrow(values.size() == numbers.columns.size(),
-                ExcMessage("the table state has not one row"));
+    Require(values.size() == numbers.columns.size(),
+            "the table state has not one row");
     visit_numbers<dim>(
       state,
       [&](const std::string &name, auto &value) {
@@ -426,17 +424,15 @@ namespace greville
           if (found == table.columns.end() && columns[i] == "projected_J")
             found = std::find(table.columns.begin(), table.columns.end(), "J");
           const bool is_found = found != table.columns.end();
-          AssertThrow(is_found || columns[i].find("domain") == none,
-                      ExcMessage("the " + owner +
-                                 " has points without domains there: "
-                                 "'Scheme/Functions' = domains has to hold in "
-                                 "both runs"));
-          AssertThrow(is_found ||
-                        (i >= n_needed && columns[i].find("initial_F") == none),
-                      ExcMessage("the " + owner + " has no number '" +
-                                 columns[i] +
-                                 "' at its points there: its material or its "
-                                 "initial state differs"));
+          Require(is_found || columns[i].find("domain") == none,
+                  "the " + owner +
+                    " has points without domains there: 'Scheme/Functions' = "
+                    "domains has to hold in both runs");
+          Require(is_found ||
+                    (i >= n_needed && columns[i].find("initial_F") == none),
+                  "the " + owner + " has no number '" + columns[i] +
+                    "' at its points there: its material or its initial state "
+                    "differs");
           from.push_back(is_found ? found - table.columns.begin() : none);
         }
       std::vector<double> rows;
@@ -470,9 +466,8 @@ namespace greville
           if (table.name.compare(0, kind.size(), kind) == 0)
             others += (others.empty() ? "" : ", ") + table.name;
         }
-      AssertThrow(is_there,
-                  ExcMessage("it has no " + name +
-                             (others.empty() ? "" : ", but " + others)));
+      Require(is_there,
+              "it has no " + name + (others.empty() ? "" : ", but " + others));
       std::vector<double> rows = rows_with(layout, content.table(name), name);
       std::ostringstream  message;
       for (std::size_t k = 0; k < rows.size(); k += layout.size + 1)
@@ -511,12 +506,11 @@ namespace greville
         body.n_points =
           Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),
                                              discretization.communicator());
-        AssertThrow(body.n_points > 0,
-                    ExcMessage("the " + name_of(body) +
-                               " has no points there: it belongs to a later "
-                               "stage, or they have left the grid. Leave it "
-                               "out of 'Simulation/Bodies', or let a later "
-                               "stage begin with it"));
+        Require(body.n_points > 0,
+                "the " + name_of(body) +
+                  " has no points there: it belongs to a later stage, or they "
+                  "have left the grid. Leave it out of 'Simulation/Bodies', or "
+                  "let a later stage begin with it");
       }
     for (Surface<dim> &surface : state.surfaces)
       if (state.bodies[surface.body].n_points > 0)

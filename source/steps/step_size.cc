@@ -50,10 +50,9 @@ namespace greville
   {
     const double arguments[2] = {h, double(degree)};
     const double step         = formula(ArrayView<const double>(arguments, 2));
-    AssertThrow(step > 0. && std::isfinite(step),
-                ExcMessage("The parameter 'Time/Step' is <" +
-                           formula_text(parameters.step) + ">, which gives " +
-                           text_of(step) + " s: it has to be positive."));
+    Require(step > 0. && std::isfinite(step),
+            "The parameter 'Time/Step' is <" + formula_text(parameters.step) +
+              ">, which gives " + text_of(step) + " s: it has to be positive.");
     return step;
   }
 
@@ -65,21 +64,19 @@ namespace greville
              const TimeParameters               &parameters,
              const std::function<std::string()> &reason)
   {
-    AssertThrow(left / step <= most_steps || parameters.max_steps > 0,
-                ExcMessage("To 'Time/End' it would take " +
-                           text_of(left / step) + " steps of " + text_of(step) +
-                           " s; at most " + text_of(most_steps) +
-                           " are allowed without 'Time/Maximum steps'. " +
-                           reason()));
+    Require(left / step <= most_steps || parameters.max_steps > 0,
+            "To 'Time/End' it would take " + text_of(left / step) +
+              " steps of " + text_of(step) + " s; at most " +
+              text_of(most_steps) +
+              " are allowed without 'Time/Maximum steps'. " + reason());
     const double shortest =
       std::numeric_limits<double>::epsilon() *
       std::max(std::abs(parameters.start), std::abs(parameters.end));
-    AssertThrow(step > shortest,
-                ExcMessage("A step of " + text_of(step) +
-                           " s is lost to rounding in times near 'Time/End', " +
-                           text_of(parameters.end) +
-                           " s: steps have to be longer than " +
-                           text_of(shortest) + " s. " + reason()));
+    Require(step > shortest,
+            "A step of " + text_of(step) +
+              " s is lost to rounding in times near 'Time/End', " +
+              text_of(parameters.end) + " s: steps have to be longer than " +
+              text_of(shortest) + " s. " + reason());
   }
 
 
@@ -212,12 +209,11 @@ namespace greville
                 << " s is above the critical step of "
                 << state.estimates.critical << " s at t = " << state.time
                 << " s";
-        AssertThrow(!parameters.refuses_too_large_steps(),
-                    ExcMessage(message.str() +
-                               " ('Time/Too large step' = warn continues; an "
-                               "implicit 'Scheme/Stress update' has no such "
-                               "limit). " +
-                               describe_step(state)));
+        Require(!parameters.refuses_too_large_steps(),
+                message.str() +
+                  " ('Time/Too large step' = warn continues; an implicit "
+                  "'Scheme/Stress update' has no such limit). " +
+                  describe_step(state));
         log.warnings.push_back(message.str() + ".");
       }
     return step;
@@ -237,25 +233,22 @@ namespace greville
       step = std::min(step,
                       largest_crossing / (discretization.space().degree() *
                                           signals.crossing_rate));
-    AssertThrow(std::isfinite(step) && step > 0.,
-                ExcMessage("The automatic time step is " + text_of(step) +
-                           " s. " + describe_step(state)));
+    Require(std::isfinite(step) && step > 0.,
+            "The automatic time step is " + text_of(step) + " s. " +
+              describe_step(state));
     double &first = state.estimates.first_step;
     if (first == 0.)
       first = step;
-    AssertThrow(
+    Require(
       step >= parameters.smallest_step * first,
-      ExcMessage(
-        "The automatic time step has fallen to " + text_of(step) +
-        " s at t = " + text_of(state.time) + " s, below " +
-        text_of(parameters.smallest_step) + " of the first one, " +
-        text_of(first) + " s. " +
+      "The automatic time step has fallen to " + text_of(step) + " s at t = " +
+        text_of(state.time) + " s, below " + text_of(parameters.smallest_step) +
+        " of the first one, " + text_of(first) + " s. " +
         (state.bodies[0].points.layout().is_total_lagrangian()
-           ? "In total Lagrangian steps the most crushed cell bounds the "
-             "step; 'Scheme/Formulation' = updated Lagrangian has no such "
-             "bound. "
+           ? "In total Lagrangian steps the most crushed cell bounds the step; "
+             "'Scheme/Formulation' = updated Lagrangian has no such bound. "
            : "") +
-        describe_step(state)));
+        describe_step(state));
     return step;
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/steps/explicit_schemes.h>
 #include <greville/steps/implicit_steps.h>
 #include <greville/steps/time_integrator.h>
@@ -108,9 +109,9 @@ namespace greville
     for (const Entry<dim> &entry : integrators<dim>())
       if (entry.first == name)
         return entry.second(parts);
-    AssertThrow(false,
-                ExcMessage("'Scheme/Stress update' = <" + name +
-                           "> is none of " + time_integrator_names() + "."));
+    Require(false,
+            "'Scheme/Stress update' = <" + name + "> is none of " +
+              time_integrator_names() + ".");
     return nullptr;
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/steps/velocity_filter.h>
 
 #include <algorithm>
@@ -225,9 +226,8 @@ namespace greville
       {
         line.place = int(n_places) - line.begin;
         n_places += line.end - line.begin;
-        AssertThrow(n_places < std::size_t(std::numeric_limits<int>::max()),
-                    ExcMessage("A process has more coefficients than an "
-                               "integer can count."));
+        Require(n_places < std::size_t(std::numeric_limits<int>::max()),
+                "A process has more coefficients than an integer can count.");
       }
   }
 

@@ -5,6 +5,8 @@
 
 #include <deal.II/base/symmetric_tensor.h>
 
+#include <greville/base/errors.h>
+
 #include <algorithm>
 
 /*
@@ -24,9 +26,9 @@ namespace greville
     {
       using Method      = dealii::SymmetricTensorEigenvectorMethod;
       namespace methods = dealii::internal::SymmetricTensorImplementation;
-      AssertThrow(method != Method::hybrid,
-                  dealii::ExcMessage("The hybrid method of eigenvectors() is "
-                                     "not available with clang."));
+      Require(
+        method != Method::hybrid,
+        "The hybrid method of eigenvectors() is not available with clang.");
       auto result = method == Method::jacobi
                       ? methods::jacobi(tensor)
                       : methods::ql_implicit_shifts(tensor);

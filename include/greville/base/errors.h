@@ -13,6 +13,11 @@
 #include <string>
 #include <vector>
 
+/// Throw dealii::ExcMessage with a message (a std::string) for users, unless
+/// the condition holds. The message is made only then.
+#define Require(condition, ...) \
+  AssertThrow(condition, dealii::ExcMessage(__VA_ARGS__))
+
 namespace greville
 {
   /// Return the message of an exception in one paragraph, without deal.II's
@@ -101,10 +106,9 @@ namespace greville
                   const std::string    &what = "entry")
   {
     for (auto entry = entries.begin(); entry != entries.end(); ++entry)
-      AssertThrow(std::find(entries.begin(), entry, *entry) == entry,
-                  dealii::ExcMessage("The parameter '" + parameter +
-                                     "' has the " + what + " <" +
-                                     text_of(*entry) + "> twice."));
+      Require(std::find(entries.begin(), entry, *entry) == entry,
+              "The parameter '" + parameter + "' has the " + what + " <" +
+                text_of(*entry) + "> twice.");
   }
 } // namespace greville
 

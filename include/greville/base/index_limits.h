@@ -5,6 +5,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <greville/base/errors.h>
+
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -23,13 +25,12 @@ namespace greville
   checked_index(const std::uint64_t number, const std::string &what)
   {
     constexpr std::uint64_t limit = std::numeric_limits<Index>::max();
-    AssertThrow(number <= limit,
-                dealii::ExcMessage(
-                  std::to_string(number) + " " + what +
-                  " are more than the libraries can number here, at most " +
-                  std::to_string(limit) +
-                  ": use a coarser grid, or a PETSc and a deal.II with 64-bit "
-                  "indices (DEAL_II_WITH_64BIT_INDICES)."));
+    Require(number <= limit,
+            std::to_string(number) + " " + what +
+              " are more than the libraries can number here, at most " +
+              std::to_string(limit) +
+              ": use a coarser grid, or a PETSc and a deal.II with 64-bit "
+              "indices (DEAL_II_WITH_64BIT_INDICES).");
     return Index(number);
   }
 
@@ -42,12 +43,11 @@ namespace greville
   {
     const std::uint64_t limit =
       std::numeric_limits<int>::max() / (is_packed ? 2 : 1) - 1024;
-    AssertThrow(n_bytes <= limit,
-                dealii::ExcMessage("A message of " + std::to_string(n_bytes) +
-                                   " bytes from one process to another is "
-                                   "longer than MPI can count, at most " +
-                                   std::to_string(limit) +
-                                   ": use more processes."));
+    Require(n_bytes <= limit,
+            "A message of " + std::to_string(n_bytes) +
+              " bytes from one process to another is longer than MPI can "
+              "count, at most " +
+              std::to_string(limit) + ": use more processes.");
   }
 
 

@@ -33,10 +33,9 @@ namespace greville
                   const double       value,
                   const std::string &allowed)
   {
-    AssertThrow(valid,
-                dealii::ExcMessage("The parameter '" + name + "' in section '" +
-                                   section + "' is " + text_of(value) +
-                                   "; it has to be " + allowed + "."));
+    Require(valid,
+            "The parameter '" + name + "' in section '" + section + "' is " +
+              text_of(value) + "; it has to be " + allowed + ".");
   }
 
 
@@ -65,7 +64,7 @@ namespace greville
     else
       text << reason;
     text << ".";
-    AssertThrow(false, dealii::ExcMessage(text.str()));
+    Require(false, text.str());
   }
 } // namespace greville
 

@@ -50,12 +50,10 @@ namespace greville
         return 1.;
       const double value =
         (*formula)(dealii::ArrayView<const double>(&time, 1));
-      AssertThrow(value > 0.,
-                  dealii::ExcMessage("The formula <" + formula_text(text) +
-                                     "> of the parameter '" + parameter +
-                                     "' is " + text_of(value) +
-                                     " at t = " + text_of(time) +
-                                     "; it has to be greater than 0."));
+      Require(value > 0.,
+              "The formula <" + formula_text(text) + "> of the parameter '" +
+                parameter + "' is " + text_of(value) +
+                " at t = " + text_of(time) + "; it has to be greater than 0.");
       return value;
     }
 
