@@ -398,8 +398,8 @@ namespace StepGreville
       const unsigned int n_steps     = std::ceil(output_every / longest - 1e-9);
       const unsigned int n_outputs   = std::lround(end_time / output_every);
 
-      run_on_first([&]() { std::filesystem::create_directories(scheme); },
-                   MPI_COMM_WORLD);
+      run_on_first(MPI_COMM_WORLD,
+                   [&]() { std::filesystem::create_directories(scheme); });
       const OutputParameters output_parameters;
       FieldOutput<dim>       files(scheme, output_parameters);
       TableHandler           table;

@@ -109,34 +109,31 @@ namespace greville
         open(name, names, precision, comm);
         return false;
       }
-    run_on_first(
-      [&]() {
-        std::string header, found;
-        for (const std::string &column : names)
-          header += (header.empty() ? "" : ",") + column;
-        errno = 0;
-        std::ifstream in(file);
-        Require(in,
-                "Cannot read <" + file + ">: " + std::strerror(errno) + ".");
-        std::getline(in, found);
-        std::error_code     error;
-        const std::uint64_t n_there = std::filesystem::file_size(file, error);
-        Require(!error, "Cannot read <" + file + ">: " + error.message() + ".");
-        Require(n_there >= n_bytes,
-                "<" + file +
-                  "> is shorter than it was at the checkpoint. Move it away to "
-                  "begin a new one.");
-        Require(found == header,
-                "<" + file + "> has the columns <" + found +
-                  ">, but the resumed run writes <" + header + ">.");
-        std::filesystem::resize_file(file, n_bytes, error);
-        errno = error.value();
-        if (!error)
-          out.open(file, std::ios::app);
-        Require(out.is_open(), write_error(file));
-        size = n_bytes;
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      std::string header, found;
+      for (const std::string &column : names)
+        header += (header.empty() ? "" : ",") + column;
+      errno = 0;
+      std::ifstream in(file);
+      Require(in, "Cannot read <" + file + ">: " + std::strerror(errno) + ".");
+      std::getline(in, found);
+      std::error_code     error;
+      const std::uint64_t n_there = std::filesystem::file_size(file, error);
+      Require(!error, "Cannot read <" + file + ">: " + error.message() + ".");
+      Require(n_there >= n_bytes,
+              "<" + file +
+                "> is shorter than it was at the checkpoint. Move it away to "
+                "begin a new one.");
+      Require(found == header,
+              "<" + file + "> has the columns <" + found +
+                ">, but the resumed run writes <" + header + ">.");
+      std::filesystem::resize_file(file, n_bytes, error);
+      errno = error.value();
+      if (!error)
+        out.open(file, std::ios::app);
+      Require(out.is_open(), write_error(file));
+      size = n_bytes;
+    });
     return true;
   }
 
@@ -147,17 +144,15 @@ namespace greville
   {
     std::uint64_t n_bytes = 0;
     if (!file.empty())
-      run_on_first(
-        [&]() {
-          errno                = 0;
-          const int descriptor = ::open(file.c_str(), O_RDONLY);
-          Require(descriptor >= 0, write_error(file));
-          const int result = fsync(descriptor);
-          close(descriptor);
-          Require(result == 0, write_error(file));
-          n_bytes = std::filesystem::file_size(file);
-        },
-        comm);
+      run_on_first(comm, [&]() {
+        errno                = 0;
+        const int descriptor = ::open(file.c_str(), O_RDONLY);
+        Require(descriptor >= 0, write_error(file));
+        const int result = fsync(descriptor);
+        close(descriptor);
+        Require(result == 0, write_error(file));
+        n_bytes = std::filesystem::file_size(file);
+      });
     return n_bytes;
   }
 
@@ -176,21 +171,18 @@ namespace greville
   void
   CsvWriter::write_line(const std::vector<T> &words)
   {
-    run_on_first(
-      [&]() {
-        for (std::size_t k = 0; k < words.size(); ++k)
-          out << (k > 0 ? "," : "") << words[k];
-        out << std::endl;
-        Require(out, write_error(file));
-        // Lines would be written to a file that has no name any more.
-        struct stat named;
-        Require(stat(file.c_str(), &named) == 0, write_error(file));
-        Require(inode == 0 || inode == named.st_ino,
-                "Cannot write <" + file +
-                  ">: another file has taken its place.");
-        inode = named.st_ino;
-        size  = named.st_size;
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      for (std::size_t k = 0; k < words.size(); ++k)
+        out << (k > 0 ? "," : "") << words[k];
+      out << std::endl;
+      Require(out, write_error(file));
+      // Lines would be written to a file that has no name any more.
+      struct stat named;
+      Require(stat(file.c_str(), &named) == 0, write_error(file));
+      Require(inode == 0 || inode == named.st_ino,
+              "Cannot write <" + file + ">: another file has taken its place.");
+      inode = named.st_ino;
+      size  = named.st_size;
+    });
   }
 } // namespace greville

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/disk.h>
-#include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/base/mixed_bits.h>
 #include <greville/base/parameters.h>
@@ -67,26 +66,24 @@ namespace greville
     {
       const auto    share = share_of((n_bytes + 7) / 8, comm);
       std::uint64_t own   = 0;
-      run_on_all(
-        [&]() {
-          if (share.first == share.second)
-            return;
-          std::ifstream in(file, std::ios::binary);
-          in.seekg(8 * share.first);
-          std::vector<double> values;
-          for (std::uint64_t at = share.first; at < share.second; at += piece)
-            {
-              values.assign(std::min(piece, share.second - at), 0.);
-              const std::uint64_t wanted =
-                std::min(8 * values.size(), n_bytes - 8 * at);
-              in.read(reinterpret_cast<char *>(values.data()), wanted);
-              Require(std::uint64_t(in.gcount()) == wanted,
-                      "Cannot read <" + file + ">: " + std::strerror(errno) +
-                        ".");
-              own += checksum(values, at);
-            }
-        },
-        comm);
+      run_on_all(comm, [&]() {
+        if (share.first == share.second)
+          return;
+        std::ifstream in(file, std::ios::binary);
+        in.seekg(8 * share.first);
+        std::vector<double> values;
+        for (std::uint64_t at = share.first; at < share.second; at += piece)
+          {
+            values.assign(std::min(piece, share.second - at), 0.);
+            const std::uint64_t wanted =
+              std::min(8 * values.size(), n_bytes - 8 * at);
+            in.read(reinterpret_cast<char *>(values.data()), wanted);
+            Require(std::uint64_t(in.gcount()) == wanted,
+                    "Cannot read <" + file + ">: " + std::strerror(errno) +
+                      ".");
+            own += checksum(values, at);
+          }
+      });
       return Utilities::MPI::sum(own, comm);
     }
   } // namespace
@@ -227,17 +224,15 @@ namespace greville
   seal_file(const std::string &file, const MPI_Comm comm)
   {
     std::uint64_t n_bytes = 0;
-    run_on_first([&]() { n_bytes = std::filesystem::file_size(file); }, comm);
+    run_on_first(comm, [&]() { n_bytes = std::filesystem::file_size(file); });
     n_bytes                 = Utilities::MPI::broadcast(comm, n_bytes);
     const std::uint64_t sum = checksum_of_file(file, n_bytes, comm);
-    run_on_first(
-      [&]() {
-        errno = 0;
-        std::ofstream out(file, std::ios::binary | std::ios::app);
-        out << seal_of(n_bytes, sum) << std::flush;
-        Require(out, write_error(file));
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      errno = 0;
+      std::ofstream out(file, std::ios::binary | std::ios::app);
+      out << seal_of(n_bytes, sum) << std::flush;
+      Require(out, write_error(file));
+    });
   }
 
 
@@ -247,37 +242,32 @@ namespace greville
   {
     std::uint64_t n_bytes = 0;
     std::string   seal(seal_size, ' ');
-    run_on_first(
-      [&]() {
-        errno = 0;
-        std::ifstream in(file, std::ios::binary);
-        Require(in,
-                "Cannot read <" + file + ">: " + std::strerror(errno) + ".");
-        Require(std::filesystem::is_regular_file(file),
-                "Cannot read <" + file + ">, which is not a regular file.");
-        n_bytes = std::filesystem::file_size(file);
-        if (n_bytes >= seal_size)
-          {
-            n_bytes -= seal_size;
-            in.seekg(n_bytes);
-            in.read(&seal[0], seal_size);
-          }
-        Require(seal.rfind(seal_begin, 0) == 0,
-                "Cannot read <" + file +
-                  ">, which does not end with its checksum: it is truncated, "
-                  "was not written by this program, or comes from a version "
-                  "that wrote no checksums.");
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      errno = 0;
+      std::ifstream in(file, std::ios::binary);
+      Require(in, "Cannot read <" + file + ">: " + std::strerror(errno) + ".");
+      Require(std::filesystem::is_regular_file(file),
+              "Cannot read <" + file + ">, which is not a regular file.");
+      n_bytes = std::filesystem::file_size(file);
+      if (n_bytes >= seal_size)
+        {
+          n_bytes -= seal_size;
+          in.seekg(n_bytes);
+          in.read(&seal[0], seal_size);
+        }
+      Require(seal.rfind(seal_begin, 0) == 0,
+              "Cannot read <" + file +
+                ">, which does not end with its checksum: it is truncated, "
+                "was not written by this program, or comes from a version "
+                "that wrote no checksums.");
+    });
     n_bytes                 = Utilities::MPI::broadcast(comm, n_bytes);
     const std::uint64_t sum = checksum_of_file(file, n_bytes, comm);
-    run_on_first(
-      [&]() {
-        Require(seal == seal_of(n_bytes, sum),
-                "Cannot read <" + file +
-                  ">, which has been changed: it does not have the checksum at "
-                  "its end.");
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      Require(seal == seal_of(n_bytes, sum),
+              "Cannot read <" + file +
+                ">, which has been changed: it does not have the checksum at "
+                "its end.");
+    });
   }
 } // namespace greville

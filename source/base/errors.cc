@@ -114,7 +114,7 @@ namespace greville
 
 
   void
-  run_on_all(const std::function<void()> &action, const MPI_Comm comm)
+  run_on_all(const MPI_Comm comm, const std::function<void()> &action)
   {
     std::string message;
     try
@@ -131,10 +131,10 @@ namespace greville
 
 
   void
-  run_on_first(const std::function<void()> &action, const MPI_Comm comm)
+  run_on_first(const MPI_Comm comm, const std::function<void()> &action)
   {
     if (Utilities::MPI::this_mpi_process(comm) == 0)
-      run_on_all(action, comm);
+      run_on_all(comm, action);
     else
       throw_on_all("", comm);
   }

@@ -4,7 +4,6 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/parameter_tree.h>
-#include <greville/base/parameters.h>
 #include <greville/base/text_file.h>
 
 #include <algorithm>

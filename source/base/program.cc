@@ -7,7 +7,6 @@
 #include <greville/base/foreign_call.h>
 #include <greville/base/parameter_tree.h>
 #include <greville/base/plugin.h>
-#include <greville/base/program.h>
 
 #include "command_line.h"
 #include <algorithm>
@@ -288,23 +287,20 @@ namespace greville
                                ">; --new alone lists them." +
                                did_you_mean(name, names));
       const std::string file = files.empty() ? name + ".prm" : files[0];
-      run_on_first(
-        [&]() {
-          errno                = 0;
-          std::FILE *const own = std::fopen(file.c_str(), "wx");
-          Require(own != nullptr || errno != EEXIST,
-                  "There is a file <" + file +
-                    "> already: name another one, as in --new " + name +
-                    " FILE.prm.");
-          Require(own != nullptr, write_error(file));
-          const std::string &content =
-            program.templates[found - names.begin()].content;
-          const bool is_written =
-            std::fwrite(content.data(), 1, content.size(), own) ==
-            content.size();
-          Require((std::fclose(own) == 0) && is_written, write_error(file));
-        },
-        MPI_COMM_WORLD);
+      run_on_first(MPI_COMM_WORLD, [&]() {
+        errno                = 0;
+        std::FILE *const own = std::fopen(file.c_str(), "wx");
+        Require(own != nullptr || errno != EEXIST,
+                "There is a file <" + file +
+                  "> already: name another one, as in --new " + name +
+                  " FILE.prm.");
+        Require(own != nullptr, write_error(file));
+        const std::string &content =
+          program.templates[found - names.begin()].content;
+        const bool is_written =
+          std::fwrite(content.data(), 1, content.size(), own) == content.size();
+        Require((std::fclose(own) == 0) && is_written, write_error(file));
+      });
       out << "Written: " << file << "\nRun it: " << program.name << ' ' << file
           << '\n';
     }

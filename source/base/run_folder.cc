@@ -116,23 +116,21 @@ namespace greville
     , earlier(earlier)
     , comm(comm)
   {
-    run_on_first(
-      [&]() {
-        create_folder(folder, parameter);
-        lock();
-        if (earlier != EarlierResults::refuse)
-          return;
-        const auto results = results_in(folder);
-        if (results.empty())
-          return;
-        release();
-        Require(false,
-                "The folder <" + folder + "> of the parameter '" + parameter +
-                  "' has results of an earlier run, <" +
-                  results[0].filename().string() +
-                  "> for instance, and 'Output/Earlier results' is refuse.");
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      create_folder(folder, parameter);
+      lock();
+      if (earlier != EarlierResults::refuse)
+        return;
+      const auto results = results_in(folder);
+      if (results.empty())
+        return;
+      release();
+      Require(false,
+              "The folder <" + folder + "> of the parameter '" + parameter +
+                "' has results of an earlier run, <" +
+                results[0].filename().string() +
+                "> for instance, and 'Output/Earlier results' is refuse.");
+    });
   }
 
 
@@ -143,32 +141,30 @@ namespace greville
     if (earlier != EarlierResults::move_aside &&
         earlier != EarlierResults::remove)
       return;
-    run_on_first(
-      [&]() {
-        try
-          {
-            // A run of the earlier sweep may still be running.
-            for (const auto &result : results_in(folder))
-              if (std::filesystem::exists(result / "lock"))
-                RunFolder(result.string(),
-                          parameter,
-                          EarlierResults::keep,
-                          MPI_COMM_SELF);
-            if (earlier == EarlierResults::remove)
-              remove_results(folder);
-            else
-              move_results_aside(folder);
-          }
-        catch (const std::filesystem::filesystem_error &error)
-          {
-            Require(false,
-                    "Earlier results in the folder <" + folder +
-                      "> of the parameter '" + parameter +
-                      "' cannot be moved or removed: " +
-                      error.code().message() + ".");
-          }
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      try
+        {
+          // A run of the earlier sweep may still be running.
+          for (const auto &result : results_in(folder))
+            if (std::filesystem::exists(result / "lock"))
+              RunFolder(result.string(),
+                        parameter,
+                        EarlierResults::keep,
+                        MPI_COMM_SELF);
+          if (earlier == EarlierResults::remove)
+            remove_results(folder);
+          else
+            move_results_aside(folder);
+        }
+      catch (const std::filesystem::filesystem_error &error)
+        {
+          Require(false,
+                  "Earlier results in the folder <" + folder +
+                    "> of the parameter '" + parameter +
+                    "' cannot be moved or removed: " + error.code().message() +
+                    ".");
+        }
+    });
   }
 
 

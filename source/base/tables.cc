@@ -3,7 +3,6 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/disk.h>
-#include <greville/base/errors.h>
 #include <greville/base/hdf5_calls.h>
 #include <greville/base/index_limits.h>
 #include <greville/base/tables.h>
@@ -233,7 +232,7 @@ namespace greville
     const auto        size = size_of(content, comm);
     // If a file cannot be made, only the first process finds out, so that
     // MPI-IO does not report it from all.
-    run_on_first([&]() { make_file(unfinished, size); }, comm);
+    run_on_first(comm, [&]() { make_file(unfinished, size); });
     try
       {
         const HDF5Handle access = hdf5_access(comm);
@@ -264,20 +263,18 @@ namespace greville
         {
           message = message_of(error);
         }
-    run_on_first(
-      [&]() {
-        if (message.empty())
-          {
-            write_to_disk(unfinished);
-            std::filesystem::rename(unfinished, file);
-            write_to_disk(std::filesystem::path(file).parent_path());
-            return;
-          }
-        std::error_code error;
-        std::filesystem::remove(unfinished, error);
-        Require(false, message);
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      if (message.empty())
+        {
+          write_to_disk(unfinished);
+          std::filesystem::rename(unfinished, file);
+          write_to_disk(std::filesystem::path(file).parent_path());
+          return;
+        }
+      std::error_code error;
+      std::filesystem::remove(unfinished, error);
+      Require(false, message);
+    });
   }
 
 

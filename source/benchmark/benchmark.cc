@@ -5,10 +5,8 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/memory.h>
-#include <greville/base/parameters.h>
 #include <greville/base/simd.h>
 #include <greville/benchmark/benchmark.h>
-#include <greville/benchmark/operators.h>
 
 #include <algorithm>
 #include <ctime>
@@ -107,12 +105,10 @@ namespace greville
                  const std::vector<std::string> &settings)
   {
     const std::string used = read(file, settings, ParameterHandler::PRM);
-    run_on_first(
-      [&]() {
-        create_folder(output_directory, "Benchmark/Output directory");
-        write_atomically(output_directory + "/parameters.prm", used);
-      },
-      MPI_COMM_WORLD);
+    run_on_first(MPI_COMM_WORLD, [&]() {
+      create_folder(output_directory, "Benchmark/Output directory");
+      write_atomically(output_directory + "/parameters.prm", used);
+    });
     print_header(file);
 
     const auto cells = cells_of_dimensions();
@@ -125,7 +121,7 @@ namespace greville
 
     if (parameters.throughput)
       bandwidth = measure_bandwidth(MPI_COMM_WORLD);
-    run_on_first([&]() { write_results(); }, MPI_COMM_WORLD);
+    run_on_first(MPI_COMM_WORLD, [&]() { write_results(); });
     bool has_result = false;
     for (const SolveRecord &record : records)
       has_result = has_result || !record.has_failed;
@@ -390,12 +386,9 @@ namespace greville
     const auto run = [&](const SolveRecord &record) {
       records.push_back(solve<dim>(problem, record));
       // Write each record, so that it is kept if a later solve fails.
-      run_on_first(
-        [&]() {
-          write_atomically(output_directory + "/solves.csv",
-                           solves_csv(records));
-        },
-        MPI_COMM_WORLD);
+      run_on_first(MPI_COMM_WORLD, [&]() {
+        write_atomically(output_directory + "/solves.csv", solves_csv(records));
+      });
     };
     PMultigridParameters      &m      = multigrid_of(what.operator_name);
     const PMultigridParameters old    = m;

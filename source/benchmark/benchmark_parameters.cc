@@ -3,7 +3,6 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/benchmark/benchmark_problem.h>
 #include <greville/benchmark/clamped_walls.h>
-#include <greville/stiffness/tangent_system.h>
 
 #include <cmath>
 
@@ -232,20 +229,18 @@ namespace greville
         const auto density =
           make_function<dim>(problem.density, "Problem/Density");
         std::vector<double> sums(2); // mass, volume
-        run_on_all(
-          [&]() {
-            body.points.for_each([&](const unsigned int, PointRef<dim> q) {
-              const Point<dim> x   = q.position();
-              const double     rho = density->value(x);
-              Require(rho >= 0. && std::isfinite(rho),
-                      "'Problem/Density' has to be a number >= 0, but is " +
-                        text_of(rho) + " at (" + text_of(x) + ").");
-              q.mass() = rho * q.volume0();
-              sums[0] += q.mass();
-              sums[1] += q.volume0();
-            });
-          },
-          space.communicator());
+        run_on_all(space.communicator(), [&]() {
+          body.points.for_each([&](const unsigned int, PointRef<dim> q) {
+            const Point<dim> x   = q.position();
+            const double     rho = density->value(x);
+            Require(rho >= 0. && std::isfinite(rho),
+                    "'Problem/Density' has to be a number >= 0, but is " +
+                      text_of(rho) + " at (" + text_of(x) + ").");
+            q.mass() = rho * q.volume0();
+            sums[0] += q.mass();
+            sums[1] += q.volume0();
+          });
+        });
         Utilities::MPI::sum(sums, space.communicator(), sums);
         Require(sums[0] > 0.,
                 "'Problem/Density' is zero at all points: there is no mass.");
@@ -306,6 +301,5 @@ namespace greville
 
 
 
-  template decltype(make_elastic_benchmark<2>) make_elastic_benchmark<2>;
-  template decltype(make_elastic_benchmark<3>) make_elastic_benchmark<3>;
+  GREVILLE_INSTANTIATE(make_elastic_benchmark);
 } // namespace greville

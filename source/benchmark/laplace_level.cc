@@ -156,8 +156,6 @@ namespace greville
 
 
 
-  template decltype(add_laplace_matrix<2>) add_laplace_matrix<2>;
-  template decltype(add_laplace_matrix<3>) add_laplace_matrix<3>;
-  template class LaplaceLevel<2>;
-  template class LaplaceLevel<3>;
+  GREVILLE_INSTANTIATE(add_laplace_matrix);
+  GREVILLE_INSTANTIATE_CLASS(LaplaceLevel);
 } // namespace greville

@@ -173,6 +173,5 @@ namespace greville
 
 
 
-  template decltype(make_laplace_benchmark<2>) make_laplace_benchmark<2>;
-  template decltype(make_laplace_benchmark<3>) make_laplace_benchmark<3>;
+  GREVILLE_INSTANTIATE(make_laplace_benchmark);
 } // namespace greville

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/benchmark/benchmark_problem.h>
-#include <greville/points/material_points.h>
 #include <greville/points/point_transfer.h>
 
 #include <cmath>
@@ -78,7 +76,7 @@ namespace greville
         , filling(space)
       {
         points.reinit(space, PointLayout<dim>());
-        run_on_all([&]() { make_points(body, n); }, space.communicator());
+        run_on_all(space.communicator(), [&]() { make_points(body, n); });
         Require(Utilities::MPI::sum<std::uint64_t>(points.n_points(),
                                                    space.communicator()) > 0,
                 "No point of the body '" + body +
@@ -344,6 +342,5 @@ namespace greville
 
 
 
-  template decltype(make_mass_benchmark<2>) make_mass_benchmark<2>;
-  template decltype(make_mass_benchmark<3>) make_mass_benchmark<3>;
+  GREVILLE_INSTANTIATE(make_mass_benchmark);
 } // namespace greville

@@ -94,6 +94,5 @@ namespace greville
 
 
 
-  template decltype(measure_operators<2>) measure_operators<2>;
-  template decltype(measure_operators<3>) measure_operators<3>;
+  GREVILLE_INSTANTIATE(measure_operators);
 } // namespace greville

@@ -58,12 +58,8 @@ namespace greville
 
 
 
-  template decltype(with_ghosts<2>)          with_ghosts<2>;
-  template decltype(with_ghosts<3>)          with_ghosts<3>;
+  GREVILLE_INSTANTIATE(with_ghosts);
   template decltype(constrained_at_walls<2>) constrained_at_walls<2>;
-  template decltype(constrained_components_at_walls<2>)
-    constrained_components_at_walls<2>;
-  template decltype(constrained_components_at_walls<3>)
-                                             constrained_components_at_walls<3>;
+  GREVILLE_INSTANTIATE(constrained_components_at_walls);
   template decltype(constrained_at_walls<3>) constrained_at_walls<3>;
 } // namespace greville

@@ -212,8 +212,6 @@ namespace greville
 
 
 
-  template decltype(add_point_load<2>) add_point_load<2>;
-  template decltype(add_point_load<3>) add_point_load<3>;
-  template class Loads<2>;
-  template class Loads<3>;
+  GREVILLE_INSTANTIATE(add_point_load);
+  GREVILLE_INSTANTIATE_CLASS(Loads);
 } // namespace greville

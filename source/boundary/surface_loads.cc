@@ -92,13 +92,11 @@ namespace greville
                          const std::string &contact) {
       const auto body = find_body(body_name);
       if (placed.count(body_name) == 0)
-        run_on_all(
-          [&]() {
-            placed[body_name] = place_surface_points<dim>(*body->parameters,
-                                                          "Body " + body_name,
-                                                          space);
-          },
-          space.communicator());
+        run_on_all(space.communicator(), [&]() {
+          placed[body_name] = place_surface_points<dim>(*body->parameters,
+                                                        "Body " + body_name,
+                                                        space);
+        });
       result.push_back(make_surface<dim>(
         name, section, where, *body, placed[body_name], space, contact));
       result.back().body = body - bodies.begin();
@@ -205,15 +203,12 @@ namespace greville
       {
         const PointLayout<dim> &layout = surfaces[k].points.layout();
         Tensor<1, dim>          sum;
-        run_on_all(
-          [&]() {
-            surfaces[k].points.for_each(
-              [&](const unsigned int, ConstPointRef<dim> p) {
-                sum +=
-                  p.mass() * loads[k]->load(surface_state<dim>(p, layout), t);
-              });
-          },
-          comm);
+        run_on_all(comm, [&]() {
+          surfaces[k].points.for_each([&](const unsigned int,
+                                          ConstPointRef<dim> p) {
+            sum += p.mass() * loads[k]->load(surface_state<dim>(p, layout), t);
+          });
+        });
         result.emplace_back(names[k], Utilities::MPI::sum(sum, comm));
       }
     return result;
@@ -221,6 +216,5 @@ namespace greville
 
 
 
-  template class SurfaceLoads<2>;
-  template class SurfaceLoads<3>;
+  GREVILLE_INSTANTIATE_CLASS(SurfaceLoads);
 } // namespace greville

@@ -376,6 +376,5 @@ namespace greville
 
 
 
-  template class Walls<2>;
-  template class Walls<3>;
+  GREVILLE_INSTANTIATE_CLASS(Walls);
 } // namespace greville

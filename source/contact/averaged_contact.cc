@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/mixed_bits.h>
-#include <greville/contact/averaged_contact.h>
 
 #include "hats.h"
 #include "key_forces.h"
@@ -352,6 +351,5 @@ namespace greville
 
 
 
-  template class AveragedContact<2>;
-  template class AveragedContact<3>;
+  GREVILLE_INSTANTIATE_CLASS(AveragedContact);
 } // namespace greville

@@ -118,6 +118,5 @@ namespace greville
 
 
 
-  template class ContactTangent<2>;
-  template class ContactTangent<3>;
+  GREVILLE_INSTANTIATE_CLASS(ContactTangent);
 } // namespace greville

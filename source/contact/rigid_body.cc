@@ -404,6 +404,5 @@ namespace greville
 
 
 
-  template class RigidBody<2>;
-  template class RigidBody<3>;
+  GREVILLE_INSTANTIATE_CLASS(RigidBody);
 } // namespace greville

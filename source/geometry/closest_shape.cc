@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/geometry/closest_surface.h>
-#include <greville/geometry/level_set.h>
-#include <greville/geometry/shape.h>
 
 #include "dual_contours.h"
 #include <algorithm>

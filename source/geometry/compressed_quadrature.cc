@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/compatibility.h>
 #include <greville/geometry/compressed_quadrature.h>
 
 #include <algorithm>
@@ -206,8 +207,6 @@ namespace greville
 
 
 
-  template decltype(n_polynomials<2>)       n_polynomials<2>;
-  template decltype(n_polynomials<3>)       n_polynomials<3>;
-  template decltype(compress_quadrature<2>) compress_quadrature<2>;
-  template decltype(compress_quadrature<3>) compress_quadrature<3>;
+  GREVILLE_INSTANTIATE(n_polynomials);
+  GREVILLE_INSTANTIATE(compress_quadrature);
 } // namespace greville

@@ -2,6 +2,7 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
+#include <greville/base/compatibility.h>
 #include <greville/geometry/convex_part.h>
 
 #include <algorithm>
@@ -355,12 +356,8 @@ namespace greville
 
 
 
-  template decltype(split_facet<2>)       split_facet<2>;
-  template decltype(split_facet<3>)       split_facet<3>;
-  template decltype(center_of<2>)         center_of<2>;
-  template decltype(center_of<3>)         center_of<3>;
-  template decltype(append_quadrature<2>) append_quadrature<2>;
-  template decltype(append_quadrature<3>) append_quadrature<3>;
-  template class ConvexPart<2>;
-  template class ConvexPart<3>;
+  GREVILLE_INSTANTIATE(split_facet);
+  GREVILLE_INSTANTIATE(center_of);
+  GREVILLE_INSTANTIATE(append_quadrature);
+  GREVILLE_INSTANTIATE_CLASS(ConvexPart);
 } // namespace greville

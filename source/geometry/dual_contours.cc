@@ -3,7 +3,6 @@
 #include "dual_contours.h"
 
 #include <greville/base/eigenvectors.h>
-#include <greville/spline/lattice.h>
 
 #include <algorithm>
 #include <cmath>
@@ -191,6 +190,5 @@ namespace greville::internal
 
 
 
-  template decltype(dual_contours<2>) dual_contours<2>;
-  template decltype(dual_contours<3>) dual_contours<3>;
+  GREVILLE_INSTANTIATE(dual_contours);
 } // namespace greville::internal

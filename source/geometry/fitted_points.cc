@@ -283,10 +283,7 @@ namespace greville
 
 
 
-  template decltype(make_fitted_shape<2>)    make_fitted_shape<2>;
-  template decltype(make_fitted_shape<3>)    make_fitted_shape<3>;
-  template decltype(place_fitted_points<2>)  place_fitted_points<2>;
-  template decltype(place_fitted_points<3>)  place_fitted_points<3>;
-  template decltype(place_surface_points<2>) place_surface_points<2>;
-  template decltype(place_surface_points<3>) place_surface_points<3>;
+  GREVILLE_INSTANTIATE(make_fitted_shape);
+  GREVILLE_INSTANTIATE(place_fitted_points);
+  GREVILLE_INSTANTIATE(place_surface_points);
 } // namespace greville

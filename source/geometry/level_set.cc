@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/compatibility.h>
 #include <greville/geometry/level_set.h>
 
 #include <algorithm>
@@ -304,10 +305,8 @@ namespace greville
 
 
 
-  template struct LevelSet<2>;
-  template struct LevelSet<3>;
-  template class CellLevelSet<2>;
-  template class CellLevelSet<3>;
+  GREVILLE_INSTANTIATE_CLASS(LevelSet);
+  GREVILLE_INSTANTIATE_CLASS(CellLevelSet);
   template ShapeTree<2>::Side
   ShapeTree<2>::evaluate(const std::vector<Side> &, std::vector<bool> &) const;
   template ShapeTree<3>::Side

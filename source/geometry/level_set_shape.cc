@@ -514,6 +514,5 @@ namespace greville
 
 
 
-  template class LevelSetShape<2>;
-  template class LevelSetShape<3>;
+  GREVILLE_INSTANTIATE_CLASS(LevelSetShape);
 } // namespace greville

@@ -5,7 +5,6 @@
 #include <greville/base/errors.h>
 #include <greville/geometry/fitted_points.h>
 #include <greville/geometry/inside.h>
-#include <greville/geometry/shape.h>
 
 #include <algorithm>
 #include <memory>
@@ -171,10 +170,7 @@ namespace greville
 
 
 
-  template decltype(points_of_cell<2>) points_of_cell<2>;
-  template decltype(points_of_cell<3>) points_of_cell<3>;
-  template decltype(make_inside<2>)    make_inside<2>;
-  template decltype(make_inside<3>)    make_inside<3>;
-  template decltype(place_points<2>)   place_points<2>;
-  template decltype(place_points<3>)   place_points<3>;
+  GREVILLE_INSTANTIATE(points_of_cell);
+  GREVILLE_INSTANTIATE(make_inside);
+  GREVILLE_INSTANTIATE(place_points);
 } // namespace greville

@@ -390,10 +390,7 @@ namespace greville
 
 
 
-  template struct PointsOfFile<2>;
-  template struct PointsOfFile<3>;
-  template decltype(points_of_file<2>)      points_of_file<2>;
-  template decltype(points_of_file<3>)      points_of_file<3>;
-  template decltype(find_in_points_file<2>) find_in_points_file<2>;
-  template decltype(find_in_points_file<3>) find_in_points_file<3>;
+  GREVILLE_INSTANTIATE_CLASS(PointsOfFile);
+  GREVILLE_INSTANTIATE(points_of_file);
+  GREVILLE_INSTANTIATE(find_in_points_file);
 } // namespace greville

@@ -276,6 +276,5 @@ namespace greville
 
 
 
-  template class SurfaceShape<2>;
-  template class SurfaceShape<3>;
+  GREVILLE_INSTANTIATE_CLASS(SurfaceShape);
 } // namespace greville

@@ -63,8 +63,8 @@ namespace greville
     const UpperTriangle matrix = rows.domain_matrix();
     const unsigned int  n_common =
       last_rows.empty() ? matrix.size() : rows.n_common();
-    run_on_all([&]() { factors.factorize(matrix, parameters, n_common); },
-               domain.communicator());
+    run_on_all(domain.communicator(),
+               [&]() { factors.factorize(matrix, parameters, n_common); });
     const UpperTriangle last_of_matrix = rows.last_rows(matrix);
     for (unsigned int v = 0; v < last_rows.size(); ++v)
       {
@@ -74,13 +74,11 @@ namespace greville
           continue;
         const auto is_fixed = rows.is_fixed(v);
         LastRows  &variant  = last_rows[v];
-        run_on_all(
-          [&]() {
-            // The complement contains the shift.
-            variant.factors.factorize(factors.complement(last, is_fixed),
-                                      {0., parameters.drop_tolerance});
-          },
-          domain.communicator());
+        run_on_all(domain.communicator(), [&]() {
+          // The complement contains the shift.
+          variant.factors.factorize(factors.complement(last, is_fixed),
+                                    {0., parameters.drop_tolerance});
+        });
         for (unsigned int k = 0; k < is_fixed.size(); ++k)
           if (is_fixed[k])
             {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/parameters.h>
 #include <greville/loads/dashpot.h>
 #include <greville/loads/pressure.h>
 #include <greville/loads/springs.h>

@@ -66,12 +66,10 @@ namespace greville
             }
         }
     };
-    run_on_all(
-      [&]() {
-        for (std::size_t b = 0; b < cell_batches.size(); ++b)
-          add_cells(cell_batches[b], b);
-      },
-      space.communicator());
+    run_on_all(space.communicator(), [&]() {
+      for (std::size_t b = 0; b < cell_batches.size(); ++b)
+        add_cells(cell_batches[b], b);
+    });
     throw_on_all(message, space.communicator());
     AssertThrow(Utilities::MPI::max(largest, space.communicator()) > 0.,
                 ExcMessage(

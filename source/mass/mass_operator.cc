@@ -314,12 +314,10 @@ namespace greville
       rows->scatter_add(b, batch, result, dst.begin());
     };
     // A formula can fail at a point of one process.
-    run_on_all(
-      [&]() {
-        for (std::size_t b = 0; b < weights->batches().size(); ++b)
-          add_batch(b);
-      },
-      rows->space.communicator());
+    run_on_all(rows->space.communicator(), [&]() {
+      for (std::size_t b = 0; b < weights->batches().size(); ++b)
+        add_batch(b);
+    });
     dst.compress(VectorOperation::add);
   }
 

@@ -2,7 +2,6 @@
 
 #include <deal.II/base/utilities.h>
 
-#include <greville/base/parameters.h>
 #include <greville/materials/element_test.h>
 #include <greville/materials/hencky.h>
 #include <greville/materials/parameter_checks.h>

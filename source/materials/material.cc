@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/parameters.h>
 #include <greville/materials/bingham.h>
 #include <greville/materials/decoupled_neo_hookean.h>
 #include <greville/materials/drucker_prager.h>
 #include <greville/materials/linear_elastic.h>
-#include <greville/materials/material.h>
 #include <greville/materials/modified_cam_clay.h>
 #include <greville/materials/mohr_coulomb.h>
 #include <greville/materials/neo_hookean.h>

@@ -2,13 +2,11 @@
 
 #include <deal.II/base/utilities.h>
 
-#include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
 #include <greville/base/shared_library.h>
 #include <greville/materials/hencky.h>
 #include <greville/materials/material_lanes.h>
 #include <greville/materials/parameter_checks.h>
-#include <greville/materials/spectral_decomposition.h>
 #include <greville/materials/state_names.h>
 #include <greville/materials/umat.h>
 #include <greville/materials/umat_arguments.h>

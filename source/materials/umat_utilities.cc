@@ -3,7 +3,6 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/eigenvectors.h>
-#include <greville/base/errors.h>
 #include <greville/materials/lanes.h>
 #include <greville/materials/umat_call.h>
 #include <greville/materials/umat_utilities.h>

@@ -35,6 +35,5 @@ namespace greville
 
 
 
-  template class AssembledMassLevel<2>;
-  template class AssembledMassLevel<3>;
+  GREVILLE_INSTANTIATE_CLASS(AssembledMassLevel);
 } // namespace greville

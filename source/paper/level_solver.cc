@@ -125,8 +125,6 @@ namespace greville
 
 
 
-  template decltype(solve_and_check<2>) solve_and_check<2>;
-  template decltype(solve_and_check<3>) solve_and_check<3>;
-  template decltype(iterate<2>)         iterate<2>;
-  template decltype(iterate<3>)         iterate<3>;
+  GREVILLE_INSTANTIATE(solve_and_check);
+  GREVILLE_INSTANTIATE(iterate);
 } // namespace greville

@@ -78,6 +78,5 @@ namespace greville
 
 
 
-  template class MassMatrix<2>;
-  template class MassMatrix<3>;
+  GREVILLE_INSTANTIATE_CLASS(MassMatrix);
 } // namespace greville

@@ -185,8 +185,6 @@ namespace greville
 
 
 
-  template class MassHierarchy<2>;
-  template class MassHierarchy<3>;
-  template class MassSolver<2>;
-  template class MassSolver<3>;
+  GREVILLE_INSTANTIATE_CLASS(MassHierarchy);
+  GREVILLE_INSTANTIATE_CLASS(MassSolver);
 } // namespace greville

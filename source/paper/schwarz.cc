@@ -173,12 +173,10 @@ namespace greville
 
     if (is_symmetric)
       set_weights();
-    run_on_all(
-      [&]() {
-        if (!order.empty())
-          solver = make(local_matrix);
-      },
-      comm);
+    run_on_all(comm, [&]() {
+      if (!order.empty())
+        solver = make(local_matrix);
+    });
     if (is_symmetric && Utilities::MPI::n_mpi_processes(comm) > 1)
       scale = std::min(1., largest_allowed / largest_eigenvalue_with(level));
   }
@@ -333,6 +331,5 @@ namespace greville
 
 
 
-  template class AdditiveSchwarz<2>;
-  template class AdditiveSchwarz<3>;
+  GREVILLE_INSTANTIATE_CLASS(AdditiveSchwarz);
 } // namespace greville

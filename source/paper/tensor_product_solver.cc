@@ -249,8 +249,6 @@ namespace greville
 
 
 
-  template class TensorProductSolver<2>;
-  template class TensorProductSolver<3>;
-  template class TensorProductPreconditioner<2>;
-  template class TensorProductPreconditioner<3>;
+  GREVILLE_INSTANTIATE_CLASS(TensorProductSolver);
+  GREVILLE_INSTANTIATE_CLASS(TensorProductPreconditioner);
 } // namespace greville

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/expression.h>
 #include <greville/base/named_formulas.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>

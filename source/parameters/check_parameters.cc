@@ -2,7 +2,6 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/mass/fmpm.h>
 #include <greville/parameters/names.h>
 

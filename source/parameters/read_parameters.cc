@@ -2,9 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
 #include <greville/base/shared_library.h>
-#include <greville/geometry/shape.h>
 #include <greville/materials/state_names.h>
 #include <greville/materials/umat.h>
 #include <greville/parameters/names.h>

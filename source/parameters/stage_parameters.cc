@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/stage_parameters.h>
 

@@ -3,7 +3,6 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/errors.h>
-#include <greville/base/named_formulas.h>
 #include <greville/geometry/points_file.h>
 #include <greville/geometry/shape.h>
 #include <greville/points/body.h>
@@ -577,6 +576,5 @@ namespace greville
 
 
 
-  template decltype(make_points<2>) make_points<2>;
-  template decltype(make_points<3>) make_points<3>;
+  GREVILLE_INSTANTIATE(make_points);
 } // namespace greville

@@ -251,6 +251,5 @@ namespace greville
 
 
 
-  template class FreeSurface<2>;
-  template class FreeSurface<3>;
+  GREVILLE_INSTANTIATE_CLASS(FreeSurface);
 } // namespace greville

@@ -341,8 +341,6 @@ namespace greville
 
 
 
-  template class PointLayout<2>;
-  template class PointLayout<3>;
-  template class MaterialPoints<2>;
-  template class MaterialPoints<3>;
+  GREVILLE_INSTANTIATE_CLASS(PointLayout);
+  GREVILLE_INSTANTIATE_CLASS(MaterialPoints);
 } // namespace greville

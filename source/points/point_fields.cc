@@ -254,6 +254,5 @@ namespace greville
 
 
 
-  template decltype(point_fields<2>) point_fields<2>;
-  template decltype(point_fields<3>) point_fields<3>;
+  GREVILLE_INSTANTIATE(point_fields);
 } // namespace greville

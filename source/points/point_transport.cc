@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/points/point_transport.h>
 
@@ -152,6 +151,5 @@ namespace greville
 
 
 
-  template class PointTransport<2>;
-  template class PointTransport<3>;
+  GREVILLE_INSTANTIATE_CLASS(PointTransport);
 } // namespace greville

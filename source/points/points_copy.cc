@@ -146,6 +146,5 @@ namespace greville
 
 
 
-  template class PointsCopy<2>;
-  template class PointsCopy<3>;
+  GREVILLE_INSTANTIATE_CLASS(PointsCopy);
 } // namespace greville

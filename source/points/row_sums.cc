@@ -234,6 +234,5 @@ namespace greville
 
 
 
-  template class RowSums<2>;
-  template class RowSums<3>;
+  GREVILLE_INSTANTIATE_CLASS(RowSums);
 } // namespace greville

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/geometry/shape.h>
 #include <greville/points/surface.h>
 
 #include "formula_gradient.h"
@@ -119,55 +118,53 @@ namespace greville
   {
     Surface<dim> surface = empty_surface(name, contact, false, body, space);
     const PointLayout<dim> layout = surface.points.layout();
-    run_on_all(
-      [&]() {
-        const std::string of_body = "Body " + body.name;
-        const auto        displacement =
-          initial_formulas<dim>(body.parameters->displacement,
-                                of_body + "/Displacement");
-        const auto velocity = initial_formulas<dim>(body.parameters->velocity,
-                                                    of_body + "/Velocity");
-        const auto steps    = displacement_steps<dim>(space);
-        std::optional<Shape<dim>> shape;
-        if (!where.empty())
-          shape.emplace(where, section + "/Where");
+    run_on_all(space.communicator(), [&]() {
+      const std::string of_body = "Body " + body.name;
+      const auto        displacement =
+        initial_formulas<dim>(body.parameters->displacement,
+                              of_body + "/Displacement");
+      const auto velocity =
+        initial_formulas<dim>(body.parameters->velocity, of_body + "/Velocity");
+      const auto                steps = displacement_steps<dim>(space);
+      std::optional<Shape<dim>> shape;
+      if (!where.empty())
+        shape.emplace(where, section + "/Where");
 
-        std::vector<double> values(layout.size);
-        const PointRef<dim> p(values.data());
-        const unsigned int  normal = layout.first("normal");
-        for (const SurfacePoint<dim> &point : placed)
-          {
-            if (shape && !shape->contains(point.x))
-              continue;
-            std::fill(values.begin(), values.end(), 0.);
-            Tensor<2, 3>         F = unit_symmetric_tensor<3>();
-            Tensor<1, dim>       x = point.x;
-            const Tensor<1, dim> v = velocity(point.x);
-            if (!displacement.is_zero())
-              {
-                F += gradient_of<dim>(displacement, point.x, steps);
-                x += displacement(point.x);
-              }
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                p.position(d)  = x[d];
-                p.reference(d) = point.x[d];
-                p.velocity(d)  = v[d];
-                p[normal + d]  = point.normal[d];
-              }
-            if (layout.is_axisymmetric())
-              {
-                p[layout.radius0] = point.x[0];
-                F[2][2]           = x[0] / point.x[0];
-              }
-            p.mass() = point.area * layout.thickness(point.x);
-            p.J()    = determinant(F);
-            p.id()   = double(point.id);
-            p.set_F(F);
-            surface.points.insert(point.cell, make_array_view(values));
-          }
-      },
-      space.communicator());
+      std::vector<double> values(layout.size);
+      const PointRef<dim> p(values.data());
+      const unsigned int  normal = layout.first("normal");
+      for (const SurfacePoint<dim> &point : placed)
+        {
+          if (shape && !shape->contains(point.x))
+            continue;
+          std::fill(values.begin(), values.end(), 0.);
+          Tensor<2, 3>         F = unit_symmetric_tensor<3>();
+          Tensor<1, dim>       x = point.x;
+          const Tensor<1, dim> v = velocity(point.x);
+          if (!displacement.is_zero())
+            {
+              F += gradient_of<dim>(displacement, point.x, steps);
+              x += displacement(point.x);
+            }
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              p.position(d)  = x[d];
+              p.reference(d) = point.x[d];
+              p.velocity(d)  = v[d];
+              p[normal + d]  = point.normal[d];
+            }
+          if (layout.is_axisymmetric())
+            {
+              p[layout.radius0] = point.x[0];
+              F[2][2]           = x[0] / point.x[0];
+            }
+          p.mass() = point.area * layout.thickness(point.x);
+          p.J()    = determinant(F);
+          p.id()   = double(point.id);
+          p.set_F(F);
+          surface.points.insert(point.cell, make_array_view(values));
+        }
+    });
     surface.points.defragment();
     const MPI_Comm comm = space.communicator();
     if (Utilities::MPI::sum<std::uint64_t>(surface.points.n_points(), comm) ==
@@ -190,10 +187,7 @@ namespace greville
 
 
 
-  template decltype(surface_state<2>)   surface_state<2>;
-  template decltype(surface_state<3>)   surface_state<3>;
-  template decltype(make_surface<2>)    make_surface<2>;
-  template decltype(make_surface<3>)    make_surface<3>;
-  template decltype(make_contactors<2>) make_contactors<2>;
-  template decltype(make_contactors<3>) make_contactors<3>;
+  GREVILLE_INSTANTIATE(surface_state);
+  GREVILLE_INSTANTIATE(make_surface);
+  GREVILLE_INSTANTIATE(make_contactors);
 } // namespace greville

@@ -69,6 +69,5 @@ namespace greville
 
 
 
-  template decltype(values_at_surfaces<2>) values_at_surfaces<2>;
-  template decltype(values_at_surfaces<3>) values_at_surfaces<3>;
+  GREVILLE_INSTANTIATE(values_at_surfaces);
 } // namespace greville

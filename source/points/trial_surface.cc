@@ -173,14 +173,12 @@ namespace greville
         if (motion.v)
           put_into_buffer((*motion.v)[d], n_fields, dim + d, buffer);
       }
-    run_on_all(
-      [&]() {
-        with_order(space.degree(), [&](const auto size) {
-          evaluate_points<dim, decltype(size)::value>(
-            surface, tables, buffer.data(), motion, with_derivatives, action);
-        });
-      },
-      space.communicator());
+    run_on_all(space.communicator(), [&]() {
+      with_order(space.degree(), [&](const auto size) {
+        evaluate_points<dim, decltype(size)::value>(
+          surface, tables, buffer.data(), motion, with_derivatives, action);
+      });
+    });
   }
 
 

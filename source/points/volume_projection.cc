@@ -346,6 +346,5 @@ namespace greville
 
 
 
-  template class VolumeProjection<2>;
-  template class VolumeProjection<3>;
+  GREVILLE_INSTANTIATE_CLASS(VolumeProjection);
 } // namespace greville

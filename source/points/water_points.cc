@@ -3,7 +3,6 @@
 #include <greville/points/point_material.h>
 #include <greville/points/water_points.h>
 
-#include "gradients.h"
 #include "water_cell_terms.h"
 #include <algorithm>
 #include <cmath>
@@ -427,6 +426,5 @@ namespace greville
 
 
 
-  template class WaterPoints<2>;
-  template class WaterPoints<3>;
+  GREVILLE_INSTANTIATE_CLASS(WaterPoints);
 } // namespace greville

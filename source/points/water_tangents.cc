@@ -266,6 +266,5 @@ namespace greville
 
 
 
-  template class WaterTangents<2>;
-  template class WaterTangents<3>;
+  GREVILLE_INSTANTIATE_CLASS(WaterTangents);
 } // namespace greville

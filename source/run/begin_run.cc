@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/base/signals.h>
 #include <greville/run/begin_run.h>
 #include <greville/run/check_materials.h>
@@ -68,15 +66,13 @@ namespace greville
   {
     if (options.from.empty())
       return;
-    run_on_first(
-      [&]() {
-        std::error_code error;
-        Require(!std::filesystem::equivalent(options.from, folder, error),
-                "--from names the folder <" + options.from +
-                  "> of this run itself: give the new run another "
-                  "'Output/Directory'.");
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      std::error_code error;
+      Require(!std::filesystem::equivalent(options.from, folder, error),
+              "--from names the folder <" + options.from +
+                "> of this run itself: give the new run another "
+                "'Output/Directory'.");
+    });
   }
 
 
@@ -89,11 +85,9 @@ namespace greville
                      const std::string          &folder,
                      const MPI_Comm              comm)
     {
-      run_on_first(
-        [&]() {
-          write_atomically(folder + "/parameters.prm", parameters.used());
-        },
-        comm);
+      run_on_first(comm, [&]() {
+        write_atomically(folder + "/parameters.prm", parameters.used());
+      });
     }
   } // namespace
 

@@ -2,7 +2,6 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
 #include <greville/boundary/loads.h>
 #include <greville/materials/umat.h>
 #include <greville/parameters/unit_of_sums.h>
@@ -424,10 +423,7 @@ namespace greville
 
 
 
-  template decltype(print_materials<2>) print_materials<2>;
-  template decltype(print_materials<3>) print_materials<3>;
-  template decltype(print_tangents<2>)  print_tangents<2>;
-  template decltype(print_tangents<3>)  print_tangents<3>;
-  template decltype(input_notes<2>)     input_notes<2>;
-  template decltype(input_notes<3>)     input_notes<3>;
+  GREVILLE_INSTANTIATE(print_materials);
+  GREVILLE_INSTANTIATE(print_tangents);
+  GREVILLE_INSTANTIATE(input_notes);
 } // namespace greville

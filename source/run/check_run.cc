@@ -4,14 +4,11 @@
 
 #include <deal.II/base/utilities.h>
 
-#include <greville/base/errors.h>
 #include <greville/base/memory.h>
-#include <greville/base/parameters.h>
 #include <greville/run/begin_run.h>
 #include <greville/run/check_materials.h>
 #include <greville/run/run.h>
 #include <greville/run/run_header.h>
-#include <greville/run/simulation_run.h>
 #include <greville/run/state_output.h>
 
 #include <algorithm>
@@ -140,17 +137,15 @@ namespace greville
       void
       draw(const std::string &folder)
       {
-        run_on_first(
-          [&]() {
-            Require(!std::filesystem::exists(folder) ||
-                      (std::filesystem::is_directory(folder) &&
-                       std::filesystem::is_empty(folder)),
-                    "The folder <" + folder +
-                      "> of --draw is not empty: name a new one.");
-            create_folder(folder, "--draw");
-            write_atomically(folder + "/parameters.prm", parameters.used());
-          },
-          comm);
+        run_on_first(comm, [&]() {
+          Require(!std::filesystem::exists(folder) ||
+                    (std::filesystem::is_directory(folder) &&
+                     std::filesystem::is_empty(folder)),
+                  "The folder <" + folder +
+                    "> of --draw is not empty: name a new one.");
+          create_folder(folder, "--draw");
+          write_atomically(folder + "/parameters.prm", parameters.used());
+        });
         FieldOutput<dim> output(folder, parameters.output);
         output.hold();
         for (unsigned int k = 0; k < simulations.n_parts(); ++k)

@@ -139,16 +139,13 @@ namespace greville
     const std::string file =
       folder + "/" + prefix + Utilities::int_to_string(n_steps, 10) + ".h5";
     write_tables(file, content, comm);
-    run_on_first(
-      [&]() {
-        const auto files = checkpoints_in(folder);
-        for (unsigned int k = 0, n_older = 0; k < files.size(); ++k)
-          // Newer checkpoints are from an abandoned run.
-          if (files[k] > file ||
-              (files[k] < file && ++n_older >= n_generations))
-            std::filesystem::remove(files[k]);
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      const auto files = checkpoints_in(folder);
+      for (unsigned int k = 0, n_older = 0; k < files.size(); ++k)
+        // Newer checkpoints are from an abandoned run.
+        if (files[k] > file || (files[k] < file && ++n_older >= n_generations))
+          std::filesystem::remove(files[k]);
+    });
     return file;
   }
 
@@ -157,17 +154,15 @@ namespace greville
   void
   check_folder_of_checkpoints(const std::string &folder, const MPI_Comm comm)
   {
-    run_on_first(
-      [&]() {
-        std::error_code error;
-        Require(std::filesystem::exists(folder, error),
-                "There is no folder <" + folder +
-                  ">, and no checkpoint to resume from.");
-        Require(std::filesystem::is_directory(folder, error),
-                "<" + folder +
-                  "> is a file, not the folder of a run with its checkpoints.");
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      std::error_code error;
+      Require(std::filesystem::exists(folder, error),
+              "There is no folder <" + folder +
+                ">, and no checkpoint to resume from.");
+      Require(std::filesystem::is_directory(folder, error),
+              "<" + folder +
+                "> is a file, not the folder of a run with its checkpoints.");
+    });
   }
 
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/run/comparison.h>
 
 #include <algorithm>
@@ -55,12 +54,10 @@ namespace greville
         });
       };
       // A formula can fail on one process only.
-      run_on_all(
-        [&]() {
-          for (const Body<dim> &body : bodies)
-            add(body);
-        },
-        comm);
+      run_on_all(comm, [&]() {
+        for (const Body<dim> &body : bodies)
+          add(body);
+      });
       error               = Utilities::MPI::sum(error, comm);
       norm                = Utilities::MPI::sum(norm, comm);
       volume              = Utilities::MPI::sum(volume, comm);
@@ -131,8 +128,7 @@ namespace greville
 
 
 
-  template class ExactSolution<2>;
-  template class ExactSolution<3>;
+  GREVILLE_INSTANTIATE_CLASS(ExactSolution);
   template void
   check_reference<2>(const ReferenceParameters &);
   template void

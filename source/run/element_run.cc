@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/csv.h>
-#include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/materials/element_test.h>
 #include <greville/run/begin_run.h>
 #include <greville/run/element_run.h>

@@ -4,10 +4,7 @@
 
 #include <deal.II/base/utilities.h>
 
-#include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
-#include <greville/base/step_errors.h>
 #include <greville/materials/state_names.h>
 #include <greville/parameters/in_stage.h>
 #include <greville/run/simulation_run.h>
@@ -417,12 +414,10 @@ namespace greville
     if (from.empty())
       return;
     const std::string folder = directory + "/failure";
-    run_on_first(
-      [&]() {
-        std::filesystem::remove_all(folder);
-        std::filesystem::create_directory(folder);
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      std::filesystem::remove_all(folder);
+      std::filesystem::create_directory(folder);
+    });
     FieldOutput<dim> states(folder, parameters.output);
     states.write_points(from[0].time, bodies_of(from), comm);
     states.write_points(to[0].time, bodies_of(to), comm);
@@ -430,6 +425,5 @@ namespace greville
 
 
 
-  template class SimulationRun<2>;
-  template class SimulationRun<3>;
+  GREVILLE_INSTANTIATE_CLASS(SimulationRun);
 } // namespace greville

@@ -5,7 +5,6 @@
 
 #include <greville/base/disk.h>
 #include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/points/point_fields.h>
 #include <greville/run/output.h>
 
@@ -496,27 +495,25 @@ namespace greville
                                        std::getline(lines, file);)
       times_and_names[name].emplace_back(Utilities::string_to_double(time),
                                          file);
-    run_on_first(
-      [&]() {
-        const std::string folder = directory + "/" + file_folder;
-        const std::regex  numbered(R"((.*)_([0-9]{4,10})\.vtu)");
-        if (!std::filesystem::exists(folder))
-          return;
-        write_atomically(directory + "/" + series_name,
-                         text_of_pvd(times_and_names));
-        for (const auto &entry : std::filesystem::directory_iterator(folder))
-          {
-            const std::string file = entry.path().filename().string();
-            std::smatch       parts;
-            if (!std::regex_match(file, parts, numbered))
-              continue;
-            const auto written = times_and_names.find(parts[1]);
-            if (written != times_and_names.end() &&
-                std::stoul(parts[2]) >= written->second.size())
-              std::filesystem::remove(entry.path());
-          }
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      const std::string folder = directory + "/" + file_folder;
+      const std::regex  numbered(R"((.*)_([0-9]{4,10})\.vtu)");
+      if (!std::filesystem::exists(folder))
+        return;
+      write_atomically(directory + "/" + series_name,
+                       text_of_pvd(times_and_names));
+      for (const auto &entry : std::filesystem::directory_iterator(folder))
+        {
+          const std::string file = entry.path().filename().string();
+          std::smatch       parts;
+          if (!std::regex_match(file, parts, numbered))
+            continue;
+          const auto written = times_and_names.find(parts[1]);
+          if (written != times_and_names.end() &&
+              std::stoul(parts[2]) >= written->second.size())
+            std::filesystem::remove(entry.path());
+        }
+    });
   }
 
 
@@ -585,13 +582,12 @@ namespace greville
                                      const MPI_Comm            comm)
   {
     ClosedSurface<dim> mesh;
-    run_on_first([&]() { mesh = body.mesh(position, region); }, comm);
+    run_on_first(comm, [&]() { mesh = body.mesh(position, region); });
     RigidBodyOut<dim> facets(mesh, position);
     write_next("rigid_" + body.name(), time, facets, comm);
   }
 
 
 
-  template class FieldOutput<2>;
-  template class FieldOutput<3>;
+  GREVILLE_INSTANTIATE_CLASS(FieldOutput);
 } // namespace greville

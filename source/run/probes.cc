@@ -240,6 +240,5 @@ namespace greville
 
 
 
-  template class Probes<2>;
-  template class Probes<3>;
+  GREVILLE_INSTANTIATE_CLASS(Probes);
 } // namespace greville

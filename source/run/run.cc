@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/json.h>
 #include <greville/run/check_materials.h>
 #include <greville/run/run_header.h>
@@ -359,6 +358,5 @@ namespace greville
 
 
 
-  template class SimulationRun<2>;
-  template class SimulationRun<3>;
+  GREVILLE_INSTANTIATE_CLASS(SimulationRun);
 } // namespace greville

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
 #include <greville/parameters/unit_of_sums.h>
 #include <greville/run/run_header.h>
@@ -227,10 +226,7 @@ namespace greville
 
 
 
-  template decltype(print_header<2>)    print_header<2>;
-  template decltype(print_header<3>)    print_header<3>;
-  template decltype(print_imbalance<2>) print_imbalance<2>;
-  template decltype(print_imbalance<3>) print_imbalance<3>;
-  template decltype(print_stage<2>)     print_stage<2>;
-  template decltype(print_stage<3>)     print_stage<3>;
+  GREVILLE_INSTANTIATE(print_header);
+  GREVILLE_INSTANTIATE(print_imbalance);
+  GREVILLE_INSTANTIATE(print_stage);
 } // namespace greville

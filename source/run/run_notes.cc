@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/run/output.h>
 #include <greville/run/run_notes.h>
 
@@ -158,18 +157,16 @@ namespace greville
   void
   RunNotes::begin()
   {
-    run_on_first(
-      [&]() {
-        for (const char *name : {"messages.log", "newton.csv"})
-          {
-            const std::string file = directory + "/" + name;
-            std::error_code   error;
-            std::filesystem::remove(file, error);
-            Require(!error,
-                    "Cannot remove <" + file + ">: " + error.message() + ".");
-          }
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      for (const char *name : {"messages.log", "newton.csv"})
+        {
+          const std::string file = directory + "/" + name;
+          std::error_code   error;
+          std::filesystem::remove(file, error);
+          Require(!error,
+                  "Cannot remove <" + file + ">: " + error.message() + ".");
+        }
+    });
   }
 
 
@@ -239,19 +236,17 @@ namespace greville
       {
         std::uint64_t n_bytes = 0;
         if (last_step >= 0)
-          run_on_first(
-            [&]() {
-              std::ifstream in(file);
-              for (std::string line; std::getline(in, line);)
-                {
-                  std::istringstream words(line);
-                  int                step = 0;
-                  if (n_bytes > 0 && (!(words >> step) || step > last_step))
-                    break;
-                  n_bytes += line.size() + 1;
-                }
-            },
-            comm);
+          run_on_first(comm, [&]() {
+            std::ifstream in(file);
+            for (std::string line; std::getline(in, line);)
+              {
+                std::istringstream words(line);
+                int                step = 0;
+                if (n_bytes > 0 && (!(words >> step) || step > last_step))
+                  break;
+                n_bytes += line.size() + 1;
+              }
+          });
         const bool has_rows = Utilities::MPI::max(double(n_bytes), comm) > 0.;
         if (has_rows)
           newton.resume(file, newton_columns, 8, n_bytes, comm);
@@ -307,13 +302,10 @@ namespace greville
           "velocity, displacement, load, area_vector, area, surface_load, "
           "body, gap, pressure, shear, state"));
     add("rigid", {"velocity", "displacement"});
-    run_on_first(
-      [&]() {
-        const std::string folder =
-          directory + "/" + FieldOutput<2>::file_folder;
-        create_folder(folder, "Output/Directory");
-        write_atomically(folder + "/units.csv", text.str());
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      const std::string folder = directory + "/" + FieldOutput<2>::file_folder;
+      create_folder(folder, "Output/Directory");
+      write_atomically(folder + "/units.csv", text.str());
+    });
   }
 } // namespace greville

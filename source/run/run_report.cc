@@ -3,7 +3,6 @@
 // Prints the report of a SimulationRun, and writes summary.json.
 
 #include <greville/base/json.h>
-#include <greville/base/parameters.h>
 #include <greville/parameters/unit_of_sums.h>
 #include <greville/run/simulation_run.h>
 
@@ -328,9 +327,9 @@ namespace greville
     errors("velocity", summary.errors.velocity);
     errors("stress", summary.errors.stress);
     json.end();
-    run_on_first(
-      [&]() { write_atomically(directory + "/summary.json", json.text()); },
-      comm);
+    run_on_first(comm, [&]() {
+      write_atomically(directory + "/summary.json", json.text());
+    });
   }
 
 
@@ -345,6 +344,5 @@ namespace greville
 
 
 
-  template class SimulationRun<2>;
-  template class SimulationRun<3>;
+  GREVILLE_INSTANTIATE_CLASS(SimulationRun);
 } // namespace greville

@@ -2,11 +2,7 @@
 
 // Begins and resumes a SimulationRun, and writes its checkpoints.
 
-#include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/base/signals.h>
-#include <greville/base/step_errors.h>
-#include <greville/points/point_fields.h>
 #include <greville/run/begin_run.h>
 
 #include <cmath>
@@ -215,11 +211,9 @@ namespace greville
       {
         notes.warn(refused.second + " It is renamed to <" + refused.first +
                    ".refused>.");
-        run_on_first(
-          [&]() {
-            std::filesystem::rename(refused.first, refused.first + ".refused");
-          },
-          comm);
+        run_on_first(comm, [&]() {
+          std::filesystem::rename(refused.first, refused.first + ".refused");
+        });
       }
     const TablesFile &content = checkpoint.content;
     try
@@ -468,8 +462,6 @@ namespace greville
 
 
 
-  template decltype(begin_with<2>) begin_with<2>;
-  template decltype(begin_with<3>) begin_with<3>;
-  template class SimulationRun<2>;
-  template class SimulationRun<3>;
+  GREVILLE_INSTANTIATE(begin_with);
+  GREVILLE_INSTANTIATE_CLASS(SimulationRun);
 } // namespace greville

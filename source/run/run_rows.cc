@@ -318,6 +318,5 @@ namespace greville
 
 
 
-  template class SimulationRun<2>;
-  template class SimulationRun<3>;
+  GREVILLE_INSTANTIATE_CLASS(SimulationRun);
 } // namespace greville

@@ -4,9 +4,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/templates.h>
-#include <greville/geometry/shape.h>
 #include <greville/materials/element_test.h>
-#include <greville/materials/material.h>
 #include <greville/parameters/names.h>
 #include <greville/run/element_run.h>
 #include <greville/run/run.h>

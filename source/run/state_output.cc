@@ -121,12 +121,10 @@ namespace greville
 
 
 
-  template decltype(name_of_part<2>) name_of_part<2>;
-  template decltype(name_of_part<3>) name_of_part<3>;
+  GREVILLE_INSTANTIATE(name_of_part);
 
   template decltype(first_body_of_part<2>) first_body_of_part<2>;
   template decltype(first_body_of_part<3>) first_body_of_part<3>;
 
-  template decltype(write_bodies<2>) write_bodies<2>;
-  template decltype(write_bodies<3>) write_bodies<3>;
+  GREVILLE_INSTANTIATE(write_bodies);
 } // namespace greville

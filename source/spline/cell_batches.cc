@@ -76,6 +76,5 @@ namespace greville
 
 
 
-  template struct CellBatches<2>;
-  template struct CellBatches<3>;
+  GREVILLE_INSTANTIATE_CLASS(CellBatches);
 } // namespace greville

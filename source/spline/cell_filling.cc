@@ -370,6 +370,5 @@ namespace greville
 
 
 
-  template class CellFilling<2>;
-  template class CellFilling<3>;
+  GREVILLE_INSTANTIATE_CLASS(CellFilling);
 } // namespace greville

@@ -108,6 +108,5 @@ namespace greville
 
 
 
-  template class CellNeighbors<2>;
-  template class CellNeighbors<3>;
+  GREVILLE_INSTANTIATE_CLASS(CellNeighbors);
 } // namespace greville

@@ -66,6 +66,5 @@ namespace greville
 
 
 
-  template decltype(cell_owner<2>) cell_owner<2>;
-  template decltype(cell_owner<3>) cell_owner<3>;
+  GREVILLE_INSTANTIATE(cell_owner);
 } // namespace greville

@@ -168,6 +168,5 @@ namespace greville
 
 
 
-  template class CellWindows<2>;
-  template class CellWindows<3>;
+  GREVILLE_INSTANTIATE_CLASS(CellWindows);
 } // namespace greville

@@ -94,10 +94,6 @@ namespace greville
 
 
 
-  template struct CoarseCells<2>;
-  template struct CoarseCells<3>;
-  template decltype(describe_many_coarse_cells<2>)
-    describe_many_coarse_cells<2>;
-  template decltype(describe_many_coarse_cells<3>)
-    describe_many_coarse_cells<3>;
+  GREVILLE_INSTANTIATE_CLASS(CoarseCells);
+  GREVILLE_INSTANTIATE(describe_many_coarse_cells);
 } // namespace greville

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/spline/extension.h>
 
@@ -351,6 +350,5 @@ namespace greville
 
 
 
-  template class Extension<2>;
-  template class Extension<3>;
+  GREVILLE_INSTANTIATE_CLASS(Extension);
 } // namespace greville

@@ -5,7 +5,6 @@
 
 #include <greville/base/errors.h>
 #include <greville/spline/coarse_cells.h>
-#include <greville/spline/lattice.h>
 
 #include <cmath>
 
@@ -152,8 +151,6 @@ namespace greville
 
 
 
-  template class Lattice<2>;
-  template class Lattice<3>;
-  template decltype(create_box_mesh<2>) create_box_mesh<2>;
-  template decltype(create_box_mesh<3>) create_box_mesh<3>;
+  GREVILLE_INSTANTIATE_CLASS(Lattice);
+  GREVILLE_INSTANTIATE(create_box_mesh);
 } // namespace greville

@@ -32,6 +32,5 @@ namespace greville
 
 
 
-  template class OrderHierarchy<2>;
-  template class OrderHierarchy<3>;
+  GREVILLE_INSTANTIATE_CLASS(OrderHierarchy);
 } // namespace greville

@@ -39,13 +39,11 @@ namespace greville
       }
     const unsigned int n_children =
       has_parents ? GeometryInfo<dim>::max_children_per_cell : 1;
-    run_on_all(
-      [&]() {
-        Require(found.size() == cells.size() * n_children,
-                "The children of a cell of the once coarser mesh are on "
-                "several processes.");
-      },
-      comm);
+    run_on_all(comm, [&]() {
+      Require(found.size() == cells.size() * n_children,
+              "The children of a cell of the once coarser mesh are on "
+              "several processes.");
+    });
   }
 
 
@@ -134,6 +132,5 @@ namespace greville
 
 
 
-  template class SpaceCells<2>;
-  template class SpaceCells<3>;
+  GREVILLE_INSTANTIATE_CLASS(SpaceCells);
 } // namespace greville

@@ -5,7 +5,6 @@
 #include <deal.II/fe/fe_bernstein.h>
 #include <deal.II/fe/fe_system.h>
 
-#include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/spline/spline_space.h>
 
@@ -517,6 +516,5 @@ namespace greville
 
 
 
-  template class SplineSpace<2>;
-  template class SplineSpace<3>;
+  GREVILLE_INSTANTIATE_CLASS(SplineSpace);
 } // namespace greville

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
-#include <greville/base/step_errors.h>
 #include <greville/steps/body_contacts.h>
 #include <greville/steps/distant_bodies.h>
 
@@ -497,6 +495,5 @@ namespace greville
 
 
 
-  template class BodyContacts<2>;
-  template class BodyContacts<3>;
+  GREVILLE_INSTANTIATE_CLASS(BodyContacts);
 } // namespace greville

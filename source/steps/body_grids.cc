@@ -374,6 +374,5 @@ namespace greville
 
 
 
-  template decltype(split_by_grids<2>) split_by_grids<2>;
-  template decltype(split_by_grids<3>) split_by_grids<3>;
+  GREVILLE_INSTANTIATE(split_by_grids);
 } // namespace greville

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
 #include <greville/steps/central_differences.h>
 
@@ -538,6 +537,5 @@ namespace greville
 
 
 
-  template class CentralDifferences<2>;
-  template class CentralDifferences<3>;
+  GREVILLE_INSTANTIATE_CLASS(CentralDifferences);
 } // namespace greville

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
-#include <greville/base/step_errors.h>
 #include <greville/steps/common_step.h>
 #include <greville/steps/coupled_steps.h>
 #include <greville/steps/trial_contacts.h>
@@ -231,6 +229,5 @@ namespace greville
 
 
 
-  template class CommonStep<2>;
-  template class CommonStep<3>;
+  GREVILLE_INSTANTIATE_CLASS(CommonStep);
 } // namespace greville

@@ -166,6 +166,5 @@ namespace greville
 
 
 
-  template class ConsistentMass<2>;
-  template class ConsistentMass<3>;
+  GREVILLE_INSTANTIATE_CLASS(ConsistentMass);
 } // namespace greville

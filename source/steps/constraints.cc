@@ -54,6 +54,5 @@ namespace greville
 
 
 
-  template struct Constraints<2>;
-  template struct Constraints<3>;
+  GREVILLE_INSTANTIATE_CLASS(Constraints);
 } // namespace greville

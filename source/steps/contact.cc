@@ -42,8 +42,6 @@ namespace greville
 
 
 
-  template decltype(add_contact<2>)   add_contact<2>;
-  template decltype(add_contact<3>)   add_contact<3>;
-  template decltype(make_contacts<2>) make_contacts<2>;
-  template decltype(make_contacts<3>) make_contacts<3>;
+  GREVILLE_INSTANTIATE(add_contact);
+  GREVILLE_INSTANTIATE(make_contacts);
 } // namespace greville

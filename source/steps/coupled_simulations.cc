@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/steps/body_grids.h>
 #include <greville/steps/common_step.h>
 #include <greville/steps/coupled_simulations.h>
@@ -431,6 +430,5 @@ namespace greville
 
 
 
-  template class CoupledSimulations<2>;
-  template class CoupledSimulations<3>;
+  GREVILLE_INSTANTIATE_CLASS(CoupledSimulations);
 } // namespace greville

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
-#include <greville/base/step_errors.h>
 #include <greville/linear_algebra/krylov.h>
 #include <greville/steps/coupled_steps.h>
 #include <greville/steps/trial_contacts.h>
@@ -462,6 +460,5 @@ namespace greville
 
 
 
-  template class CoupledSteps<2>;
-  template class CoupledSteps<3>;
+  GREVILLE_INSTANTIATE_CLASS(CoupledSteps);
 } // namespace greville

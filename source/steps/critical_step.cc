@@ -344,6 +344,5 @@ namespace greville
 
 
 
-  template class CriticalStep<2>;
-  template class CriticalStep<3>;
+  GREVILLE_INSTANTIATE_CLASS(CriticalStep);
 } // namespace greville

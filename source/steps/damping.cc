@@ -65,6 +65,5 @@ namespace greville
 
 
 
-  template class Damping<2>;
-  template class Damping<3>;
+  GREVILLE_INSTANTIATE_CLASS(Damping);
 } // namespace greville

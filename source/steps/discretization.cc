@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/memory.h>
 #include <greville/base/step_errors.h>
-#include <greville/parameters/names.h>
 #include <greville/spline/coarse_cells.h>
-#include <greville/steps/discretization.h>
 #include <greville/steps/implicit_scheme.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
@@ -454,8 +451,6 @@ namespace greville
 
 
 
-  template decltype(create_grid_mesh<2>) create_grid_mesh<2>;
-  template decltype(create_grid_mesh<3>) create_grid_mesh<3>;
-  template class Discretization<2>;
-  template class Discretization<3>;
+  GREVILLE_INSTANTIATE(create_grid_mesh);
+  GREVILLE_INSTANTIATE_CLASS(Discretization);
 } // namespace greville

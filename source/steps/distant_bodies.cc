@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/errors.h>
-#include <greville/base/parameters.h>
 #include <greville/steps/distant_bodies.h>
 
 namespace greville
@@ -116,6 +115,5 @@ namespace greville
 
 
 
-  template decltype(notes_of_distant_bodies<2>) notes_of_distant_bodies<2>;
-  template decltype(notes_of_distant_bodies<3>) notes_of_distant_bodies<3>;
+  GREVILLE_INSTANTIATE(notes_of_distant_bodies);
 } // namespace greville

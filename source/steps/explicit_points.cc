@@ -317,6 +317,5 @@ namespace greville
 
 
 
-  template class CentralDifferences<2>;
-  template class CentralDifferences<3>;
+  GREVILLE_INSTANTIATE_CLASS(CentralDifferences);
 } // namespace greville

@@ -43,8 +43,6 @@ namespace greville
 
 
 
-  template class USL<2>;
-  template class USL<3>;
-  template class MUSL<2>;
-  template class MUSL<3>;
+  GREVILLE_INSTANTIATE_CLASS(USL);
+  GREVILLE_INSTANTIATE_CLASS(MUSL);
 } // namespace greville

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
 #include <greville/linear_algebra/krylov.h>
 #include <greville/parameters/pores.h>
@@ -289,6 +288,5 @@ namespace greville
 
 
 
-  template class FractionalStep<2>;
-  template class FractionalStep<3>;
+  GREVILLE_INSTANTIATE_CLASS(FractionalStep);
 } // namespace greville

@@ -176,8 +176,6 @@ namespace greville
 
 
 
-  template class GridMass<2>;
-  template class GridMass<3>;
-  template decltype(make_grid_mass<2>) make_grid_mass<2>;
-  template decltype(make_grid_mass<3>) make_grid_mass<3>;
+  GREVILLE_INSTANTIATE_CLASS(GridMass);
+  GREVILLE_INSTANTIATE(make_grid_mass);
 } // namespace greville

@@ -135,6 +135,5 @@ namespace greville
 
 
 
-  template class ImplicitSteps<2>;
-  template class ImplicitSteps<3>;
+  GREVILLE_INSTANTIATE_CLASS(ImplicitSteps);
 } // namespace greville

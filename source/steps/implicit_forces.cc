@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/step_errors.h>
 #include <greville/parameters/pores.h>
 #include <greville/parameters/unit_of_sums.h>
@@ -540,6 +539,5 @@ namespace greville
 
 
 
-  template class ImplicitSteps<2>;
-  template class ImplicitSteps<3>;
+  GREVILLE_INSTANTIATE_CLASS(ImplicitSteps);
 } // namespace greville

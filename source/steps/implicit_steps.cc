@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
 #include <greville/base/step_errors.h>
 #include <greville/steps/coupled_steps.h>
@@ -498,6 +497,5 @@ namespace greville
 
 
 
-  template class ImplicitSteps<2>;
-  template class ImplicitSteps<3>;
+  GREVILLE_INSTANTIATE_CLASS(ImplicitSteps);
 } // namespace greville

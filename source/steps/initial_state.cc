@@ -3,7 +3,6 @@
 #include <greville/base/errors.h>
 #include <greville/geometry/inside.h>
 #include <greville/parameters/pores.h>
-#include <greville/points/water_table.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/stage_bodies.h>
@@ -82,17 +81,15 @@ namespace greville
                       const WaterTable<dim>     &table,
                       const SplineSpace<dim>    &space)
     {
-      run_on_all(
-        [&]() {
-          for (Surface<dim> &surface : surfaces)
-            if (const PointField *pore =
-                  surface.points.layout().find("pore_pressure"))
-              surface.points.for_each(
-                [&](const unsigned int, const PointRef<dim> p) {
-                  p[pore->first] = table(p.position());
-                });
-        },
-        space.communicator());
+      run_on_all(space.communicator(), [&]() {
+        for (Surface<dim> &surface : surfaces)
+          if (const PointField *pore =
+                surface.points.layout().find("pore_pressure"))
+            surface.points.for_each(
+              [&](const unsigned int, const PointRef<dim> p) {
+                p[pore->first] = table(p.position());
+              });
+      });
     }
   } // namespace
 
@@ -150,54 +147,52 @@ namespace greville
     std::vector<double> common(n_bodies * n_bodies, 0.), volumes(n_bodies);
     std::vector<double> largest(common);
     std::vector<unsigned int> cells(common.size(), 0);
-    run_on_all(
-      [&]() {
-        std::vector<std::function<bool(const Point<dim> &)>> inside(n_bodies);
-        const auto has_shape = [&](const std::size_t b) {
-          return bodies[b].parameters->points_file.empty() &&
-                 bodies[b].parameters->displacement.empty();
-        };
-        // Return, for each cell, the volume of the points of a inside of b.
-        const auto volumes_of = [&](const std::size_t a, const std::size_t b) {
-          std::vector<double> result(n_cells, 0.);
-          bodies[a].points.for_each(
-            [&](const unsigned int cell, ConstPointRef<dim> p) {
-              if (bodies[b].points.n_points(cell) == 0)
-                return;
-              if (!inside[b])
-                inside[b] = make_inside<dim>(*bodies[b].parameters,
-                                             "Body " + bodies[b].name,
-                                             space);
-              if (inside[b](p.position()))
-                result[cell] += p.volume();
+    run_on_all(space.communicator(), [&]() {
+      std::vector<std::function<bool(const Point<dim> &)>> inside(n_bodies);
+      const auto has_shape = [&](const std::size_t b) {
+        return bodies[b].parameters->points_file.empty() &&
+               bodies[b].parameters->displacement.empty();
+      };
+      // Return, for each cell, the volume of the points of a inside of b.
+      const auto volumes_of = [&](const std::size_t a, const std::size_t b) {
+        std::vector<double> result(n_cells, 0.);
+        bodies[a].points.for_each(
+          [&](const unsigned int cell, ConstPointRef<dim> p) {
+            if (bodies[b].points.n_points(cell) == 0)
+              return;
+            if (!inside[b])
+              inside[b] = make_inside<dim>(*bodies[b].parameters,
+                                           "Body " + bodies[b].name,
+                                           space);
+            if (inside[b](p.position()))
+              result[cell] += p.volume();
+          });
+        return result;
+      };
+      for (std::size_t b = 0; b < n_bodies; ++b)
+        {
+          bodies[b].points.for_each(
+            [&](const unsigned int, ConstPointRef<dim> p) {
+              volumes[b] += p.volume();
             });
-          return result;
-        };
-        for (std::size_t b = 0; b < n_bodies; ++b)
-          {
-            bodies[b].points.for_each(
-              [&](const unsigned int, ConstPointRef<dim> p) {
-                volumes[b] += p.volume();
-              });
-            for (std::size_t a = 0; a < b && has_shape(b); ++a)
-              {
-                if (!has_shape(a))
-                  continue;
-                const std::size_t pair   = a * n_bodies + b;
-                const auto        a_in_b = volumes_of(a, b);
-                const auto        b_in_a = volumes_of(b, a);
-                for (unsigned int cell = 0; cell < n_cells; ++cell)
-                  {
-                    const double own = std::min(a_in_b[cell], b_in_a[cell]);
-                    common[pair] += own;
-                    if (own > largest[pair])
-                      cells[pair] = cell;
-                    largest[pair] = std::max(largest[pair], own);
-                  }
-              }
-          }
-      },
-      space.communicator());
+          for (std::size_t a = 0; a < b && has_shape(b); ++a)
+            {
+              if (!has_shape(a))
+                continue;
+              const std::size_t pair   = a * n_bodies + b;
+              const auto        a_in_b = volumes_of(a, b);
+              const auto        b_in_a = volumes_of(b, a);
+              for (unsigned int cell = 0; cell < n_cells; ++cell)
+                {
+                  const double own = std::min(a_in_b[cell], b_in_a[cell]);
+                  common[pair] += own;
+                  if (own > largest[pair])
+                    cells[pair] = cell;
+                  largest[pair] = std::max(largest[pair], own);
+                }
+            }
+        }
+    });
     Utilities::MPI::sum(common, space.communicator(), common);
     Utilities::MPI::sum(volumes, space.communicator(), volumes);
     std::string message;
@@ -370,16 +365,10 @@ namespace greville
 
 
 
-  template decltype(check_overlap<2>)           check_overlap<2>;
-  template decltype(check_overlap<3>)           check_overlap<3>;
-  template decltype(check_overlap_of_shapes<2>) check_overlap_of_shapes<2>;
-  template decltype(check_overlap_of_shapes<3>) check_overlap_of_shapes<3>;
-  template decltype(initial_partition<2>)       initial_partition<2>;
-  template decltype(initial_partition<3>)       initial_partition<3>;
-  template decltype(initial_signals<2>)         initial_signals<2>;
-  template decltype(initial_signals<3>)         initial_signals<3>;
-  template decltype(make_initial_state<2>)      make_initial_state<2>;
-  template decltype(make_initial_state<3>)      make_initial_state<3>;
-  template decltype(check_closed_box<2>)        check_closed_box<2>;
-  template decltype(check_closed_box<3>)        check_closed_box<3>;
+  GREVILLE_INSTANTIATE(check_overlap);
+  GREVILLE_INSTANTIATE(check_overlap_of_shapes);
+  GREVILLE_INSTANTIATE(initial_partition);
+  GREVILLE_INSTANTIATE(initial_signals);
+  GREVILLE_INSTANTIATE(make_initial_state);
+  GREVILLE_INSTANTIATE(check_closed_box);
 } // namespace greville

@@ -192,14 +192,9 @@ namespace greville
 
 
 
-  template decltype(work_of_process<2>)     work_of_process<2>;
-  template decltype(work_of_process<3>)     work_of_process<3>;
-  template decltype(partition_by_points<2>) partition_by_points<2>;
-  template decltype(partition_by_points<3>) partition_by_points<3>;
-  template decltype(repartition_mesh<2>)    repartition_mesh<2>;
-  template decltype(repartition_mesh<3>)    repartition_mesh<3>;
-  template decltype(balanced_partition<2>)  balanced_partition<2>;
-  template decltype(balanced_partition<3>)  balanced_partition<3>;
-  template decltype(redistribute<2>)        redistribute<2>;
-  template decltype(redistribute<3>)        redistribute<3>;
+  GREVILLE_INSTANTIATE(work_of_process);
+  GREVILLE_INSTANTIATE(partition_by_points);
+  GREVILLE_INSTANTIATE(repartition_mesh);
+  GREVILLE_INSTANTIATE(balanced_partition);
+  GREVILLE_INSTANTIATE(redistribute);
 } // namespace greville

@@ -262,6 +262,5 @@ namespace greville
 
 
 
-  template class LumpedMass<2>;
-  template class LumpedMass<3>;
+  GREVILLE_INSTANTIATE_CLASS(LumpedMass);
 } // namespace greville

@@ -146,12 +146,8 @@ namespace greville
 
 
 
-  template decltype(stop_points<2>)     stop_points<2>;
-  template decltype(stop_points<3>)     stop_points<3>;
-  template decltype(update_points<2>)   update_points<2>;
-  template decltype(update_points<3>)   update_points<3>;
-  template decltype(update_surfaces<2>) update_surfaces<2>;
-  template decltype(update_surfaces<3>) update_surfaces<3>;
-  template decltype(share_volume<2>)    share_volume<2>;
-  template decltype(share_volume<3>)    share_volume<3>;
+  GREVILLE_INSTANTIATE(stop_points);
+  GREVILLE_INSTANTIATE(update_points);
+  GREVILLE_INSTANTIATE(update_surfaces);
+  GREVILLE_INSTANTIATE(share_volume);
 } // namespace greville

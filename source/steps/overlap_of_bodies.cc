@@ -158,14 +158,9 @@ namespace greville
 
 
 
-  template decltype(overlap_of_bodies<2>) overlap_of_bodies<2>;
-  template decltype(overlap_of_bodies<3>) overlap_of_bodies<3>;
-  template decltype(inside_text<2>)       inside_text<2>;
-  template decltype(inside_text<3>)       inside_text<3>;
-  template decltype(overlap_text<2>)      overlap_text<2>;
-  template decltype(overlap_text<3>)      overlap_text<3>;
-  template decltype(is_deep<2>)           is_deep<2>;
-  template decltype(is_deep<3>)           is_deep<3>;
-  template decltype(mirrored<2>)          mirrored<2>;
-  template decltype(mirrored<3>)          mirrored<3>;
+  GREVILLE_INSTANTIATE(overlap_of_bodies);
+  GREVILLE_INSTANTIATE(inside_text);
+  GREVILLE_INSTANTIATE(overlap_text);
+  GREVILLE_INSTANTIATE(is_deep);
+  GREVILLE_INSTANTIATE(mirrored);
 } // namespace greville

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
-#include <greville/base/step_errors.h>
-#include <greville/geometry/closest_surface.h>
-#include <greville/geometry/shape.h>
 #include <greville/steps/body_contacts.h>
 #include <greville/steps/overlap_of_bodies.h>
 
@@ -121,31 +117,28 @@ namespace greville
       look(is_inside, body_of(at).points);
       look(is_inside, at.part->current.surfaces[at.surface].points);
     };
-    run_on_all(
-      [&]() {
-        if (contact.rigid >= 0)
-          {
-            const RigidBody<dim>     &rigid = rigid_bodies[contact.rigid];
-            const RigidPosition<dim> &now =
-              state.rigid_bodies[contact.rigid].now;
-            look_at_place(mirrored<dim>(
-                            [&](const Point<dim> &x) {
-                              return rigid.contains(x, now);
-                            },
-                            is_axisymmetric),
-                          place);
-          }
-        const BodyParameters &parameters = *body.parameters;
-        if (!parameters.displacement.empty() ||
-            (parameters.shape.empty() && parameters.shape_file.empty()))
-          return;
-        const Inside<dim> is_inside =
-          mirrored<dim>(inside_of_shape<dim>(parameters, body.name),
-                        is_axisymmetric);
-        for (Place &other : contact.sides[1 - side])
-          look_at_place(is_inside, other);
-      },
-      comm);
+    run_on_all(comm, [&]() {
+      if (contact.rigid >= 0)
+        {
+          const RigidBody<dim>     &rigid = rigid_bodies[contact.rigid];
+          const RigidPosition<dim> &now = state.rigid_bodies[contact.rigid].now;
+          look_at_place(mirrored<dim>(
+                          [&](const Point<dim> &x) {
+                            return rigid.contains(x, now);
+                          },
+                          is_axisymmetric),
+                        place);
+        }
+      const BodyParameters &parameters = *body.parameters;
+      if (!parameters.displacement.empty() ||
+          (parameters.shape.empty() && parameters.shape_file.empty()))
+        return;
+      const Inside<dim> is_inside =
+        mirrored<dim>(inside_of_shape<dim>(parameters, body.name),
+                      is_axisymmetric);
+      for (Place &other : contact.sides[1 - side])
+        look_at_place(is_inside, other);
+    });
     depth = Utilities::MPI::max(depth, comm);
     std::ostringstream text;
     text.precision(3);

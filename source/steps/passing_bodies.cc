@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/steps/overlap_of_bodies.h>
 #include <greville/steps/passing_bodies.h>
 
@@ -221,6 +220,5 @@ namespace greville
 
 
 
-  template class PassingBodies<2>;
-  template class PassingBodies<3>;
+  GREVILLE_INSTANTIATE_CLASS(PassingBodies);
 } // namespace greville

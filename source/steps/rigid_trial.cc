@@ -217,6 +217,5 @@ namespace greville
 
 
 
-  template class RigidTrial<2>;
-  template class RigidTrial<3>;
+  GREVILLE_INSTANTIATE_CLASS(RigidTrial);
 } // namespace greville

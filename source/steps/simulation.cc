@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
-#include <greville/base/step_errors.h>
 #include <greville/parameters/in_stage.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
@@ -461,7 +459,7 @@ namespace greville
   VectorField<dim>
   Simulation<dim>::grid_force()
   {
-    run_on_all([&]() { loads.set(current.bodies, current.time); }, comm);
+    run_on_all(comm, [&]() { loads.set(current.bodies, current.time); });
     loaded_surfaces();
     VectorField<dim> force;
     discretization.initialize(force);
@@ -480,8 +478,8 @@ namespace greville
   const std::vector<Surface<dim>> &
   Simulation<dim>::loaded_surfaces()
   {
-    run_on_all([&]() { loads.surfaces().set(current.surfaces, current.time); },
-               comm);
+    run_on_all(comm,
+               [&]() { loads.surfaces().set(current.surfaces, current.time); });
     return current.surfaces;
   }
 
@@ -500,6 +498,5 @@ namespace greville
 
 
 
-  template class Simulation<2>;
-  template class Simulation<3>;
+  GREVILLE_INSTANTIATE_CLASS(Simulation);
 } // namespace greville

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
-#include <greville/base/step_errors.h>
 #include <greville/steps/common_step.h>
-#include <greville/steps/move_points.h>
 #include <greville/steps/step_size.h>
 
 #include <sstream>
@@ -189,6 +186,5 @@ namespace greville
 
 
 
-  template class Simulation<2>;
-  template class Simulation<3>;
+  GREVILLE_INSTANTIATE_CLASS(Simulation);
 } // namespace greville

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
 #include <greville/parameters/in_stage.h>
 #include <greville/points/point_material.h>
@@ -461,7 +460,7 @@ namespace greville
             NewMaterial<dim> change(body, *before[b], layout);
             change.scale_mass();
             bool fits = false;
-            run_on_all([&]() { fits = change.fits(); }, comm);
+            run_on_all(comm, [&]() { fits = change.fits(); });
             if (Utilities::MPI::min<unsigned int>(fits, comm) == 0)
               {
                 Require(
@@ -470,7 +469,7 @@ namespace greville
                     "' a material with another model or other elastic "
                     "constants, but 'Scheme/Volumetric projection' in total "
                     "Lagrangian steps projects the volume since the start.");
-                run_on_all([&]() { change.replace(state.time); }, comm);
+                run_on_all(comm, [&]() { change.replace(state.time); });
               }
           }
       }
@@ -497,16 +496,10 @@ namespace greville
 
 
 
-  template decltype(make_body<2>)         make_body<2>;
-  template decltype(make_body<3>)         make_body<3>;
-  template decltype(layout_of<2>)         layout_of<2>;
-  template decltype(layout_of<3>)         layout_of<3>;
-  template decltype(add_points<2>)        add_points<2>;
-  template decltype(add_points<3>)        add_points<3>;
-  template decltype(make_surfaces<2>)     make_surfaces<2>;
-  template decltype(make_surfaces<3>)     make_surfaces<3>;
-  template decltype(make_later_bodies<2>) make_later_bodies<2>;
-  template decltype(make_later_bodies<3>) make_later_bodies<3>;
-  template decltype(change_bodies<2>)     change_bodies<2>;
-  template decltype(change_bodies<3>)     change_bodies<3>;
+  GREVILLE_INSTANTIATE(make_body);
+  GREVILLE_INSTANTIATE(layout_of);
+  GREVILLE_INSTANTIATE(add_points);
+  GREVILLE_INSTANTIATE(make_surfaces);
+  GREVILLE_INSTANTIATE(make_later_bodies);
+  GREVILLE_INSTANTIATE(change_bodies);
 } // namespace greville

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/stage_bodies.h>
@@ -179,16 +178,14 @@ namespace greville
                 " has other numbers at its points there");
       const double n_cells =
         discretization.space().triangulation().n_global_active_cells();
-      run_on_all(
-        [&]() {
-          for (std::size_t k = 0; k < table.values.size();
-               k += table.columns.size())
-            Require(table.values[k] >= 0. && table.values[k] < n_cells,
-                    "a point of the " + name_of(owner) + " is in the cell " +
-                      text_of(table.values[k]) + ", but the grid has " +
-                      text_of(n_cells) + " cells");
-        },
-        discretization.communicator());
+      run_on_all(discretization.communicator(), [&]() {
+        for (std::size_t k = 0; k < table.values.size();
+             k += table.columns.size())
+          Require(table.values[k] >= 0. && table.values[k] < n_cells,
+                  "a point of the " + name_of(owner) + " is in the cell " +
+                    text_of(table.values[k]) + ", but the grid has " +
+                    text_of(n_cells) + " cells");
+      });
       owner.points.reinit(discretization.space(), layout);
       discretization.transport().insert(owner.points, table.values);
     }
@@ -525,15 +522,10 @@ namespace greville
 
 
 
-  template decltype(make_tables<2>)            make_tables<2>;
-  template decltype(make_tables<3>)            make_tables<3>;
-  template decltype(make_field_tables<2>)      make_field_tables<2>;
-  template decltype(make_field_tables<3>)      make_field_tables<3>;
-  template decltype(set_fields_from_tables<2>) set_fields_from_tables<2>;
-  template decltype(set_fields_from_tables<3>) set_fields_from_tables<3>;
-  template decltype(set_from_tables<2>)        set_from_tables<2>;
-  template decltype(set_from_tables<3>)        set_from_tables<3>;
+  GREVILLE_INSTANTIATE(make_tables);
+  GREVILLE_INSTANTIATE(make_field_tables);
+  GREVILLE_INSTANTIATE(set_fields_from_tables);
+  GREVILLE_INSTANTIATE(set_from_tables);
 
-  template decltype(set_points_from_tables<2>) set_points_from_tables<2>;
-  template decltype(set_points_from_tables<3>) set_points_from_tables<3>;
+  GREVILLE_INSTANTIATE(set_points_from_tables);
 } // namespace greville

@@ -387,10 +387,8 @@ namespace greville
 
 
 
-  template struct Statistics<2>;
-  template struct Statistics<3>;
-  template decltype(add_sums<2>) add_sums<2>;
-  template decltype(add_sums<3>) add_sums<3>;
+  GREVILLE_INSTANTIATE_CLASS(Statistics);
+  GREVILLE_INSTANTIATE(add_sums);
   template Largest
   runout_quantile(const std::vector<const RowSums<2> *> &, const MPI_Comm);
   template Largest
@@ -399,8 +397,6 @@ namespace greville
   runout_quantile(const BodyList<2> &, const MPI_Comm, const double);
   template Largest
   runout_quantile(const BodyList<3> &, const MPI_Comm, const double);
-  template decltype(energy_of_bodies<2>)     energy_of_bodies<2>;
-  template decltype(energy_of_bodies<3>)     energy_of_bodies<3>;
-  template decltype(largest_displacement<2>) largest_displacement<2>;
-  template decltype(largest_displacement<3>) largest_displacement<3>;
+  GREVILLE_INSTANTIATE(energy_of_bodies);
+  GREVILLE_INSTANTIATE(largest_displacement);
 } // namespace greville

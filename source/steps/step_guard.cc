@@ -2,7 +2,6 @@
 
 #include <greville/base/named_formulas.h>
 #include <greville/base/step_errors.h>
-#include <greville/steps/statistics.h>
 #include <greville/steps/step_guard.h>
 
 #include <algorithm>
@@ -452,8 +451,6 @@ namespace greville
 
 
 
-  template struct MomentumBalance<2>;
-  template struct MomentumBalance<3>;
-  template class StepGuard<2>;
-  template class StepGuard<3>;
+  GREVILLE_INSTANTIATE_CLASS(MomentumBalance);
+  GREVILLE_INSTANTIATE_CLASS(StepGuard);
 } // namespace greville

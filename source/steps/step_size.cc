@@ -337,8 +337,6 @@ namespace greville
 
 
 
-  template decltype(describe_materials<2>) describe_materials<2>;
-  template decltype(describe_materials<3>) describe_materials<3>;
-  template class StepSize<2>;
-  template class StepSize<3>;
+  GREVILLE_INSTANTIATE(describe_materials);
+  GREVILLE_INSTANTIATE_CLASS(StepSize);
 } // namespace greville

@@ -3,7 +3,6 @@
 #include <greville/base/errors.h>
 #include <greville/steps/explicit_schemes.h>
 #include <greville/steps/implicit_steps.h>
-#include <greville/steps/time_integrator.h>
 
 #include <utility>
 
@@ -117,8 +116,6 @@ namespace greville
 
 
 
-  template decltype(add_time_integrator<2>)  add_time_integrator<2>;
-  template decltype(add_time_integrator<3>)  add_time_integrator<3>;
-  template decltype(make_time_integrator<2>) make_time_integrator<2>;
-  template decltype(make_time_integrator<3>) make_time_integrator<3>;
+  GREVILLE_INSTANTIATE(add_time_integrator);
+  GREVILLE_INSTANTIATE(make_time_integrator);
 } // namespace greville

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
-#include <greville/base/step_errors.h>
 #include <greville/steps/trial_contacts.h>
 
 #include <algorithm>
@@ -297,12 +295,10 @@ namespace greville
             about = current_position(now, now.reference);
             try
               {
-                run_on_all(
-                  [&]() {
-                    contacts.rigid_bodies[contact.rigid].find_gaps(
-                      points[c], reach, now, at_start[contact.rigid]);
-                  },
-                  contacts.comm);
+                run_on_all(contacts.comm, [&]() {
+                  contacts.rigid_bodies[contact.rigid].find_gaps(
+                    points[c], reach, now, at_start[contact.rigid]);
+                });
               }
             catch (const ErrorOnAll &error)
               {
@@ -591,6 +587,5 @@ namespace greville
 
 
 
-  template class TrialContacts<2>;
-  template class TrialContacts<3>;
+  GREVILLE_INSTANTIATE_CLASS(TrialContacts);
 } // namespace greville

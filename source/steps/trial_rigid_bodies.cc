@@ -174,6 +174,5 @@ namespace greville
 
 
 
-  template class TrialContacts<2>;
-  template class TrialContacts<3>;
+  GREVILLE_INSTANTIATE_CLASS(TrialContacts);
 } // namespace greville

@@ -388,6 +388,5 @@ namespace greville
 
 
 
-  template class VelocityFilter<2>;
-  template class VelocityFilter<3>;
+  GREVILLE_INSTANTIATE_CLASS(VelocityFilter);
 } // namespace greville

@@ -56,6 +56,5 @@ namespace greville
 
 
 
-  template class WallFriction<2>;
-  template class WallFriction<3>;
+  GREVILLE_INSTANTIATE_CLASS(WallFriction);
 } // namespace greville

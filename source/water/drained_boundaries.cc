@@ -273,6 +273,5 @@ namespace greville
   water_constants(const Body<2> &body, const WaterParameters &water);
   template WaterConstants
   water_constants(const Body<3> &body, const WaterParameters &water);
-  template class DrainedBoundaries<2>;
-  template class DrainedBoundaries<3>;
+  GREVILLE_INSTANTIATE_CLASS(DrainedBoundaries);
 } // namespace greville

@@ -149,17 +149,14 @@ namespace greville
       points.add(body.points,
                  numbers_of(body),
                  water_constants(body, parameters.water));
-    run_on_all(
-      [&]() {
-        drained.add_points(bodies, surfaces, filled, time, points);
-        if (!free_surface)
-          return;
-        free_surface->clear(flow_dt, time);
-        for (const Body<dim> &body : bodies)
-          free_surface->add(body.points,
-                            water_constants(body, parameters.water));
-      },
-      space().communicator());
+    run_on_all(space().communicator(), [&]() {
+      drained.add_points(bodies, surfaces, filled, time, points);
+      if (!free_surface)
+        return;
+      free_surface->clear(flow_dt, time);
+      for (const Body<dim> &body : bodies)
+        free_surface->add(body.points, water_constants(body, parameters.water));
+    });
     if (free_surface)
       free_surface->finish();
     std::vector<double> sums{points.moduli()[0],
@@ -417,6 +414,5 @@ namespace greville
 
 
 
-  template class PoreWater<2>;
-  template class PoreWater<3>;
+  GREVILLE_INSTANTIATE_CLASS(PoreWater);
 } // namespace greville

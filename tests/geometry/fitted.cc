@@ -50,12 +50,10 @@ integrate(const PointPlacement &placement, const MultiIndex<dim> &cells)
   };
   std::vector<PlacedPoint<dim>>  points;
   std::vector<SurfacePoint<dim>> surface;
-  run_on_all(
-    [&]() {
-      points  = place_points(placement, "Body a", space);
-      surface = place_surface_points(placement, "Body a", space);
-    },
-    MPI_COMM_WORLD);
+  run_on_all(MPI_COMM_WORLD, [&]() {
+    points  = place_points(placement, "Body a", space);
+    surface = place_surface_points(placement, "Body a", space);
+  });
   for (const auto &point : points)
     {
       sums.volume += point.volume;

@@ -185,12 +185,10 @@ integrate(const PointPlacement &placement, const MultiIndex<dim> &cells)
   const SplineSpace<dim>         space(box.mesh, 2);
   std::vector<PlacedPoint<dim>>  points;
   std::vector<SurfacePoint<dim>> surface;
-  run_on_all(
-    [&]() {
-      points  = place_points(placement, "Body a", space);
-      surface = place_surface_points(placement, "Body a", space);
-    },
-    MPI_COMM_WORLD);
+  run_on_all(MPI_COMM_WORLD, [&]() {
+    points  = place_points(placement, "Body a", space);
+    surface = place_surface_points(placement, "Body a", space);
+  });
   Sums           sums;
   Tensor<1, dim> normal;
   bool           ok = true;

@@ -17,6 +17,14 @@
 #  include <deal.II/lac/orthogonalization.h>
 #endif
 
+/// Instantiate a class, or a function that is not overloaded, in 2D and 3D.
+#define GREVILLE_INSTANTIATE_CLASS(name) \
+  template class name<2>;                \
+  template class name<3>
+#define GREVILLE_INSTANTIATE(name)    \
+  template decltype(name<2>) name<2>; \
+  template decltype(name<3>) name<3>
+
 /**
  * The base of all parts of the project. This file contains everything that
  * deal.II renamed between the oldest and the newest supported version (9.4 to

@@ -90,12 +90,12 @@ namespace greville
   /// Collective. Call @p action, which must not communicate, and throw its
   /// exception on any process on all processes.
   void
-  run_on_all(const std::function<void()> &action, const MPI_Comm comm);
+  run_on_all(const MPI_Comm comm, const std::function<void()> &action);
 
   /// Collective. Call @p action on the first process, and throw its exception
   /// on all.
   void
-  run_on_first(const std::function<void()> &action, const MPI_Comm comm);
+  run_on_first(const MPI_Comm comm, const std::function<void()> &action);
 
   /// Throw dealii::ExcMessage if a list given by the @p parameter contains an
   /// entry twice.

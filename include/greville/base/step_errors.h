@@ -72,7 +72,7 @@ namespace greville
   void
   run_or_fail(const Action &action, const MPI_Comm comm)
   {
-    fail_with([&]() { run_on_all(action, comm); }, false);
+    fail_with([&]() { run_on_all(comm, action); }, false);
   }
 
   /// Return a message without its final stop, so that it can be continued.

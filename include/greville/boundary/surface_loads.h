@@ -3,9 +3,7 @@
 #ifndef greville_boundary_surface_loads_h
 #define greville_boundary_surface_loads_h
 
-#include <greville/loads/surface_load.h>
 #include <greville/parameters/simulation_parameters.h>
-#include <greville/points/trial_surface.h>
 
 #include <memory>
 #include <string>

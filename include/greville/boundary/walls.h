@@ -3,10 +3,7 @@
 #ifndef greville_boundary_walls_h
 #define greville_boundary_walls_h
 
-#include <greville/base/expression.h>
-#include <greville/geometry/shape.h>
 #include <greville/parameters/simulation_parameters.h>
-#include <greville/points/point_transfer.h>
 
 #include <optional>
 

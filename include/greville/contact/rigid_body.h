@@ -3,7 +3,6 @@
 #ifndef greville_contact_rigid_body_h
 #define greville_contact_rigid_body_h
 
-#include <greville/base/expression.h>
 #include <greville/contact/contact_point.h>
 #include <greville/geometry/closest_surface.h>
 #include <greville/geometry/rigid_motion.h>

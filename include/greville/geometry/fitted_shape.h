@@ -3,7 +3,6 @@
 #ifndef greville_geometry_fitted_shape_h
 #define greville_geometry_fitted_shape_h
 
-#include <greville/geometry/convex_part.h>
 #include <greville/geometry/level_set.h>
 #include <greville/geometry/shape.h>
 #include <greville/spline/lattice.h>

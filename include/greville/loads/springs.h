@@ -5,7 +5,6 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
 #include <greville/loads/surface_load.h>
 
 namespace greville

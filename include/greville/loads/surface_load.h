@@ -5,8 +5,6 @@
 
 #include <deal.II/base/parameter_handler.h>
 
-#include <greville/base/expression.h>
-#include <greville/materials/material.h>
 #include <greville/points/surface.h>
 
 #include <memory>

@@ -4,7 +4,6 @@
 #define greville_loads_traction_h
 
 #include <greville/base/named_formulas.h>
-#include <greville/base/parameters.h>
 #include <greville/loads/surface_load.h>
 
 namespace greville

@@ -3,7 +3,6 @@
 #ifndef greville_materials_drucker_prager_h
 #define greville_materials_drucker_prager_h
 
-#include <greville/base/parameters.h>
 #include <greville/materials/hencky_plasticity.h>
 #include <greville/materials/strength_reduction.h>
 

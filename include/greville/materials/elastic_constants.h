@@ -3,7 +3,6 @@
 #ifndef greville_materials_elastic_constants_h
 #define greville_materials_elastic_constants_h
 
-#include <greville/base/parameters.h>
 #include <greville/materials/hencky.h>
 #include <greville/materials/material_lanes.h>
 #include <greville/materials/parameter_checks.h>

@@ -7,7 +7,6 @@
 #include <greville/materials/lanes.h>
 #include <greville/materials/material.h>
 #include <greville/materials/umat_call.h>
-#include <greville/materials/umat_memory.h>
 
 namespace greville
 {

@@ -6,7 +6,6 @@
 #include <greville/linear_algebra/solve_result.h>
 #include <greville/multigrid/p_multigrid.h>
 #include <greville/paper/assembled_mass_level.h>
-#include <greville/spline/order_hierarchy.h>
 
 namespace greville
 {

@@ -3,8 +3,6 @@
 #ifndef greville_paper_schwarz_h
 #define greville_paper_schwarz_h
 
-#include <greville/linear_algebra/incomplete_cholesky.h>
-#include <greville/linear_algebra/preconditioner.h>
 #include <greville/multigrid/level_operator.h>
 
 #include <functional>

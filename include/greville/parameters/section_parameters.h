@@ -4,7 +4,6 @@
 #define greville_parameters_section_parameters_h
 
 #include <greville/loads/surface_load.h>
-#include <greville/points/body.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <array>

@@ -5,8 +5,6 @@
 
 #include <deal.II/base/parameter_handler.h>
 
-#include <greville/base/parameters.h>
-#include <greville/materials/material.h>
 #include <greville/parameters/run_parameters.h>
 #include <greville/parameters/section_parameters.h>
 #include <greville/parameters/stage_parameters.h>

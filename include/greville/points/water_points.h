@@ -6,7 +6,6 @@
 #include <greville/base/vector_field.h>
 #include <greville/mass/stencil_matrix.h>
 #include <greville/points/material_points.h>
-#include <greville/points/spline_polynomials.h>
 #include <greville/points/water_tangents.h>
 
 #include <array>

@@ -4,7 +4,6 @@
 #define greville_run_comparison_h
 
 #include <greville/parameters/simulation_parameters.h>
-#include <greville/points/body_list.h>
 #include <greville/steps/statistics.h>
 
 #include <optional>

@@ -3,7 +3,6 @@
 #ifndef greville_run_end_of_run_h
 #define greville_run_end_of_run_h
 
-#include <greville/base/expression.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <limits>

@@ -6,8 +6,6 @@
 #include <greville/contact/rigid_body.h>
 #include <greville/parameters/simulation_parameters.h>
 #include <greville/points/body_list.h>
-#include <greville/points/point_transfer.h>
-#include <greville/points/surface.h>
 
 #include <map>
 #include <string>

@@ -3,9 +3,7 @@
 #ifndef greville_run_simulation_run_h
 #define greville_run_simulation_run_h
 
-#include <greville/base/csv.h>
 #include <greville/run/checkpoint.h>
-#include <greville/run/comparison.h>
 #include <greville/run/end_of_run.h>
 #include <greville/run/output.h>
 #include <greville/run/probes.h>

@@ -3,7 +3,6 @@
 #ifndef greville_steps_body_contact_h
 #define greville_steps_body_contact_h
 
-#include <greville/contact/averaged_contact.h>
 #include <greville/contact/rigid_body.h>
 #include <greville/steps/simulation.h>
 

@@ -6,7 +6,6 @@
 #include <greville/steps/contact.h>
 #include <greville/steps/damping.h>
 #include <greville/steps/fractional_step.h>
-#include <greville/steps/move_points.h>
 #include <greville/steps/step_size.h>
 #include <greville/steps/velocity_filter.h>
 

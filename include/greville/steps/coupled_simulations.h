@@ -3,7 +3,6 @@
 #ifndef greville_steps_coupled_simulations_h
 #define greville_steps_coupled_simulations_h
 
-#include <greville/points/body_list.h>
 #include <greville/steps/body_contacts.h>
 
 #include <list>

@@ -5,7 +5,6 @@
 
 #include <greville/boundary/loads.h>
 #include <greville/points/point_transport.h>
-#include <greville/points/volume_projection.h>
 #include <greville/steps/move_points.h>
 #include <greville/steps/step_log.h>
 

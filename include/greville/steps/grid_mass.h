@@ -3,9 +3,6 @@
 #ifndef greville_steps_grid_mass_h
 #define greville_steps_grid_mass_h
 
-#include <greville/mass/extended_mass.h>
-#include <greville/points/point_transfer.h>
-#include <greville/spline/order_hierarchy.h>
 #include <greville/steps/constraints.h>
 
 namespace greville

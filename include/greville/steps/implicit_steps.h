@@ -4,10 +4,7 @@
 #define greville_steps_implicit_steps_h
 
 #include <greville/steps/implicit_scheme.h>
-#include <greville/steps/move_points.h>
-#include <greville/steps/newton.h>
 #include <greville/steps/time_integrator.h>
-#include <greville/stiffness/tangent_system.h>
 #include <greville/water/pore_water.h>
 
 #include <array>

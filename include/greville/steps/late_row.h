@@ -3,8 +3,6 @@
 #ifndef greville_steps_late_row_h
 #define greville_steps_late_row_h
 
-#include <greville/points/row_sums.h>
-#include <greville/steps/energy_balance.h>
 #include <greville/steps/grid_field.h>
 #include <greville/steps/state.h>
 #include <greville/steps/statistics.h>

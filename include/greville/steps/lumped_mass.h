@@ -3,9 +3,6 @@
 #ifndef greville_steps_lumped_mass_h
 #define greville_steps_lumped_mass_h
 
-#include <greville/mass/extended_unknowns.h>
-#include <greville/mass/mass_operator.h>
-#include <greville/spline/cell_filling.h>
 #include <greville/steps/grid_mass.h>
 
 #include <optional>

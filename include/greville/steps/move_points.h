@@ -3,9 +3,7 @@
 #ifndef greville_steps_move_points_h
 #define greville_steps_move_points_h
 
-#include <greville/parameters/simulation_parameters.h>
 #include <greville/steps/late_row.h>
-#include <greville/steps/state.h>
 
 #include <string>
 

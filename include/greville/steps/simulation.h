@@ -6,8 +6,6 @@
 #include <greville/base/step_errors.h>
 #include <greville/base/tables.h>
 #include <greville/steps/snapshot.h>
-#include <greville/steps/statistics.h>
-#include <greville/steps/step_guard.h>
 #include <greville/steps/time_integrator.h>
 
 namespace greville

@@ -3,7 +3,6 @@
 #ifndef greville_steps_stage_bodies_h
 #define greville_steps_stage_bodies_h
 
-#include <greville/points/body_list.h>
 #include <greville/steps/discretization.h>
 
 namespace greville

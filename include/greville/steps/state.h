@@ -4,7 +4,6 @@
 #define greville_steps_state_h
 
 #include <greville/geometry/rigid_motion.h>
-#include <greville/points/body.h>
 #include <greville/points/point_transfer.h>
 #include <greville/points/points_copy.h>
 #include <greville/points/surface.h>

@@ -4,7 +4,6 @@
 #define greville_steps_step_guard_h
 
 #include <greville/steps/discretization.h>
-#include <greville/steps/move_points.h>
 
 namespace greville
 {

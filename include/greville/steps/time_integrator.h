@@ -4,7 +4,6 @@
 #define greville_steps_time_integrator_h
 
 #include <greville/parameters/names.h>
-#include <greville/steps/late_row.h>
 #include <greville/steps/step_guard.h>
 
 #include <functional>

@@ -3,9 +3,7 @@
 #ifndef greville_water_drained_boundaries_h
 #define greville_water_drained_boundaries_h
 
-#include <greville/base/expression.h>
 #include <greville/parameters/simulation_parameters.h>
-#include <greville/points/surface.h>
 #include <greville/points/water_points.h>
 
 #include <map>

@@ -3,9 +3,7 @@
 #ifndef greville_water_pore_water_h
 #define greville_water_pore_water_h
 
-#include <greville/multigrid/p_multigrid.h>
 #include <greville/points/free_surface.h>
-#include <greville/points/point_transfer.h>
 #include <greville/water/drained_boundaries.h>
 #include <greville/water/pressure_level.h>
 
