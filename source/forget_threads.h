@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_forget_threads_h
-#define greville_forget_threads_h
+#pragma once
 
 // For executables. deal.II ends a program before main() if DEAL_II_NUM_THREADS
 // is not a positive number. Greville has one thread per process in any case, so
@@ -30,5 +29,3 @@ namespace
                  used)) void (*const before_libraries)(int, char **, char **) =
     forget_threads;
 } // namespace
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_multigrid_dense_h
-#define greville_tests_multigrid_dense_h
+#pragma once
 
 #include <deal.II/lac/full_matrix.h>
 
@@ -62,5 +61,3 @@ dense(const SplineSpace<dim>                         &space,
   E.Tmmult(M, product);
   return M;
 }
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_multigrid_density_h
-#define greville_tests_multigrid_density_h
+#pragma once
 
 #include <tests.h>
 
@@ -16,5 +15,3 @@ density(const std::string &name)
                               : "if(x<0.5,1+y,0)",
                             "Density");
 }
-
-#endif

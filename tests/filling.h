@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_filling_h
-#define greville_tests_filling_h
+#pragma once
 
 #include <greville/spline/extension.h>
 
@@ -54,5 +53,3 @@ fillings(const SplineSpace<dim> &space, const Filling<dim> &filling)
     result.push_back(filling(space.box(cell).index));
   return result;
 }
-
-#endif

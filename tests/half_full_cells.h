@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_half_full_cells_h
-#define greville_tests_half_full_cells_h
+#pragma once
 
 #include <greville/points/material_points.h>
 
@@ -54,5 +53,3 @@ random_points(const SplineSpace<dim> &space,
     }
   return points;
 }
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_reference_page_h
-#define greville_tests_reference_page_h
+#pragma once
 
 #include <greville/base/parameters.h>
 
@@ -36,5 +35,3 @@ check_reference(const std::string           &program,
         above = line;
     }
 }
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_shipped_files_h
-#define greville_tests_shipped_files_h
+#pragma once
 
 // The shipped parameter files and the templates of 'greville --new', reduced to
 // run in a fraction of a second: coarse grids, three steps, no sweeps.
@@ -154,5 +153,3 @@ whole_shipped_files(const std::string &source, const std::string &build)
   std::sort(files.begin(), files.end());
   return files;
 }
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_simulation_simulation_h
-#define greville_tests_simulation_simulation_h
+#pragma once
 
 // Shared by the tests of simulations: parameter files as text.
 
@@ -192,5 +191,3 @@ block_3d(const std::string &shape, const unsigned int n = 4)
            "Upper corner = 1, 1, 1",
            "Cells = " + N + ", " + N + ", " + N});
 }
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_h
-#define greville_tests_h
+#pragma once
 
 // Shared by all tests. A test is a file with a function test_main(), which runs
 // with MPI initialized. The first process prints numbers, which are compared
@@ -193,5 +192,3 @@ max_all(const double value)
 {
   return Utilities::MPI::max(value, MPI_COMM_WORLD);
 }
-
-#endif

@@ -70,11 +70,10 @@ namespace greville
 
 
 
-    /**
-     * Collective. Report the messages of all processes, each once, and return
-     * whether there is one. If a process has a message and others do not arrive
-     * within two seconds, they are waiting for it forever: all are aborted.
-     */
+    /// Collective. Report the messages of all processes, each once, and return
+    /// whether there is one. If a process has a message and others do not
+    /// arrive within two seconds, they are waiting for it forever: all are
+    /// aborted.
     bool
     report_messages(const Program     &program,
                     const std::string &message,

@@ -184,12 +184,10 @@ namespace greville
 
 
 
-    /**
-     * Throw if the library with this @p content is linked with another library
-     * of deal.II than the program: two of them in one program destroy each
-     * other's objects at its end. The names of libraries are in the string
-     * table, each between zeros.
-     */
+    /// Throw if the library with this @p content is linked with another library
+    /// of deal.II than the program: two of them in one program destroy each
+    /// other's objects at its end. The names of libraries are in the string
+    /// table, each between zeros.
     void
     check_dealii(const std::string &content, const std::string &begin)
     {

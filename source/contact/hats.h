@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_contact_hats_h
-#define greville_source_contact_hats_h
+#pragma once
 
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/point.h>
@@ -10,85 +9,80 @@
 #include <cmath>
 #include <cstdint>
 
-namespace greville
+namespace greville::internal
 {
-  namespace internal
+  /// Return the sector of a normal: 60 degrees in 2D, around one of several
+  /// axes in 3D. Common directions (multiples of 15 degrees, diagonals) are
+  /// not on the border between two sectors.
+  template <int dim>
+  unsigned int
+  sector_of(const dealii::Tensor<1, dim> &n)
   {
-    /// Return the sector of a normal: 60 degrees in 2D, around one of several
-    /// axes in 3D. Common directions (multiples of 15 degrees, diagonals) are
-    /// not on the border between two sectors.
-    template <int dim>
-    unsigned int
-    sector_of(const dealii::Tensor<1, dim> &n)
+    if constexpr (dim == 2)
+      {
+        constexpr double shift = 0.187; // rad
+        const double     turns =
+          (std::atan2(n[1], n[0]) + shift) / (2. * dealii::numbers::PI);
+        return unsigned(std::floor((turns - std::floor(turns)) * 6.)) % 6;
+      }
+    else
+      {
+        // Axes rotated by a rotation without symmetry.
+        static const double axes[3][3] = {{0.9705, 0.1889, -0.1499},
+                                          {-0.1639, 0.9727, 0.1644},
+                                          {0.1769, -0.1350, 0.9749}};
+        unsigned int        largest    = 0;
+        double              values[3];
+        for (unsigned int k = 0; k < 3; ++k)
+          {
+            values[k] =
+              axes[k][0] * n[0] + axes[k][1] * n[1] + axes[k][2] * n[2];
+            if (std::abs(values[k]) > std::abs(values[largest]))
+              largest = k;
+          }
+        return 2 * largest + (values[largest] > 0.);
+      }
+  }
+
+
+
+  /// The keys of a point with the values of their hat functions.
+  template <int dim>
+  struct Hats
+  {
+    static constexpr unsigned int n = 1u << dim;
+
+    std::array<std::uint64_t, n> keys;
+    std::array<double, n>        values;
+
+    Hats(const dealii::Point<dim>     &x,
+         const dealii::Tensor<1, dim> &normal,
+         const dealii::Point<dim>     &corner,
+         const dealii::Tensor<1, dim> &h)
     {
-      if constexpr (dim == 2)
+      constexpr std::int64_t zero = 1 << 19; // of 20 bits
+      std::int64_t           cell[dim];
+      double                 xi[dim];
+      for (unsigned int d = 0; d < dim; ++d)
         {
-          constexpr double shift = 0.187; // rad
-          const double     turns =
-            (std::atan2(n[1], n[0]) + shift) / (2. * dealii::numbers::PI);
-          return unsigned(std::floor((turns - std::floor(turns)) * 6.)) % 6;
+          const double position = (x[d] - corner[d]) / h[d];
+          cell[d]               = std::int64_t(std::floor(position));
+          xi[d]                 = position - double(cell[d]);
         }
-      else
+      const std::uint64_t sector = sector_of<dim>(normal);
+      for (unsigned int k = 0; k < n; ++k)
         {
-          // Axes rotated by a rotation without symmetry.
-          static const double axes[3][3] = {{0.9705, 0.1889, -0.1499},
-                                            {-0.1639, 0.9727, 0.1644},
-                                            {0.1769, -0.1350, 0.9749}};
-          unsigned int        largest    = 0;
-          double              values[3];
-          for (unsigned int k = 0; k < 3; ++k)
+          std::uint64_t key = sector;
+          values[k]         = 1.;
+          for (unsigned int d = 0; d < dim; ++d)
             {
-              values[k] =
-                axes[k][0] * n[0] + axes[k][1] * n[1] + axes[k][2] * n[2];
-              if (std::abs(values[k]) > std::abs(values[largest]))
-                largest = k;
+              const unsigned int side = (k >> d) & 1;
+              values[k] *= side ? xi[d] : 1. - xi[d];
+              key = (key << 20) |
+                    (std::uint64_t(cell[d] + side + zero) & ((1 << 20) - 1));
             }
-          return 2 * largest + (values[largest] > 0.);
+          keys[k] = key;
         }
     }
-
-
-
-    /// The keys of a point with the values of their hat functions.
-    template <int dim>
-    struct Hats
-    {
-      static constexpr unsigned int n = 1u << dim;
-
-      std::array<std::uint64_t, n> keys;
-      std::array<double, n>        values;
-
-      Hats(const dealii::Point<dim>     &x,
-           const dealii::Tensor<1, dim> &normal,
-           const dealii::Point<dim>     &corner,
-           const dealii::Tensor<1, dim> &h)
-      {
-        constexpr std::int64_t zero = 1 << 19; // of 20 bits
-        std::int64_t           cell[dim];
-        double                 xi[dim];
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double position = (x[d] - corner[d]) / h[d];
-            cell[d]               = std::int64_t(std::floor(position));
-            xi[d]                 = position - double(cell[d]);
-          }
-        const std::uint64_t sector = sector_of<dim>(normal);
-        for (unsigned int k = 0; k < n; ++k)
-          {
-            std::uint64_t key = sector;
-            values[k]         = 1.;
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                const unsigned int side = (k >> d) & 1;
-                values[k] *= side ? xi[d] : 1. - xi[d];
-                key = (key << 20) |
-                      (std::uint64_t(cell[d] + side + zero) & ((1 << 20) - 1));
-              }
-            keys[k] = key;
-          }
-      }
-    };
-  } // namespace internal
-} // namespace greville
-
-#endif
+  };
+} // namespace greville::internal

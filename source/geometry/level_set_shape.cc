@@ -320,12 +320,10 @@ namespace greville
 
 
 
-      /**
-       * Return whether the boundary of the shape is the zero set of level set
-       * @p j: 1 if the shape is on its inner side, -1 if it is on its outer
-       * side, 0 if it is on both or none. The result is empty if this is
-       * unknown; it then depends on the @p active level sets.
-       */
+      /// Return whether the boundary of the shape is the zero set of level set
+      /// @p j: 1 if the shape is on its inner side, -1 if it is on its outer
+      /// side, 0 if it is on both or none. The result is empty if this is
+      /// unknown; it then depends on the @p active level sets.
       std::optional<int>
       boundary(const unsigned int j,
                Sides              sides,

@@ -310,13 +310,11 @@ namespace greville
 
 
 
-    /**
-     * Set the box of a point to its volume, with edges proportional to the
-     * edges of a cell over the points per direction. With F of an initial
-     * stress, the box of the stress-free state is the one that F deforms into
-     * this box. Fitted points whose volume is not this box are a quadrature of
-     * a cut cell, which boxes around them would not fill; they have no box.
-     */
+    /// Set the box of a point to its volume, with edges proportional to the
+    /// edges of a cell over the points per direction. With F of an initial
+    /// stress, the box of the stress-free state is the one that F deforms into
+    /// this box. Fitted points whose volume is not this box are a quadrature of
+    /// a cut cell, which boxes around them would not fill; they have no box.
     template <int dim>
     void
     set_domain(const PointRef<dim>     p,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_domains_h
-#define greville_source_points_domains_h
+#pragma once
 
 #include "window_shape.h"
 
@@ -14,55 +13,52 @@
  * body before a stretch along the axes fill it afterwards. Its size is limited
  * to one cell, and it is cut at the edges of the grid.
  */
-namespace greville
+namespace greville::internal
 {
-  namespace internal
+  /// Return the windows if points have domains, otherwise null.
+  template <int dim>
+  inline const CellWindows<dim> *
+  windows_of(const MaterialPoints<dim> &points, const CellWindows<dim> *windows)
   {
-    /// Return the windows if points have domains, otherwise null.
-    template <int dim>
-    inline const CellWindows<dim> *
-    windows_of(const MaterialPoints<dim> &points,
-               const CellWindows<dim>    *windows)
-    {
-      return points.layout().domain == 0 ? nullptr : windows;
-    }
+    return points.layout().domain == 0 ? nullptr : windows;
+  }
 
 
 
-    template <int dim, typename Number>
-    inline void
-    limit_domain(const SplineSpace<dim> &space, Number (&s)[dim])
-    {
-      using std::min;
-      using std::sqrt;
-      for (int d = 0; d < dim; ++d)
-        s[d] = min(Number(sqrt(s[d])), Number(0.5 * space.cell_size(d)));
-    }
+  template <int dim, typename Number>
+  inline void
+  limit_domain(const SplineSpace<dim> &space, Number (&s)[dim])
+  {
+    using std::min;
+    using std::sqrt;
+    for (int d = 0; d < dim; ++d)
+      s[d] = min(Number(sqrt(s[d])), Number(0.5 * space.cell_size(d)));
+  }
 
 
 
-    /// Load the half edges s_d of the domains of a group.
-    template <int dim>
-    inline void
-    load_domains(const MaterialPoints<dim> &points,
-                 const double              *group,
-                 Simd (&s)[dim])
-    {
-      Simd initial[dim];
-      load_numbers<dim>(group, points.layout().domain, initial);
-      for (int i = 0; i < dim; ++i)
-        {
-          s[i] = 0.;
-          for (int j = 0; j < dim; ++j)
-            {
-              const Simd edge =
-                initial[j] *
-                load(group + (PointLayout<dim>::F + i * dim + j) * simd_width);
-              s[i] += edge * edge;
-            }
-        }
-      limit_domain<dim>(points.space(), s);
-    }
+  /// Load the half edges s_d of the domains of a group.
+  template <int dim>
+  inline void
+  load_domains(const MaterialPoints<dim> &points,
+               const double              *group,
+               Simd (&s)[dim])
+  {
+    Simd initial[dim];
+    load_numbers<dim>(group, points.layout().domain, initial);
+    for (int i = 0; i < dim; ++i)
+      {
+        s[i] = 0.;
+        for (int j = 0; j < dim; ++j)
+          {
+            const Simd edge =
+              initial[j] *
+              load(group + (PointLayout<dim>::F + i * dim + j) * simd_width);
+            s[i] += edge * edge;
+          }
+      }
+    limit_domain<dim>(points.space(), s);
+  }
 
 
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_particles_formula_gradient_h
-#define greville_source_particles_formula_gradient_h
+#pragma once
 
 #include <greville/base/expression.h>
 #include <greville/base/named_formulas.h>
@@ -9,57 +8,52 @@
 
 #include <array>
 
-namespace greville
+namespace greville::internal
 {
-  namespace internal
+  /// Return the formulas of an initial displacement or velocity; zero if the
+  /// text is empty.
+  template <int dim>
+  VectorExpression<dim>
+  initial_formulas(const std::string &text, const std::string &parameter)
   {
-    /// Return the formulas of an initial displacement or velocity; zero if the
-    /// text is empty.
-    template <int dim>
-    VectorExpression<dim>
-    initial_formulas(const std::string &text, const std::string &parameter)
-    {
-      return text.empty()
-               ? VectorExpression<dim>()
-               : VectorExpression<dim>(with_initial_positions<dim>(text),
-                                       parameter,
-                                       coordinate_names<dim>());
-    }
+    return text.empty()
+             ? VectorExpression<dim>()
+             : VectorExpression<dim>(with_initial_positions<dim>(text),
+                                     parameter,
+                                     coordinate_names<dim>());
+  }
 
-    /// Return derivatives of formulas by differences of sixth order with these
-    /// steps.
-    template <int dim>
-    dealii::Tensor<2, 3>
-    gradient_of(const VectorExpression<dim>   &formulas,
-                const dealii::Point<dim>      &x,
-                const std::array<double, dim> &steps)
-    {
-      static constexpr double weights[3] = {3. / 4., -3. / 20., 1. / 60.};
-      dealii::Tensor<2, 3>    gradient;
-      for (unsigned int j = 0; j < dim; ++j)
-        for (int k = 1; k <= 3; ++k)
-          for (const int side : {-1, 1})
-            {
-              dealii::Point<dim> shifted = x;
-              shifted[j] += side * k * steps[j];
-              const dealii::Tensor<1, dim> value = formulas(shifted);
-              for (unsigned int i = 0; i < dim; ++i)
-                gradient[i][j] += side * weights[k - 1] / steps[j] * value[i];
-            }
-      return gradient;
-    }
+  /// Return derivatives of formulas by differences of sixth order with these
+  /// steps.
+  template <int dim>
+  dealii::Tensor<2, 3>
+  gradient_of(const VectorExpression<dim>   &formulas,
+              const dealii::Point<dim>      &x,
+              const std::array<double, dim> &steps)
+  {
+    static constexpr double weights[3] = {3. / 4., -3. / 20., 1. / 60.};
+    dealii::Tensor<2, 3>    gradient;
+    for (unsigned int j = 0; j < dim; ++j)
+      for (int k = 1; k <= 3; ++k)
+        for (const int side : {-1, 1})
+          {
+            dealii::Point<dim> shifted = x;
+            shifted[j] += side * k * steps[j];
+            const dealii::Tensor<1, dim> value = formulas(shifted);
+            for (unsigned int i = 0; i < dim; ++i)
+              gradient[i][j] += side * weights[k - 1] / steps[j] * value[i];
+          }
+    return gradient;
+  }
 
-    /// These steps for the gradient of a displacement.
-    template <int dim>
-    std::array<double, dim>
-    displacement_steps(const SplineSpace<dim> &space)
-    {
-      std::array<double, dim> steps;
-      for (unsigned int d = 0; d < dim; ++d)
-        steps[d] = 2e-3 * space.cell_size(d);
-      return steps;
-    }
-  } // namespace internal
-} // namespace greville
-
-#endif
+  /// These steps for the gradient of a displacement.
+  template <int dim>
+  std::array<double, dim>
+  displacement_steps(const SplineSpace<dim> &space)
+  {
+    std::array<double, dim> steps;
+    for (unsigned int d = 0; d < dim; ++d)
+      steps[d] = 2e-3 * space.cell_size(d);
+    return steps;
+  }
+} // namespace greville::internal

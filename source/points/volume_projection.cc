@@ -14,14 +14,12 @@ namespace greville
 
   namespace
   {
-    /**
-     * The factors of Richardson iterations with the lumped mass, for n
-     * functions per direction. The eigenvalues lie between 0 and 1, and the
-     * iterations leave the fraction prod_k (1 - factor_k eigenvalue) of an
-     * error. Factors of one make it small for smooth errors, the others for all
-     * other errors. The fraction is below one for all eigenvalues, so that the
-     * operator is positive.
-     */
+    /// The factors of Richardson iterations with the lumped mass, for n
+    /// functions per direction. The eigenvalues lie between 0 and 1, and the
+    /// iterations leave the fraction prod_k (1 - factor_k eigenvalue) of an
+    /// error. Factors of one make it small for smooth errors, the others for
+    /// all other errors. The fraction is below one for all eigenvalues, so that
+    /// the operator is positive.
     template <int n>
     constexpr std::array<double, 7> relaxation_factors = {
       {1., 1., 1., 1., 1.5, 3., 6.}};

@@ -40,15 +40,12 @@ namespace greville
 
 
 
-    /**
-     * Return the gap at which the outermost layer of points of this @p spacing
-     * ends, if @p lowest is the smallest gap nearby. The layer is one spacing
-     * thick. It ends midway between two rows if no point is closer than half a
-     * spacing.
-     * A point that @p joins the layer is at most half of its spacing behind the
-     * foremost one: a second row that comes closer would otherwise enter the
-     * mean gap, and the contact energy would jump.
-     */
+    /// Return the gap at which the outermost layer of points of this @p spacing
+    /// ends, if @p lowest is the smallest gap nearby. The layer is one spacing
+    /// thick. It ends midway between two rows if no point is closer than half a
+    /// spacing. A point that @p joins the layer is at most half of its spacing
+    /// behind the foremost one: a second row that comes closer would otherwise
+    /// enter the mean gap, and the contact energy would jump.
     double
     end_of_layer(const double lowest, const double spacing, const bool joins)
     {
@@ -76,12 +73,11 @@ namespace greville
 
 
 
-    /**
-     * Return the row of a contactor for a material point. It keeps the force of
-     * the point's @p last row, if there is one. A radius other than the default
-     * one belongs to the initial position and is forgotten as the point slides.
-     * @p pore is the field of the pore pressure, null without water.
-     */
+    /// Return the row of a contactor for a material point. It keeps the force
+    /// of the point's @p last row, if there is one. A radius other than the
+    /// default one belongs to the initial position and is forgotten as the
+    /// point slides. @p pore is the field of the pore pressure, null without
+    /// water.
     template <int dim, typename MaterialPoint>
     std::vector<double>
     contactor(const PointLayout<dim>  &layout,

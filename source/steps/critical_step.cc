@@ -46,13 +46,11 @@ namespace greville
 
 
 
-    /**
-     * Collective. Return the critical step, and set @p start to its
-     * eigenvector. multiply(y, x, elastic, viscous) computes y = (elastic K +
-     * viscous C) x. Begin with @p step if it is positive, otherwise with the
-     * step of the first vector; without viscosity, any step will do. The result
-     * is negative if this vector is zero.
-     */
+    /// Collective. Return the critical step, and set @p start to its
+    /// eigenvector. multiply(y, x, elastic, viscous) computes y = (elastic K +
+    /// viscous C) x. Begin with @p step if it is positive, otherwise with the
+    /// step of the first vector; without viscosity, any step will do. The
+    /// result is negative if this vector is zero.
     template <typename Multiply>
     double
     find_critical_step(double               step,

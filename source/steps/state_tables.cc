@@ -397,13 +397,11 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the rows of a table with the columns of another layout. Numbers of
-     * the loads and of the scheme are zero if the table lacks them: loads find
-     * their points again, APIC begins without an affine velocity, and
-     * generalized-alpha finds its first acceleration. The projected J begins
-     * with J.
-     */
+    /// Return the rows of a table with the columns of another layout. Numbers
+    /// of the loads and of the scheme are zero if the table lacks them: loads
+    /// find their points again, APIC begins without an affine velocity, and
+    /// generalized-alpha finds its first acceleration. The projected J begins
+    /// with J.
     template <int dim>
     std::vector<double>
     rows_with(const PointLayout<dim> &layout,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_materials_h
-#define greville_tests_materials_h
+#pragma once
 
 // What the tests of materials share: materials from a text with parameters,
 // steps of one point, random deformations.
@@ -251,5 +250,3 @@ print_message(const std::function<void()> &action)
       print() << message_of(error) << std::endl;
     }
 }
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_points_h
-#define greville_tests_points_h
+#pragma once
 
 // What the tests of particles share: points whose numbers depend on their id
 // only, and B-splines evaluated function by function by KnotVector.
@@ -309,5 +308,3 @@ empty_lanes_are_harmless(const MaterialPoints<dim> &points)
     }
   return ok;
 }
-
-#endif

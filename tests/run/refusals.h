@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_tests_run_refusals_h
-#define greville_tests_run_refusals_h
+#pragma once
 
 // Wrong parameter files are answered by one clear message, the same on all
 // processes, and a run that breaks stops with step, time and point, and leaves
@@ -309,5 +308,3 @@ check_refusals(const std::function<bool(const std::string &)> &is_wanted)
         print() << current << "\n" << messages[0] << std::endl;
     }
 }
-
-#endif

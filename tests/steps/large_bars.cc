@@ -13,12 +13,10 @@ namespace
 {
   constexpr double length = 25., modulus = 100., speed = 2.;
 
-  /**
-   * rho u_tt = (E ln(F) / F)_X with F = 1 + u_X and u_t = v0 sin(k X) at t = 0,
-   * held at X = 0 and maybe at the other end, too: one spectral element with
-   * polynomials in the points of Gauss and Lobatto, and the method of Runge and
-   * Kutta.
-   */
+  /// rho u_tt = (E ln(F) / F)_X with F = 1 + u_X and u_t = v0 sin(k X) at t =
+  /// 0, held at X = 0 and maybe at the other end, too: one spectral element
+  /// with polynomials in the points of Gauss and Lobatto, and the method of
+  /// Runge and Kutta.
   class SpectralBar
   {
   public:

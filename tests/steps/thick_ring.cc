@@ -171,12 +171,10 @@ namespace
 
 
 
-  /**
-   * Relative errors, root mean squares: of the displacement and stress of all
-   * points, and of the stress and the largest error of it at the inner wall,
-   * which feels a pressure or, with a @p penalty, has the exact displacement by
-   * springs of the stiffness penalty * (K + 4 G / 3) / h.
-   */
+  /// Relative errors, root mean squares: of the displacement and stress of all
+  /// points, and of the stress and the largest error of it at the inner wall,
+  /// which feels a pressure or, with a @p penalty, has the exact displacement
+  /// by springs of the stiffness penalty * (K + 4 G / 3) / h.
   using RingErrors = std::array<double, 4>;
 
   template <typename Ring>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_compatibility_h
-#define greville_base_compatibility_h
+#pragma once
 
 #include <deal.II/base/config.h>
 #include <deal.II/base/mpi.h>
@@ -52,12 +51,10 @@ namespace greville
   using Observable = dealii::Subscriptor;
 #endif
 
-  /**
-   * The AdditionalData of SolverFGMRES for modified Gram-Schmidt, the only kind
-   * of deal.II 9.4. The default of 9.6 corrects a basis vector after the
-   * preconditioner has used it, so its estimated residual may be far from the
-   * residual of the solution.
-   */
+  /// The AdditionalData of SolverFGMRES for modified Gram-Schmidt, the only
+  /// kind of deal.II 9.4. The default of 9.6 corrects a basis vector after the
+  /// preconditioner has used it, so its estimated residual may be far from the
+  /// residual of the solution.
   template <typename Fgmres>
   typename Fgmres::AdditionalData
   fgmres_data(const unsigned int n_basis_vectors)
@@ -106,5 +103,3 @@ namespace greville
  * According to its notes, the incompatible changes of 9.8 do not affect this
  * project. It has not been compiled with 9.7 and 9.8.
  */
-
-#endif

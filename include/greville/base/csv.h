@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_csv_h
-#define greville_base_csv_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -30,12 +29,10 @@ namespace greville
 
 
 
-  /**
-   * Call @p visit with each line of @p file that is neither empty nor a comment
-   * (#), keeping only one line in memory. Throws dealii::ExcMessage if the file
-   * cannot be read or contains only a header; messages name the @p parameter
-   * that gives the file.
-   */
+  /// Call @p visit with each line of @p file that is neither empty nor a
+  /// comment (#), keeping only one line in memory. Throws dealii::ExcMessage if
+  /// the file cannot be read or contains only a header; messages name the
+  /// @p parameter that gives the file.
   void
   read_csv(const std::string                          &file,
            const std::string                          &parameter,
@@ -95,5 +92,3 @@ namespace greville
     MPI_Comm      comm  = MPI_COMM_NULL;
   };
 } // namespace greville
-
-#endif

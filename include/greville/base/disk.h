@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_disk_h
-#define greville_base_disk_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -12,12 +11,10 @@
 
 namespace greville
 {
-  /**
-   * Make an empty file on a disk with room for @p size bytes. Throws
-   * dealii::ExcMessage if there is not enough room: a full disk is then
-   * detected here, with the system's message, and not in a library, which would
-   * try to write its remaining data at the end of the program.
-   */
+  /// Make an empty file on a disk with room for @p size bytes. Throws
+  /// dealii::ExcMessage if there is not enough room: a full disk is then
+  /// detected here, with the system's message, and not in a library, which
+  /// would try to write its remaining data at the end of the program.
   void
   make_file(const std::string &file, const std::uint64_t size);
 
@@ -72,5 +69,3 @@ namespace greville
   void
   check_seal(const std::string &file, const MPI_Comm comm);
 } // namespace greville
-
-#endif

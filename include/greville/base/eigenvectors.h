@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_eigenvectors_h
-#define greville_base_eigenvectors_h
+#pragma once
 
 #include <deal.II/base/symmetric_tensor.h>
 
@@ -58,6 +57,4 @@ namespace dealii
     return greville::internal::sorted_eigenvectors(tensor, method);
   }
 } // namespace dealii
-#endif
-
 #endif

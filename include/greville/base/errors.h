@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_errors_h
-#define greville_base_errors_h
+#pragma once
 
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>
@@ -111,5 +110,3 @@ namespace greville
                 text_of(*entry) + "> twice.");
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_expression_h
-#define greville_base_expression_h
+#pragma once
 
 #include <deal.II/base/point.h>
 
@@ -137,5 +136,3 @@ namespace greville
     std::shared_ptr<const Formulas> components;
   };
 } // namespace greville
-
-#endif

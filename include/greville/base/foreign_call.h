@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_foreign_call_h
-#define greville_base_foreign_call_h
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -98,5 +97,3 @@ namespace greville
     release();
   };
 } // namespace greville
-
-#endif

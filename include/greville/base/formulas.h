@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_formulas_h
-#define greville_base_formulas_h
+#pragma once
 
 #include <deal.II/base/array_view.h>
 
@@ -41,12 +40,10 @@ namespace greville
       double (*function)(const double *arguments, int n_arguments);
     };
 
-    /**
-     * The @p texts are formulas, each followed by the definitions that
-     * NamedFormulas::attach() appends. Names that depend only on @p
-     * constant_variables can be precomputed. Throws dealii::ExcMessage with the
-     * name of the @p parameter if a text is not a formula of @p variables.
-     */
+    /// The @p texts are formulas, each followed by the definitions that
+    /// NamedFormulas::attach() appends. Names that depend only on
+    /// @p constant_variables can be precomputed. Throws dealii::ExcMessage with
+    /// the name of the @p parameter if a text is not a formula of @p variables.
     Formulas(const std::vector<std::string> &texts,
              const std::string              &parameter,
              const std::vector<std::string> &variables,
@@ -145,5 +142,3 @@ namespace greville
                  const std::string &parameter,
                  const unsigned int n);
 } // namespace greville
-
-#endif

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_hdf5_calls_h
-#define greville_base_hdf5_calls_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
 #include <hdf5.h>
 #include <string>
 
-/**
- * Functions for reading and writing HDF5 files. All of them throw
- * dealii::ExcMessage with HDF5's reason. dealii::HDF5 checks results by Assert
- * only, so that a full disk would pass unnoticed in release mode, and cannot
- * list attributes and data sets.
- */
+/// Functions for reading and writing HDF5 files. All of them throw
+/// dealii::ExcMessage with HDF5's reason. dealii::HDF5 checks results by Assert
+/// only, so that a full disk would pass unnoticed in release mode, and cannot
+/// list attributes and data sets.
 namespace greville
 {
   /// An object of HDF5, with the function that closes it. Throws if HDF5 has
@@ -77,5 +74,3 @@ namespace greville
   HDF5Handle
   hdf5_access(const MPI_Comm comm);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_index_limits_h
-#define greville_base_index_limits_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -79,5 +78,3 @@ namespace greville
     return dealii::Utilities::MPI::some_to_some(comm, lists);
   }
 } // namespace greville
-
-#endif

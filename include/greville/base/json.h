@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_json_h
-#define greville_base_json_h
+#pragma once
 
 #include <cmath>
 #include <sstream>
@@ -104,5 +103,3 @@ namespace greville
     bool               is_empty = true;
   };
 } // namespace greville
-
-#endif

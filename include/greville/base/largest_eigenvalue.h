@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_largest_eigenvalue_h
-#define greville_base_largest_eigenvalue_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -52,5 +51,3 @@ namespace greville
                      const unsigned int         max_products,
                      const MPI_Comm             comm);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_memory_h
-#define greville_base_memory_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -10,12 +9,10 @@
 
 namespace greville
 {
-  /**
-   * Collective. Throw dealii::ExcMessage with the name of the @p parameter if a
-   * box of @p n_cells cells in @p dim dimensions does not fit into the
-   * available memory of its machine. Only impossible grids are rejected: a grid
-   * takes some hundred bytes per cell even without points.
-   */
+  /// Collective. Throw dealii::ExcMessage with the name of the @p parameter if
+  /// a box of @p n_cells cells in @p dim dimensions does not fit into the
+  /// available memory of its machine. Only impossible grids are rejected: a
+  /// grid takes some hundred bytes per cell even without points.
   void
   check_memory_of_cells(const double       n_cells,
                         const unsigned int dim,
@@ -27,5 +24,3 @@ namespace greville
   std::optional<unsigned long>
   allocated_memory();
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_mixed_bits_h
-#define greville_base_mixed_bits_h
+#pragma once
 
 #include <cstdint>
 
@@ -20,5 +19,3 @@ namespace greville
     return x ^ (x >> 33);
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_named_formulas_h
-#define greville_base_named_formulas_h
+#pragma once
 
 #include <deal.II/base/parameter_handler.h>
 
@@ -104,5 +103,3 @@ namespace greville
     return text;
   }
 } // namespace greville
-
-#endif

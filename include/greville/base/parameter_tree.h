@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_parameter_tree_h
-#define greville_base_parameter_tree_h
+#pragma once
 
 #include <greville/base/parameters.h>
 
@@ -31,15 +30,13 @@ namespace greville
                              const std::string &,
                              const boost::property_tree::ptree &)> &visit);
 
-  /**
-   * Return the parameter lines of a JSON or XML file. JSON contains nested
-   * sections with the names of a .prm file, or names with slashes; a list
-   * becomes a value with commas, and a list of lists has semicolons between the
-   * inner lists. XML files, and JSON files with a "default_value" in their
-   * parameters, have the format written by dealii::ParameterHandler. Throws
-   * dealii::ExcMessage, which begins with the place, if the file has another
-   * form.
-   */
+  /// Return the parameter lines of a JSON or XML file. JSON contains nested
+  /// sections with the names of a .prm file, or names with slashes; a list
+  /// becomes a value with commas, and a list of lists has semicolons between
+  /// the inner lists. XML files, and JSON files with a "default_value" in their
+  /// parameters, have the format written by dealii::ParameterHandler. Throws
+  /// dealii::ExcMessage, which begins with the place, if the file has another
+  /// form.
   std::vector<ParameterLine>
   parameter_lines_of_tree(std::istream &stream, const std::string &file);
 
@@ -47,5 +44,3 @@ namespace greville
   void
   write_as_json(std::ostream &out, const std::string &text);
 } // namespace greville
-
-#endif

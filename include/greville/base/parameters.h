@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_parameters_h
-#define greville_base_parameters_h
+#pragma once
 
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/function.h>
@@ -29,14 +28,12 @@ namespace greville
     bool is_setting = false;
   };
 
-  /**
-   * Return the lines of a parameter file and of the files that it includes,
-   * followed by @p settings, each "SECTION/PARAMETER=VALUE" as on the command
-   * line. Throws dealii::ExcMessage if the file cannot be read, and, with the
-   * line or the setting, if one is malformed. A file with one of the sections
-   * of @p other_sections but without the section @p own_section is reported as
-   * a file for the program @p other.
-   */
+  /// Return the lines of a parameter file and of the files that it includes,
+  /// followed by @p settings, each "SECTION/PARAMETER=VALUE" as on the command
+  /// line. Throws dealii::ExcMessage if the file cannot be read, and, with the
+  /// line or the setting, if one is malformed. A file with one of the sections
+  /// of @p other_sections but without the section @p own_section is reported as
+  /// a file for the program @p other.
   std::vector<ParameterLine>
   read_parameter_lines(const std::string              &file,
                        const std::string              &own_section,
@@ -151,12 +148,10 @@ namespace greville
     prm.leave_subsection();
   }
 
-  /**
-   * Set the values of @p lines in @p prm, in which they have been declared.
-   * Throws dealii::ExcMessage with the line, the parameter, the value, the
-   * allowed values and a suggestion if @p prm does not have a parameter or does
-   * not allow its value. Suggestions for @p former ones are their advice.
-   */
+  /// Set the values of @p lines in @p prm, in which they have been declared.
+  /// Throws dealii::ExcMessage with the line, the parameter, the value, the
+  /// allowed values and a suggestion if @p prm does not have a parameter or
+  /// does not allow its value. Suggestions for @p former ones are their advice.
   void
   parse_parameter_lines(dealii::ParameterHandler           &prm,
                         const std::vector<ParameterLine>   &lines,
@@ -219,5 +214,3 @@ namespace greville
   void
   write_atomically(const std::string &file, const std::string &content);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_petsc_h
-#define greville_base_petsc_h
+#pragma once
 
 #include <deal.II/lac/exceptions.h>
 
@@ -73,5 +72,3 @@ namespace greville
     PetscVector vector;
   };
 } // namespace greville
-
-#endif

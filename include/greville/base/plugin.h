@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_plugin_h
-#define greville_base_plugin_h
+#pragma once
 
 #include <deal.II/base/config.h>
 
@@ -30,12 +29,10 @@
 #  define GREVILLE_INDICES "32-bit indices"
 #endif
 
-/**
- * A string literal with everything on which the layout of classes in the
- * headers depends: it must be the same in a plugin and the program. The number
- * of bytes is the width of the widest vector of the instruction set
- * (base/simd.h).
- */
+/// A string literal with everything on which the layout of classes in the
+/// headers depends: it must be the same in a plugin and the program. The number
+/// of bytes is the width of the widest vector of the instruction set
+/// (base/simd.h).
 #define GREVILLE_BUILD                                                     \
   "Greville " GREVILLE_PLUGIN_VERSION ", deal.II " DEAL_II_PACKAGE_VERSION \
   " " GREVILLE_BUILD_TYPE " with " GREVILLE_INDICES ", " GREVILLE_COMPILER \
@@ -64,5 +61,3 @@
     register_in_greville();                              \
   }                                                      \
   void register_in_greville()
-
-#endif

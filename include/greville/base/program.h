@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_program_h
-#define greville_base_program_h
+#pragma once
 
 #include <greville/base/parameters.h>
 
@@ -104,5 +103,3 @@ namespace greville
   int
   run_program(const Program &program, int argc, char **argv);
 } // namespace greville
-
-#endif

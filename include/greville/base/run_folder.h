@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_run_folder_h
-#define greville_base_run_folder_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -37,12 +36,10 @@ namespace greville
   class RunFolder
   {
   public:
-    /**
-     * Collective. Make the folder and lock it. Throws dealii::ExcMessage with
-     * the name of the @p parameter that gives the folder if it is not writable,
-     * if another run holds it, or if it contains results and @p earlier is to
-     * refuse. Earlier results remain until make_room().
-     */
+    /// Collective. Make the folder and lock it. Throws dealii::ExcMessage with
+    /// the name of the @p parameter that gives the folder if it is not
+    /// writable, if another run holds it, or if it contains results and
+    /// @p earlier is to refuse. Earlier results remain until make_room().
     RunFolder(const std::string   &path,
               const std::string   &parameter,
               const EarlierResults earlier,
@@ -79,5 +76,3 @@ namespace greville
     int                  lock_descriptor = -1;
   };
 } // namespace greville
-
-#endif

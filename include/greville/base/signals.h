@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_signals_h
-#define greville_base_signals_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -9,12 +8,10 @@
 
 namespace greville
 {
-  /**
-   * A handler, during its lifetime, of the signals by which users and batch
-   * systems ask a run to end (SIGINT, SIGTERM, SIGHUP) or to write a checkpoint
-   * (SIGUSR1); only one exists at a time. A second signal to end has its usual
-   * effect: the process ends at once.
-   */
+  /// A handler, during its lifetime, of the signals by which users and batch
+  /// systems ask a run to end (SIGINT, SIGTERM, SIGHUP) or to write a
+  /// checkpoint (SIGUSR1); only one exists at a time. A second signal to end
+  /// has its usual effect: the process ends at once.
   class SignalCatcher
   {
   public:
@@ -37,5 +34,3 @@ namespace greville
     name(const int signal);
   };
 } // namespace greville
-
-#endif

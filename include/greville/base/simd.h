@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_simd_h
-#define greville_base_simd_h
+#pragma once
 
 #include <experimental/simd>
 
@@ -39,5 +38,3 @@ namespace greville
     value.copy_to(address, std::experimental::element_aligned);
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_step_errors_h
-#define greville_base_step_errors_h
+#pragma once
 
 #include <greville/base/errors.h>
 
@@ -84,5 +83,3 @@ namespace greville
     return text;
   }
 } // namespace greville
-
-#endif

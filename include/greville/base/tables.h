@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_tables_h
-#define greville_base_tables_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -69,14 +68,10 @@ namespace greville
 
 
 
-  /**
-   * Collective. Read a file of write_tables() on any number of processes, whose
-   * numbers of rows of a table differ by at most one. Throws dealii::ExcMessage
-   * on all processes if the file cannot be read, is truncated, or its checksums
-   * do not match.
-   */
+  /// Collective. Read a file of write_tables() on any number of processes,
+  /// whose numbers of rows of a table differ by at most one. Throws
+  /// dealii::ExcMessage on all processes if the file cannot be read, is
+  /// truncated, or its checksums do not match.
   TablesFile
   read_tables(const std::string &file, const MPI_Comm comm);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_templates_h
-#define greville_base_templates_h
+#pragma once
 
 #include <greville/base/program.h>
 
@@ -25,5 +24,3 @@ namespace greville
   std::string
   benchmark_examples();
 } // namespace greville
-
-#endif

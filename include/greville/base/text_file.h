@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_text_file_h
-#define greville_base_text_file_h
+#pragma once
 
 #include <fstream>
 #include <string>
@@ -25,5 +24,3 @@ namespace greville
   void
   check_utf8(const std::string &text, const std::string &place);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_vector_field_h
-#define greville_base_vector_field_h
+#pragma once
 
 #include <greville/base/compatibility.h>
 
@@ -25,5 +24,3 @@ namespace greville
     return result;
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_with_width_h
-#define greville_base_with_width_h
+#pragma once
 
 #include <deal.II/base/exceptions.h>
 
@@ -43,5 +42,3 @@ namespace greville
     AssertThrow(is_known, dealii::ExcInternalError());
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_base_zeroed_array_h
-#define greville_base_zeroed_array_h
+#pragma once
 
 #include <cstdint>
 #include <cstdlib>
@@ -47,5 +46,3 @@ namespace greville
     Number                                 *values = nullptr;
   };
 } // namespace greville
-
-#endif

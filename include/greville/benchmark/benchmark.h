@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_benchmark_benchmark_h
-#define greville_benchmark_benchmark_h
+#pragma once
 
 #include <deal.II/base/conditional_ostream.h>
 
@@ -50,13 +49,11 @@ namespace greville
     std::string               output_directory;
   };
 
-  /**
-   * Solves linear systems A x = b on B-splines for sweeps over operators (see
-   * operator_names()), dimensions, orders, meshes, bodies and solvers, and
-   * reports iterations and times. For the mass operator, the system is M a = F,
-   * F_i = int rho f N_i dx or sum_p m_p f(x_p) N_i(x_p): its exact solution is
-   * the projection of the acceleration f onto the splines in the mass norm.
-   */
+  /// Solves linear systems A x = b on B-splines for sweeps over operators (see
+  /// operator_names()), dimensions, orders, meshes, bodies and solvers, and
+  /// reports iterations and times. For the mass operator, the system is M a =
+  /// F, F_i = int rho f N_i dx or sum_p m_p f(x_p) N_i(x_p): its exact solution
+  /// is the projection of the acceleration f onto the splines in the mass norm.
   class Benchmark
   {
   public:
@@ -67,12 +64,10 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Collective. Read @p file with the replacements in @p settings (see
-     * read_parameter_lines()), run, and write all used parameters, solves.csv
-     * and, if requested, comparison.csv and operators.csv to the output
-     * directory. Throws if the file is wrong.
-     */
+    /// Collective. Read @p file with the replacements in @p settings (see
+    /// read_parameter_lines()), run, and write all used parameters, solves.csv
+    /// and, if requested, comparison.csv and operators.csv to the output
+    /// directory. Throws if the file is wrong.
     void
     run(const std::string &file, const std::vector<std::string> &settings = {});
 
@@ -145,5 +140,3 @@ namespace greville
     ProgressLine                                        progress;
   };
 } // namespace greville
-
-#endif

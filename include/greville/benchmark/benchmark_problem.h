@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_benchmark_benchmark_problem_h
-#define greville_benchmark_benchmark_problem_h
+#pragma once
 
 #include <greville/benchmark/operators.h>
 #include <greville/benchmark/problem_parameters.h>
@@ -130,12 +129,10 @@ namespace greville
     SmootherParameters   smoother;
   };
 
-  /**
-   * Return the solver by its @p name, with @p multigrid and @p smoother if it
-   * uses them. "fgmres-tielen" is the solver of @ref Tielen2020 "Tielen et al.,
-   * 2020": ILUT, lumped L2 transfer between the orders one by one, and an exact
-   * solve at p = 1.
-   */
+  /// Return the solver by its @p name, with @p multigrid and @p smoother if it
+  /// uses them. "fgmres-tielen" is the solver of @ref Tielen2020 "Tielen et
+  /// al., 2020": ILUT, lumped L2 transfer between the orders one by one, and an
+  /// exact solve at p = 1.
   LevelSolver
   make_level_solver(const std::string          &name,
                     const std::string          &operator_name,
@@ -162,13 +159,11 @@ namespace greville
                          const SolverParameters        &solver,
                          DistributedTriangulation<dim> &triangulation);
 
-  /**
-   * Return the problem of TangentSystem, c M + K, for a linear-elastic body at
-   * rest with a pseudo-random load: on the points of a @p body, or on p + 1
-   * Gauss points per direction in all cells if it is empty. With the Courant
-   * number C = dt sqrt((lambda + 2 G) / rho) / h for the mean density and the
-   * smallest cell side h, c = 4 / dt^2; empty: c = 0.
-   */
+  /// Return the problem of TangentSystem, c M + K, for a linear-elastic body at
+  /// rest with a pseudo-random load: on the points of a @p body, or on p + 1
+  /// Gauss points per direction in all cells if it is empty. With the Courant
+  /// number C = dt sqrt((lambda + 2 G) / rho) / h for the mean density and the
+  /// smallest cell side h, c = 4 / dt^2; empty: c = 0.
   template <int dim>
   std::unique_ptr<BenchmarkProblem<dim>>
   make_elastic_benchmark(const ProblemParameters       &parameters,
@@ -179,5 +174,3 @@ namespace greville
                          const std::optional<double>   &courant_number,
                          DistributedTriangulation<dim> &triangulation);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_benchmark_benchmark_program_h
-#define greville_benchmark_benchmark_program_h
+#pragma once
 
 #include <greville/base/program.h>
 
@@ -11,5 +10,3 @@ namespace greville
   Program
   benchmark_program();
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_benchmark_clamped_walls_h
-#define greville_benchmark_clamped_walls_h
+#pragma once
 
 #include <greville/base/errors.h>
 #include <greville/benchmark/problem_parameters.h>
@@ -24,5 +23,3 @@ namespace greville
     return Walls<dim>(walls);
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_benchmark_laplace_level_h
-#define greville_benchmark_laplace_level_h
+#pragma once
 
 #include <greville/mass/extended_mass.h>
 #include <greville/multigrid/level_operator.h>
@@ -73,5 +72,3 @@ namespace greville
     std::vector<unsigned int>        constrained_functions; // owned ones
   };
 } // namespace greville
-
-#endif

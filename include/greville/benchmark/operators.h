@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_benchmark_operators_h
-#define greville_benchmark_operators_h
+#pragma once
 
 #include <greville/paper/assembled_mass_level.h>
 
@@ -30,5 +29,3 @@ namespace greville
   double
   measure_bandwidth(const MPI_Comm comm);
 } // namespace greville
-
-#endif

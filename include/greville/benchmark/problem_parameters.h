@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_benchmark_problem_parameters_h
-#define greville_benchmark_problem_parameters_h
+#pragma once
 
 #include <greville/points/body.h>
 
@@ -47,5 +46,3 @@ namespace greville
     bool                      extend               = true;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_benchmark_report_h
-#define greville_benchmark_report_h
+#pragma once
 
 #include <deal.II/base/timer.h>
 
@@ -111,5 +110,3 @@ namespace greville
     dealii::Timer timer;
   };
 } // namespace greville
-
-#endif

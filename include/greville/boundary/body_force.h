@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_boundary_body_force_h
-#define greville_boundary_body_force_h
+#pragma once
 
 #include <greville/boundary/point_load.h>
 
@@ -64,5 +63,3 @@ namespace greville
     LoadFormulas<dim> force;
   };
 } // namespace greville
-
-#endif

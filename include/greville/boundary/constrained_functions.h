@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_boundary_constrained_functions_h
-#define greville_boundary_constrained_functions_h
+#pragma once
 
 #include <greville/boundary/walls.h>
 
@@ -31,5 +30,3 @@ namespace greville
   constrained_components_at_walls(const SplineSpace<dim> &space,
                                   const Walls<dim>       &walls);
 } // namespace greville
-
-#endif

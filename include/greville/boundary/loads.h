@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_boundary_loads_h
-#define greville_boundary_loads_h
+#pragma once
 
 #include <greville/boundary/point_load.h>
 #include <greville/boundary/surface_loads.h>
@@ -63,12 +62,10 @@ namespace greville
     void
     clear(std::vector<Body<dim>> &bodies) const;
 
-    /**
-     * Collective. Return a sentence with the names of the parameters if gravity
-     * and the loads of the last set() alone move a point by more than a tenth
-     * of @p h, the smallest edge of a cell, in a step @p dt; otherwise an empty
-     * text.
-     */
+    /// Collective. Return a sentence with the names of the parameters if
+    /// gravity and the loads of the last set() alone move a point by more than
+    /// a tenth of @p h, the smallest edge of a cell, in a step @p dt; otherwise
+    /// an empty text.
     std::string
     describe_large_loads(const double   t,
                          const double   dt,
@@ -92,5 +89,3 @@ namespace greville
     double largest = 0.;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_boundary_point_load_h
-#define greville_boundary_point_load_h
+#pragma once
 
 #include <greville/parameters/simulation_parameters.h>
 
@@ -63,11 +62,10 @@ namespace greville
       std::function<dealii::Tensor<1, dim>(const ConstPointRef<dim>  p,
                                            const dealii::Point<dim> &x)>;
 
-    /**
-     * Return, for a load that depends on the current position, its acceleration
-     * at time @p t (s) of points of this @p layout; implicit steps evaluate it
-     * at the end positions of points. Other loads return an empty function.
-     */
+    /// Return, for a load that depends on the current position, its
+    /// acceleration at time @p t (s) of points of this @p layout; implicit
+    /// steps evaluate it at the end positions of points. Other loads return an
+    /// empty function.
     virtual AtPosition
     at_position(const PointLayout<dim> &, const double) const
     {
@@ -185,5 +183,3 @@ namespace greville
     bool     with_position = false;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_boundary_surface_loads_h
-#define greville_boundary_surface_loads_h
+#pragma once
 
 #include <greville/parameters/simulation_parameters.h>
 
@@ -72,5 +71,3 @@ namespace greville
     std::vector<std::unique_ptr<SurfaceLoad<dim>>> loads;
   };
 } // namespace greville
-
-#endif

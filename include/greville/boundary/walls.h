@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_boundary_walls_h
-#define greville_boundary_walls_h
+#pragma once
 
 #include <greville/parameters/simulation_parameters.h>
 
@@ -78,12 +77,10 @@ namespace greville
     void
     reinit(const SplineSpace<dim> &space);
 
-    /**
-     * Throw dealii::ExcMessage if formulas of moving walls fail at corners
-     * between two times, or if a wall that must stay in its place leaves it:
-     * the wall constrains the coefficients at the edge of the grid, which in
-     * updated Lagrangian steps no longer touch a body that is a cell away.
-     */
+    /// Throw dealii::ExcMessage if formulas of moving walls fail at corners
+    /// between two times, or if a wall that must stay in its place leaves it:
+    /// the wall constrains the coefficients at the edge of the grid, which in
+    /// updated Lagrangian steps no longer touch a body that is a cell away.
     void
     check_paths(const SplineSpace<dim> &space,
                 const double            start,
@@ -223,5 +220,3 @@ namespace greville
     std::array<std::vector<unsigned char>, 2 * dim>      counted;
   };
 } // namespace greville
-
-#endif

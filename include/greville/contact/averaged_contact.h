@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_contact_averaged_contact_h
-#define greville_contact_averaged_contact_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -79,15 +78,13 @@ namespace greville
 
 
 
-  /**
-   * Data of the keys of an AveragedContact on this process that are stored
-   * between the iterations of a step. Pressures are used in the method of
-   * Uzawa: the given pressures, Pa, are the averages of
-   * ContactPoint::start_pressure in the first round, and the results of the
-   * previous round afterwards. A key that slides in the direction opposite to
-   * the last tangent gets the tangent of a sticking key, since Newton's method
-   * would otherwise alternate between both directions.
-   */
+  /// Data of the keys of an AveragedContact on this process that are stored
+  /// between the iterations of a step. Pressures are used in the method of
+  /// Uzawa: the given pressures, Pa, are the averages of
+  /// ContactPoint::start_pressure in the first round, and the results of the
+  /// previous round afterwards. A key that slides in the direction opposite to
+  /// the last tangent gets the tangent of a sticking key, since Newton's method
+  /// would otherwise alternate between both directions.
   template <int dim>
   struct KeyMemory
   {
@@ -184,5 +181,3 @@ namespace greville
     MPI_Comm               comm;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_contact_combine_by_key_h
-#define greville_contact_combine_by_key_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -45,5 +44,3 @@ namespace greville
         values[key] = sum;
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_contact_contact_point_h
-#define greville_contact_contact_point_h
+#pragma once
 
 #include <deal.II/base/point.h>
 
@@ -40,12 +39,10 @@ namespace greville
     double thickness = 1.;
     /// The displacement in the step, m.
     dealii::Tensor<1, dim> motion;
-    /**
-     * The vector from the place at which hat functions are evaluated to x, m.
-     * The place is half way to the other side, so that two parallel surfaces
-     * have the same weights, and is frozen during trial steps of implicit
-     * schemes: the energy balance of implicit midpoint steps depends on both.
-     */
+    /// The vector from the place at which hat functions are evaluated to x, m.
+    /// The place is half way to the other side, so that two parallel surfaces
+    /// have the same weights, and is frozen during trial steps of implicit
+    /// schemes: the energy balance of implicit midpoint steps depends on both.
     dealii::Tensor<1, dim> offset_from_hats;
     /// The elastic part of the slip of side 0 along side 1, m: history.
     dealii::Tensor<1, dim> slip;
@@ -78,5 +75,3 @@ namespace greville
     dealii::Tensor<2, dim> stiffness;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_contact_contact_tangent_h
-#define greville_contact_contact_tangent_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/tensor.h>
@@ -95,5 +94,3 @@ namespace greville
     mutable VectorType values;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_contact_friction_law_h
-#define greville_contact_friction_law_h
+#pragma once
 
 #include <functional>
 #include <memory>
@@ -92,14 +91,11 @@ namespace greville
   bool
   add_friction_law(const std::string &name, const MakeFrictionLaw &make);
 
-  /**
-   * Return the law with the @p text of a @p parameter `Friction`: the
-   * coefficient mu as a number or a formula mu(p, v), whose negative values
-   * count as zero, or the name of a law. Throws dealii::ExcMessage if the text
-   * is invalid, and for a formula that is negative at p = 1 Pa without sliding.
-   */
+  /// Return the law with the @p text of a @p parameter `Friction`: the
+  /// coefficient mu as a number or a formula mu(p, v), whose negative values
+  /// count as zero, or the name of a law. Throws dealii::ExcMessage if the text
+  /// is invalid, and for a formula that is negative at p = 1 Pa without
+  /// sliding.
   std::unique_ptr<const FrictionLaw>
   make_friction_law(const std::string &text, const std::string &parameter);
 } // namespace greville
-
-#endif

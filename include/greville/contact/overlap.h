@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_contact_overlap_h
-#define greville_contact_overlap_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/point.h>
@@ -54,5 +53,3 @@ namespace greville
                   const dealii::Tensor<1, dim>        &h,
                   const MPI_Comm                       comm);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_contact_rigid_body_h
-#define greville_contact_rigid_body_h
+#pragma once
 
 #include <greville/contact/contact_point.h>
 #include <greville/geometry/closest_surface.h>
@@ -64,12 +63,10 @@ namespace greville
               const RigidPosition<dim>       &now,
               const RigidPosition<dim>       &before) const;
 
-    /**
-     * Return whether a point for which find_gaps() was called has passed
-     * through the body in the step: it entered on one side, or was closer to
-     * that side, and leaves on the opposite one. Contact would then push it out
-     * on the wrong side, or end.
-     */
+    /// Return whether a point for which find_gaps() was called has passed
+    /// through the body in the step: it entered on one side, or was closer to
+    /// that side, and leaves on the opposite one. Contact would then push it
+    /// out on the wrong side, or end.
     bool
     is_crossed_by(const ContactPoint<dim>  &point,
                   const double              reach,
@@ -157,5 +154,3 @@ namespace greville
     mutable bool                     has_end = false;
   };
 } // namespace greville
-
-#endif

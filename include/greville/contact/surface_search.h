@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_contact_surface_search_h
-#define greville_contact_surface_search_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -46,13 +45,11 @@ namespace greville
       , comm(comm)
     {}
 
-    /**
-     * Collective. Set ContactPoint::is_facing, gap and target_normal of the
-     * points of both sides, on any processes, if the other side is within the
-     * distance @p reach, m. Points that may be in contact are sent to the
-     * process to which a box of space belongs; nothing is sent if the sides are
-     * further apart.
-     */
+    /// Collective. Set ContactPoint::is_facing, gap and target_normal of the
+    /// points of both sides, on any processes, if the other side is within the
+    /// distance @p reach, m. Points that may be in contact are sent to the
+    /// process to which a box of space belongs; nothing is sent if the sides
+    /// are further apart.
     void
     find_gaps(std::vector<ContactPoint<dim>> &points, const double reach) const;
 
@@ -61,5 +58,3 @@ namespace greville
     const MPI_Comm comm;
   };
 } // namespace greville
-
-#endif

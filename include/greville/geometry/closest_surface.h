@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_closest_surface_h
-#define greville_geometry_closest_surface_h
+#pragma once
 
 #include <greville/geometry/surface_shape.h>
 
@@ -89,15 +88,11 @@ namespace greville
 
 
 
-  /**
-   * Return the surface of a body from facets, as returned by read_surface().
-   * Facets are found in an R-tree of boxes. The side follows from the sum of
-   * the normals of all facets at the closest point, weighted by their angles
-   * there (@ref Baerentzen2005 "B&aelig;rentzen and Aan&aelig;s, 2005").
-   */
+  /// Return the surface of a body from facets, as returned by read_surface().
+  /// Facets are found in an R-tree of boxes. The side follows from the sum of
+  /// the normals of all facets at the closest point, weighted by their angles
+  /// there (@ref Baerentzen2005 "B&aelig;rentzen and Aan&aelig;s, 2005").
   template <int dim>
   std::unique_ptr<ClosestSurface<dim>>
   make_closest_surface(const ClosedSurface<dim> &surface);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_convex_part_h
-#define greville_geometry_convex_part_h
+#pragma once
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/point.h>
@@ -82,12 +81,10 @@ namespace greville
 
     ConvexPart(const dealii::BoundingBox<dim> &box);
 
-    /**
-     * Compute the parts on both sides of @p plane and the part of the plane
-     * between them. Returns whether both parts have an extent; otherwise
-     * nothing is computed. Corners closer to the plane than @p tolerance lie in
-     * it.
-     */
+    /// Compute the parts on both sides of @p plane and the part of the plane
+    /// between them. Returns whether both parts have an extent; otherwise
+    /// nothing is computed. Corners closer to the plane than @p tolerance lie
+    /// in it.
     bool
     split(const Plane<dim> &plane,
           const double      tolerance,
@@ -109,5 +106,3 @@ namespace greville
     std::vector<Facet<dim>> facets;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_fitted_points_h
-#define greville_geometry_fitted_points_h
+#pragma once
 
 #include <greville/geometry/fitted_shape.h>
 #include <greville/geometry/placement.h>
@@ -52,5 +51,3 @@ namespace greville
                        const std::string      &section,
                        const SplineSpace<dim> &space);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_fitted_shape_h
-#define greville_geometry_fitted_shape_h
+#pragma once
 
 #include <greville/geometry/level_set.h>
 #include <greville/geometry/shape.h>
@@ -29,12 +28,10 @@ namespace greville
   public:
     virtual ~FittedShape() = default;
 
-    /**
-     * Points that integrate over the part of a cell inside, and over the
-     * boundary in it, with at least order 2 n where that is smooth. What of the
-     * boundary lies in the faces of cells belongs to the cell on its inner
-     * side. The cell may lie next to the grid.
-     */
+    /// Points that integrate over the part of a cell inside, and over the
+    /// boundary in it, with at least order 2 n where that is smooth. What of
+    /// the boundary lies in the faces of cells belongs to the cell on its inner
+    /// side. The cell may lie next to the grid.
     virtual CellPart<dim>
     cut(const CellBox<dim> &cell, const unsigned int n) const = 0;
 
@@ -65,5 +62,3 @@ namespace greville
     ShapeTree<dim> tree;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_inside_h
-#define greville_geometry_inside_h
+#pragma once
 
 #include <greville/geometry/placement.h>
 
@@ -17,5 +16,3 @@ namespace greville
               const std::string      &section,
               const SplineSpace<dim> &space);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_level_set_h
-#define greville_geometry_level_set_h
+#pragma once
 
 #include <deal.II/base/function.h>
 #include <deal.II/base/symmetric_tensor.h>
@@ -167,5 +166,3 @@ namespace greville
     Node                       root;
   };
 } // namespace greville
-
-#endif

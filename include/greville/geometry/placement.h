@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_placement_h
-#define greville_geometry_placement_h
+#pragma once
 
 #include <greville/base/parameters.h>
 #include <greville/spline/spline_space.h>
@@ -63,18 +62,14 @@ namespace greville
   MultiIndex<dim>
   points_of_cell(const PointPlacement &placement, const std::string &section);
 
-  /**
-   * Return the points of a shape in the owned cells. Points and ids do not
-   * depend on the number of processes. Throws dealii::ExcMessage with the name
-   * of the @p section for invalid formulas and for a shape that extends beyond
-   * the grid. Parts beyond a periodic wall enter on the opposite side, except
-   * for fitted points.
-   */
+  /// Return the points of a shape in the owned cells. Points and ids do not
+  /// depend on the number of processes. Throws dealii::ExcMessage with the name
+  /// of the @p section for invalid formulas and for a shape that extends beyond
+  /// the grid. Parts beyond a periodic wall enter on the opposite side, except
+  /// for fitted points.
   template <int dim>
   std::vector<PlacedPoint<dim>>
   place_points(const PointPlacement   &placement,
                const std::string      &section,
                const SplineSpace<dim> &space);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_points_file_h
-#define greville_geometry_points_file_h
+#pragma once
 
 #include <greville/geometry/placement.h>
 
@@ -64,5 +63,3 @@ namespace greville
                       const std::string        &section,
                       const dealii::Point<dim> &x);
 } // namespace greville
-
-#endif

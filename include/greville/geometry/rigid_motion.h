@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_rigid_motion_h
-#define greville_geometry_rigid_motion_h
+#pragma once
 
 #include <deal.II/base/point.h>
 #include <deal.II/base/symmetric_tensor.h>
@@ -123,5 +122,3 @@ namespace greville
     body.rotation = 0.5 * turned * (3. * unit - transpose(turned) * turned);
   }
 } // namespace greville
-
-#endif

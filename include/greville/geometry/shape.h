@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_shape_h
-#define greville_geometry_shape_h
+#pragma once
 
 #include <deal.II/base/point.h>
 
@@ -41,5 +40,3 @@ namespace greville
     Expression expression;
   };
 } // namespace greville
-
-#endif

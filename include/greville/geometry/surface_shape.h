@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_geometry_surface_shape_h
-#define greville_geometry_surface_shape_h
+#pragma once
 
 #include <greville/geometry/fitted_shape.h>
 
@@ -22,14 +21,12 @@ namespace greville
   template <int dim>
   using ClosedSurface = std::vector<Facet<dim>>;
 
-  /**
-   * Read a surface whose coordinates are multiples of @p unit (m). In 3D, the
-   * file is a mesh in a format of Assimp: STL, PLY, OBJ, ... In 2D, it is a CSV
-   * file with the columns x, y and, for several polygons, loop. It lists the
-   * vertices in order, in either sense; a polygon inside another one is a hole.
-   * Throws dealii::ExcMessage with the name of the @p parameter if a mesh is
-   * not closed or its normals do not point outwards.
-   */
+  /// Read a surface whose coordinates are multiples of @p unit (m). In 3D, the
+  /// file is a mesh in a format of Assimp: STL, PLY, OBJ, ... In 2D, it is a
+  /// CSV file with the columns x, y and, for several polygons, loop. It lists
+  /// the vertices in order, in either sense; a polygon inside another one is a
+  /// hole. Throws dealii::ExcMessage with the name of the @p parameter if a
+  /// mesh is not closed or its normals do not point outwards.
   template <int dim>
   ClosedSurface<dim>
   read_surface(const std::string &file,
@@ -96,5 +93,3 @@ namespace greville
     std::vector<std::pair<std::uint64_t, unsigned int>> by_cell;
   };
 } // namespace greville
-
-#endif

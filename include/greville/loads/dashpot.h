@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_loads_dashpot_h
-#define greville_loads_dashpot_h
+#pragma once
 
 #include <greville/loads/surface_load.h>
 
@@ -56,5 +55,3 @@ namespace greville
     };
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_loads_pressure_h
-#define greville_loads_pressure_h
+#pragma once
 
 #include <greville/base/named_formulas.h>
 #include <greville/loads/surface_load.h>
@@ -60,5 +59,3 @@ namespace greville
     std::string pressure;
   };
 } // namespace greville
-
-#endif

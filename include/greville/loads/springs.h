@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_loads_springs_h
-#define greville_loads_springs_h
+#pragma once
 
 #include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
@@ -140,5 +139,3 @@ namespace greville
     double      stiffness = 0.;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_loads_surface_load_h
-#define greville_loads_surface_load_h
+#pragma once
 
 #include <deal.II/base/parameter_handler.h>
 
@@ -166,5 +165,3 @@ namespace greville
                  const std::string &kind,
                  const std::string &parameter);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_loads_traction_h
-#define greville_loads_traction_h
+#pragma once
 
 #include <greville/base/named_formulas.h>
 #include <greville/loads/surface_load.h>
@@ -69,5 +68,3 @@ namespace greville
     bool        per_current_area = false;
   };
 } // namespace greville
-
-#endif

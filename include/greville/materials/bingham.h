@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_bingham_h
-#define greville_materials_bingham_h
+#pragma once
 
 #include <greville/materials/tait_fluid.h>
 
@@ -77,5 +76,3 @@ namespace greville
     double regularization = 1.;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_critical_state_h
-#define greville_materials_critical_state_h
+#pragma once
 
 #include <greville/materials/elastoplastic_law.h>
 #include <greville/materials/pressure_elasticity.h>
@@ -281,5 +280,3 @@ namespace greville
     }
   };
 } // namespace greville
-
-#endif

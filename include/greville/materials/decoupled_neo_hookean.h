@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_decoupled_neo_hookean_h
-#define greville_materials_decoupled_neo_hookean_h
+#pragma once
 
 #include <greville/materials/elastic_constants.h>
 
@@ -34,12 +33,10 @@ namespace greville
   public:
     static constexpr const char *name = "decoupled-neo-hookean";
 
-    /**
-     * Solve K (J^2 - 1) = 2 J p for J. The principal values of bbar are m + e_a
-     * with e_a = J s_a / mu and the deviator s of sigma, and m makes their
-     * product one. Newton's method for m starts from above, where the product
-     * is convex.
-     */
+    /// Solve K (J^2 - 1) = 2 J p for J. The principal values of bbar are m +
+    /// e_a with e_a = J s_a / mu and the deviator s of sigma, and m makes their
+    /// product one. Newton's method for m starts from above, where the product
+    /// is convex.
     void
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const override
@@ -168,5 +165,3 @@ namespace greville
     }
   };
 } // namespace greville
-
-#endif

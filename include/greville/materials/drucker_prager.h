@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_drucker_prager_h
-#define greville_materials_drucker_prager_h
+#pragma once
 
 #include <greville/materials/hencky_plasticity.h>
 #include <greville/materials/strength_reduction.h>
@@ -289,5 +288,3 @@ namespace greville
     bool    is_cut_off   = false;
   };
 } // namespace greville
-
-#endif

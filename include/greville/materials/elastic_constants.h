@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_elastic_constants_h
-#define greville_materials_elastic_constants_h
+#pragma once
 
 #include <greville/materials/hencky.h>
 #include <greville/materials/material_lanes.h>
@@ -76,13 +75,11 @@ namespace greville
                       strain[2] * strain[2]);
     }
 
-    /**
-     * Return the modulus of longitudinal waves in Hencky's law, the largest of
-     * the values rho c^2 = (K + 4 G / 3 - tau_a) / J along the principal
-     * directions a. It vanishes in strong tension, as the law softens. Since
-     * time steps and estimates need a positive modulus, the wave speed is at
-     * least a tenth of its value in the stress-free state.
-     */
+    /// Return the modulus of longitudinal waves in Hencky's law, the largest of
+    /// the values rho c^2 = (K + 4 G / 3 - tau_a) / J along the principal
+    /// directions a. It vanishes in strong tension, as the law softens. Since
+    /// time steps and estimates need a positive modulus, the wave speed is at
+    /// least a tenth of its value in the stress-free state.
     template <typename Number>
     Number
     wave_modulus(const std::array<Number, 3> &tau,
@@ -99,12 +96,10 @@ namespace greville
       return {bulk, shear, 0.};
     }
 
-    /**
-     * Invert Hencky's law: fill stress, F, J and wave_modulus of @p point and
-     * return the principal Kirchhoff stresses; @p e becomes b - 1. ln J solves
-     * ln J = J tr(sigma) / (3 K), which has no solution for tr(sigma) / 3 > K /
-     * exp(1): throws dealii::ExcMessage.
-     */
+    /// Invert Hencky's law: fill stress, F, J and wave_modulus of @p point and
+    /// return the principal Kirchhoff stresses; @p e becomes b - 1. ln J solves
+    /// ln J = J tr(sigma) / (3 K), which has no solution for tr(sigma) / 3 > K
+    /// / exp(1): throws dealii::ExcMessage.
     Principal
     invert_hencky(MaterialPoint                       &point,
                   dealii::SymmetricTensor<2, 3>       &e,
@@ -182,5 +177,3 @@ namespace greville
     Elastic elastic;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_elastoplastic_law_h
-#define greville_materials_elastoplastic_law_h
+#pragma once
 
 #include <deal.II/base/utilities.h>
 
@@ -78,5 +77,3 @@ namespace greville
     }
   };
 } // namespace greville
-
-#endif

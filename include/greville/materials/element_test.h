@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_element_test_h
-#define greville_materials_element_test_h
+#pragma once
 
 #include <deal.II/base/parameter_handler.h>
 
@@ -93,5 +92,3 @@ namespace greville
                    const std::string           &test,
                    const ElementTestParameters &parameters);
 } // namespace greville
-
-#endif

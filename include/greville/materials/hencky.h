@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_hencky_h
-#define greville_materials_hencky_h
+#pragma once
 
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/tensor.h>
@@ -97,5 +96,3 @@ namespace greville
     }
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_hencky_law_h
-#define greville_materials_hencky_law_h
+#pragma once
 
 #include <greville/materials/elastic_constants.h>
 
@@ -186,5 +185,3 @@ namespace greville
     }
   };
 } // namespace greville
-
-#endif

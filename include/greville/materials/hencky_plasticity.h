@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_hencky_plasticity_h
-#define greville_materials_hencky_plasticity_h
+#pragma once
 
 #include <greville/materials/elastoplastic_law.h>
 #include <greville/materials/return_map.h>
@@ -225,5 +224,3 @@ namespace greville
   };
 
 } // namespace greville
-
-#endif

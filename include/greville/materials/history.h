@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_history_h
-#define greville_materials_history_h
+#pragma once
 
 #include <array>
 #include <vector>
@@ -40,5 +39,3 @@ namespace greville
     std::vector<Number>         more;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_lanes_h
-#define greville_materials_lanes_h
+#pragma once
 
 #include <greville/base/simd.h>
 
@@ -157,5 +156,3 @@ namespace greville
     return sum;
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_linear_elastic_h
-#define greville_materials_linear_elastic_h
+#pragma once
 
 #include <greville/materials/hencky_law.h>
 
@@ -73,5 +72,3 @@ namespace greville
     }
   };
 } // namespace greville
-
-#endif

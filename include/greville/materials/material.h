@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_material_h
-#define greville_materials_material_h
+#pragma once
 
 #include <deal.II/base/array_view.h>
 #include <deal.II/base/parameter_handler.h>
@@ -34,12 +33,10 @@ namespace greville
 
 
 
-  /**
-   * The derivative D_ijkl = d sigma_ij / d l_kl of the Cauchy stress at the end
-   * of a step by l = df f^-1, where f is the increment F_(n+1) F_n^-1: by all
-   * nine l_kl, not only the symmetric part. If the law is objective, a spin w
-   * gives w sigma - sigma w.
-   */
+  /// The derivative D_ijkl = d sigma_ij / d l_kl of the Cauchy stress at the
+  /// end of a step by l = df f^-1, where f is the increment F_(n+1) F_n^-1: by
+  /// all nine l_kl, not only the symmetric part. If the law is objective, a
+  /// spin w gives w sigma - sigma w.
   using MaterialTangent = dealii::Tensor<4, 3>;
 
 
@@ -85,23 +82,19 @@ namespace greville
       return "";
     }
 
-    /**
-     * Initialize a point at rest with the Cauchy stress @p stress: fill stress,
-     * state, F (a symmetric stretch from the stress-free state), J and
-     * wave_modulus of @p point. Throws dealii::ExcMessage if the law does not
-     * allow this stress (a fluid with shear stress, a stress outside the yield
-     * surface).
-     */
+    /// Initialize a point at rest with the Cauchy stress @p stress: fill
+    /// stress, state, F (a symmetric stretch from the stress-free state), J and
+    /// wave_modulus of @p point. Throws dealii::ExcMessage if the law does not
+    /// allow this stress (a fluid with shear stress, a stress outside the yield
+    /// surface).
     virtual void
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const = 0;
 
-    /**
-     * Compute stress, state and wave_modulus of @p points at the end of a step.
-     * Results of impossible deformations (J <= 0) are not finite. May throw
-     * dealii::ExcMessage if a step is too long for the law: implicit steps are
-     * then repeated with a shorter step, explicit steps end the run.
-     */
+    /// Compute stress, state and wave_modulus of @p points at the end of a
+    /// step. Results of impossible deformations (J <= 0) are not finite. May
+    /// throw dealii::ExcMessage if a step is too long for the law: implicit
+    /// steps are then repeated with a shorter step, explicit steps end the run.
     virtual void
     update(const dealii::ArrayView<MaterialPoint> &points) const = 0;
 
@@ -164,24 +157,20 @@ namespace greville
     virtual EnergyLanes
     energies(const MaterialLanes &points) const;
 
-    /**
-     * Return the divisor of the material's strength at a given time: the value
-     * of MaterialPoint::strength_reduction in a step that ends at this time.
-     * Throws dealii::ExcMessage with the name of the parameter, on all
-     * processes alike, if the parameters give no value.
-     */
+    /// Return the divisor of the material's strength at a given time: the value
+    /// of MaterialPoint::strength_reduction in a step that ends at this time.
+    /// Throws dealii::ExcMessage with the name of the parameter, on all
+    /// processes alike, if the parameters give no value.
     virtual double
     strength_reduction(const double /*time*/) const
     {
       return 1.;
     }
 
-    /**
-     * Return whether neighboring points share their changes of volume
-     * (PointTransfer::share_volume()). Laws whose pressure depends on J only
-     * need this, since J is not otherwise coupled to the positions of points
-     * and its errors accumulate.
-     */
+    /// Return whether neighboring points share their changes of volume
+    /// (PointTransfer::share_volume()). Laws whose pressure depends on J only
+    /// need this, since J is not otherwise coupled to the positions of points
+    /// and its errors accumulate.
     virtual bool
     shares_volume() const
     {
@@ -265,5 +254,3 @@ namespace greville
   std::unique_ptr<Material>
   make_material(const std::string &name, const std::string &parameter);
 } // namespace greville
-
-#endif

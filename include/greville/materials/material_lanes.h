@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_material_lanes_h
-#define greville_materials_material_lanes_h
+#pragma once
 
 #include <greville/materials/lanes.h>
 #include <greville/materials/material.h>
@@ -328,5 +327,3 @@ namespace greville
     return choose(is_small, near, exp_less_one(x) - x);
   }
 } // namespace greville
-
-#endif

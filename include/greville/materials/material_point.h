@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_material_point_h
-#define greville_materials_material_point_h
+#pragma once
 
 #include <deal.II/base/point.h>
 #include <deal.II/base/symmetric_tensor.h>
@@ -40,5 +39,3 @@ namespace greville
     unsigned int     dim  = 3;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_modified_cam_clay_h
-#define greville_materials_modified_cam_clay_h
+#pragma once
 
 #include <greville/materials/critical_state.h>
 
@@ -228,5 +227,3 @@ namespace greville
     double plastic_slope           = 0.;
   };
 } // namespace greville
-
-#endif

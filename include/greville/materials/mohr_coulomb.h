@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_mohr_coulomb_h
-#define greville_materials_mohr_coulomb_h
+#pragma once
 
 #include <greville/materials/hencky_plasticity.h>
 #include <greville/materials/strength_reduction.h>
@@ -215,13 +214,11 @@ namespace greville
       return {{s.apex, s.apex, s.apex}};
     }
 
-    /**
-     * Return the plastic volumetric strain of a return from sorted stresses to
-     * the apex, less the dilatancy of its deviator e: the flows (1 + m, 0, m -
-     * 1) gamma, m = sin(psi), of the planes that meet at the right edge have
-     * the volumetric strain 2 m sum(gamma) with sum(gamma) = e_1 / (1 + m / 3),
-     * and at the left edge with sum(gamma) = -e_3 / (1 - m / 3).
-     */
+    /// Return the plastic volumetric strain of a return from sorted stresses to
+    /// the apex, less the dilatancy of its deviator e: the flows (1 + m, 0, m -
+    /// 1) gamma, m = sin(psi), of the planes that meet at the right edge have
+    /// the volumetric strain 2 m sum(gamma) with sum(gamma) = e_1 / (1 + m /
+    /// 3), and at the left edge with sum(gamma) = -e_3 / (1 - m / 3).
     double
     opening_at_apex(const Principal &trial,
                     const double     apex,
@@ -251,11 +248,10 @@ namespace greville
                   const bool                         grows,
                   const std::array<unsigned int, 3> &order) const;
 
-    /**
-     * Compute the derivatives of the result of returned() with respect to the
-     * trial stresses @p t, and with respect to a parameter of the surface @p s.
-     * @p slope contains the derivatives of the surface by this parameter.
-     */
+    /// Compute the derivatives of the result of returned() with respect to the
+    /// trial stresses @p t, and with respect to a parameter of the surface
+    /// @p s. @p slope contains the derivatives of the surface by this
+    /// parameter.
     void
     differentiate_return(const Principal &t,
                          const Surface   &s,
@@ -278,5 +274,3 @@ namespace greville
     Surface peak{0., 0., 0., 0.};
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_neo_hookean_h
-#define greville_materials_neo_hookean_h
+#pragma once
 
 #include <greville/materials/elastic_constants.h>
 
@@ -154,5 +153,3 @@ namespace greville
     }
   };
 } // namespace greville
-
-#endif

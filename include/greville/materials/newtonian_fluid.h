@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_newtonian_fluid_h
-#define greville_materials_newtonian_fluid_h
+#pragma once
 
 #include <greville/materials/tait_fluid.h>
 
@@ -45,5 +44,3 @@ namespace greville
     double mu = 1e-3;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_nor_sand_h
-#define greville_materials_nor_sand_h
+#pragma once
 
 #include <greville/materials/critical_state.h>
 
@@ -267,5 +266,3 @@ namespace greville
     double hardening = 100.;
   };
 } // namespace greville
-
-#endif

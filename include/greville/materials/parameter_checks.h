@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_parameter_checks_h
-#define greville_materials_parameter_checks_h
+#pragma once
 
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/patterns.h>
@@ -67,5 +66,3 @@ namespace greville
     Require(false, text.str());
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_pressure_elasticity_h
-#define greville_materials_pressure_elasticity_h
+#pragma once
 
 #include <greville/materials/hencky.h>
 #include <greville/materials/material_lanes.h>
@@ -76,12 +75,10 @@ namespace greville
       return {attraction / kappa, shear, 0.};
     }
 
-    /**
-     * Fill stress, F, J and wave_modulus of @p point for a Cauchy stress sigma,
-     * and return eps; @p e becomes b - 1. ln J solves exp(ln J) tr(sigma) / 3 =
-     * a (1 - exp(-ln J / kappa)); throws dealii::ExcMessage if it has no
-     * solution.
-     */
+    /// Fill stress, F, J and wave_modulus of @p point for a Cauchy stress
+    /// sigma, and return eps; @p e becomes b - 1. ln J solves exp(ln J)
+    /// tr(sigma) / 3 = a (1 - exp(-ln J / kappa)); throws dealii::ExcMessage if
+    /// it has no solution.
     Principal
     invert(MaterialPoint                       &point,
            dealii::SymmetricTensor<2, 3>       &e,
@@ -129,5 +126,3 @@ namespace greville
     double attraction = 100.;
   };
 } // namespace greville
-
-#endif

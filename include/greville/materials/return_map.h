@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_return_map_h
-#define greville_materials_return_map_h
+#pragma once
 
 #include <greville/materials/hencky.h>
 
@@ -77,5 +76,3 @@ namespace greville
       }
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_spectral_decomposition_h
-#define greville_materials_spectral_decomposition_h
+#pragma once
 
 #include <greville/materials/lanes.h>
 
@@ -185,5 +184,3 @@ namespace greville
     std::array<Number, 3> n, u, w; // not used in the plane
   };
 } // namespace greville
-
-#endif

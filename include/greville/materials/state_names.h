@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_state_names_h
-#define greville_materials_state_names_h
+#pragma once
 
 #include <string>
 #include <vector>
@@ -24,5 +23,3 @@ namespace greville
   check_state_names(const std::vector<std::string> &names,
                     const std::string              &section);
 } // namespace greville
-
-#endif

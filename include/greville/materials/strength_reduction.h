@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_strength_reduction_h
-#define greville_materials_strength_reduction_h
+#pragma once
 
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/parameter_handler.h>
@@ -77,5 +76,3 @@ namespace greville
     std::optional<Expression> formula;
   };
 } // namespace greville
-
-#endif

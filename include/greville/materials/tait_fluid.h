@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_tait_fluid_h
-#define greville_materials_tait_fluid_h
+#pragma once
 
 #include <greville/materials/hencky.h>
 #include <greville/materials/material_lanes.h>
@@ -269,5 +268,3 @@ namespace greville
     double B              = 0.;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_umat_h
-#define greville_materials_umat_h
+#pragma once
 
 #include <greville/base/expression.h>
 #include <greville/materials/lanes.h>
@@ -144,5 +143,3 @@ namespace greville
     mutable UmatMemory memory;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: LGPL-2.1-or-later */
 
-#ifndef greville_materials_umat_arguments_h
-#define greville_materials_umat_arguments_h
+#pragma once
 
 #include <stddef.h>
 
@@ -23,5 +22,3 @@
     const double *dfgrd0, const double *dfgrd1, const int *noel,              \
     const int *npt, const int *layer, const int *kspt, const int *kstep,      \
     const int *kinc, size_t length
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_umat_call_h
-#define greville_materials_umat_call_h
+#pragma once
 
 #include <deal.II/base/exceptions.h>
 
@@ -73,5 +72,3 @@ namespace greville
     std::uint64_t number;
   };
 } // namespace greville
-
-#endif

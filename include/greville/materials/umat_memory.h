@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_umat_memory_h
-#define greville_materials_umat_memory_h
+#pragma once
 
 #include <array>
 #include <cstddef>
@@ -13,13 +12,11 @@
 
 namespace greville
 {
-  /**
-   * The arguments of a UMAT in separate memory, with guards between them:
-   * marked NaNs, which change if a UMAT writes beyond an array, and which
-   * spread if it reads beyond one. The pages before and behind all arguments
-   * may neither be read nor written. STATEV is the last array, since its length
-   * is the one that laws most often get wrong.
-   */
+  /// The arguments of a UMAT in separate memory, with guards between them:
+  /// marked NaNs, which change if a UMAT writes beyond an array, and which
+  /// spread if it reads beyond one. The pages before and behind all arguments
+  /// may neither be read nor written. STATEV is the last array, since its
+  /// length is the one that laws most often get wrong.
   class UmatMemory
   {
   public:
@@ -138,5 +135,3 @@ namespace greville
     std::vector<double>                image;
   };
 } // namespace greville
-
-#endif

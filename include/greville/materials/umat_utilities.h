@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_umat_utilities_h
-#define greville_materials_umat_utilities_h
+#pragma once
 
 #include <cstddef>
 
@@ -52,13 +51,11 @@ namespace greville
     void
     xit_();
 
-    /**
-     * Write a message with %I, %R and %S for the next entry of intv, realv and
-     * charv (8 characters each). If lop is 1 (information) or -1 (a warning),
-     * each text is written once to the error output; if lop is -2 or -3
-     * (errors), dealii::ExcMessage is thrown. The lengths are Fortran's hidden
-     * arguments for the two strings.
-     */
+    /// Write a message with %I, %R and %S for the next entry of intv, realv and
+    /// charv (8 characters each). If lop is 1 (information) or -1 (a warning),
+    /// each text is written once to the error output; if lop is -2 or -3
+    /// (errors), dealii::ExcMessage is thrown. The lengths are Fortran's hidden
+    /// arguments for the two strings.
     void
     stdb_abqerr_(const int    *lop,
                  const char   *text,
@@ -69,5 +66,3 @@ namespace greville
                  std::size_t   charv_length);
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_materials_von_mises_h
-#define greville_materials_von_mises_h
+#pragma once
 
 #include <greville/materials/hencky_plasticity.h>
 
@@ -84,5 +83,3 @@ namespace greville
     double hardening_modulus = 0.;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_paper_assembled_mass_level_h
-#define greville_paper_assembled_mass_level_h
+#pragma once
 
 #include <greville/multigrid/mass_level.h>
 #include <greville/paper/mass_matrix.h>
@@ -64,5 +63,3 @@ namespace greville
     bool                             apply_matrix = false;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_paper_ilut_h
-#define greville_paper_ilut_h
+#pragma once
 
 #include <greville/base/petsc.h>
 
@@ -60,5 +59,3 @@ namespace greville
   void
   register_petsc_ilut();
 } // namespace greville
-
-#endif

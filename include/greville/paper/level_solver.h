@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_paper_level_solver_h
-#define greville_paper_level_solver_h
+#pragma once
 
 #include <greville/linear_algebra/solve_result.h>
 #include <greville/multigrid/level_operator.h>
@@ -44,5 +43,3 @@ namespace greville
           const VectorType         &b,
           SolveResult              &result);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_paper_mass_matrix_h
-#define greville_paper_mass_matrix_h
+#pragma once
 
 #include <greville/base/petsc.h>
 #include <greville/mass/extended_mass.h>
@@ -51,5 +50,3 @@ namespace greville
     PetscVectorView view_dst, view_src;
   };
 } // namespace greville
-
-#endif

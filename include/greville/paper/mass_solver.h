@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_paper_mass_solver_h
-#define greville_paper_mass_solver_h
+#pragma once
 
 #include <greville/linear_algebra/solve_result.h>
 #include <greville/multigrid/p_multigrid.h>
@@ -141,5 +140,3 @@ namespace greville
     VectorType                      inverse_lumped;
   };
 } // namespace greville
-
-#endif

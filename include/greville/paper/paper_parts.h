@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_paper_paper_parts_h
-#define greville_paper_paper_parts_h
+#pragma once
 
 #include <greville/multigrid/p_multigrid.h>
 
@@ -57,5 +56,3 @@ namespace greville
     declare(dealii::ParameterHandler &prm);
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_paper_schwarz_h
-#define greville_paper_schwarz_h
+#pragma once
 
 #include <greville/multigrid/level_operator.h>
 
@@ -39,11 +38,10 @@ namespace greville
   class AdditiveSchwarz : public Preconditioner
   {
   public:
-    /**
-     * Collective. Set up the method for the matrix() of a level. @p ordering is
-     * "lexicographic" or the name of an ordering of PETSc ("rcm", "amd", "nd",
-     * ...). Throws on all processes if the local solver cannot be made on one.
-     */
+    /// Collective. Set up the method for the matrix() of a level. @p ordering
+    /// is "lexicographic" or the name of an ordering of PETSc ("rcm", "amd",
+    /// "nd", ...). Throws on all processes if the local solver cannot be made
+    /// on one.
     AdditiveSchwarz(const LevelOperator<dim>                    &level,
                     const unsigned int                           overlap,
                     const bool                                   is_symmetric,
@@ -93,5 +91,3 @@ namespace greville
     mutable std::vector<double> local;  // in the ordering
   };
 } // namespace greville
-
-#endif

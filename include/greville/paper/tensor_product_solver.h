@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_paper_tensor_product_solver_h
-#define greville_paper_tensor_product_solver_h
+#pragma once
 
 #include <deal.II/base/mpi_noncontiguous_partitioner.h>
 
@@ -124,5 +123,3 @@ namespace greville
     std::vector<double>              scaling; // D^(1/2), 0 where inactive
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_parameters_in_stage_h
-#define greville_parameters_in_stage_h
+#pragma once
 
 #include <greville/base/errors.h>
 #include <greville/parameters/simulation_parameters.h>
@@ -30,5 +29,3 @@ namespace greville
       }
   }
 } // namespace greville
-
-#endif

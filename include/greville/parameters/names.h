@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_parameters_names_h
-#define greville_parameters_names_h
+#pragma once
 
 #include <greville/base/parameters.h>
 
@@ -67,5 +66,3 @@ namespace greville
   bool
   is_implicit_scheme(const std::string &name);
 } // namespace greville
-
-#endif

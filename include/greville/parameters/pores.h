@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_parameters_pores_h
-#define greville_parameters_pores_h
+#pragma once
 
 #include <greville/parameters/simulation_parameters.h>
 
@@ -27,5 +26,3 @@ namespace greville
   std::string
   describe_water_at_boundaries(const SimulationParameters &parameters);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_parameters_run_parameters_h
-#define greville_parameters_run_parameters_h
+#pragma once
 
 #include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/utilities.h>
@@ -126,5 +125,3 @@ namespace greville
     unsigned int check_every = 0;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_parameters_section_parameters_h
-#define greville_parameters_section_parameters_h
+#pragma once
 
 #include <greville/loads/surface_load.h>
 #include <greville/stiffness/tangent_system.h>
@@ -257,5 +256,3 @@ namespace greville
     double      damping    = 0.;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_parameters_simulation_parameters_h
-#define greville_parameters_simulation_parameters_h
+#pragma once
 
 #include <deal.II/base/parameter_handler.h>
 
@@ -141,12 +140,10 @@ namespace greville
       return used_text;
     }
 
-    /**
-     * Return the tolerance of the solver of the consistent mass. By default,
-     * its errors in explicit steps are small compared with errors of B-splines
-     * of order @p degree. With pore water, the solver of the pressure solves
-     * for the mass in each of its products, which needs the same tolerance.
-     */
+    /// Return the tolerance of the solver of the consistent mass. By default,
+    /// its errors in explicit steps are small compared with errors of B-splines
+    /// of order @p degree. With pore water, the solver of the pressure solves
+    /// for the mass in each of its products, which needs the same tolerance.
     double
     mass_tolerance(const unsigned int degree) const;
 
@@ -231,5 +228,3 @@ namespace greville
     std::string used_text;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_parameters_stage_parameters_h
-#define greville_parameters_stage_parameters_h
+#pragma once
 
 #include <deal.II/base/parameter_handler.h>
 
@@ -275,5 +274,3 @@ namespace greville
     std::map<std::string, std::string> material_of;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_parameters_unit_of_sums_h
-#define greville_parameters_unit_of_sums_h
+#pragma once
 
 #include <greville/parameters/section_parameters.h>
 
@@ -19,5 +18,3 @@ namespace greville
     return unit + (dim == 3 ? "" : grid.is_axisymmetric() ? " / rad" : " / m");
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_body_h
-#define greville_points_body_h
+#pragma once
 
 #include <deal.II/base/parameter_handler.h>
 
@@ -88,5 +87,3 @@ namespace greville
               const std::vector<SoilLayer> &layers = {},
               const WaterTable<dim>        &table  = {});
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_body_list_h
-#define greville_points_body_list_h
+#pragma once
 
 #include <greville/points/body.h>
 
@@ -75,5 +74,3 @@ namespace greville
     std::vector<const Body<dim> *> pointers;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_free_surface_h
-#define greville_points_free_surface_h
+#pragma once
 
 #include <greville/base/expression.h>
 #include <greville/base/vector_field.h>
@@ -143,5 +142,3 @@ namespace greville
     mutable std::vector<double> p_buffer, row_sums;
   };
 } // namespace greville
-
-#endif

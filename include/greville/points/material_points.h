@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_material_points_h
-#define greville_points_material_points_h
+#pragma once
 
 #include <deal.II/base/aligned_vector.h>
 #include <deal.II/base/array_view.h>
@@ -234,5 +233,3 @@ namespace greville
     return box.volume() * layout.thickness(box.center);
   }
 } // namespace greville
-
-#endif

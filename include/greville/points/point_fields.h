@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_point_fields_h
-#define greville_points_point_fields_h
+#pragma once
 
 #include <greville/points/body_list.h>
 
@@ -30,13 +29,11 @@ namespace greville
 
 
 
-  /**
-   * Return the fields @p names of the points of @p bodies on a process: F is
-   * the deformation gradient, strain is Green's strain, (F^T F - 1) / 2, size
-   * is the edge of a cube with the volume of a point, m, and history contains
-   * the history variables of the materials. Each of them is a field of all
-   * points, and is zero at points whose material does not have it.
-   */
+  /// Return the fields @p names of the points of @p bodies on a process: F is
+  /// the deformation gradient, strain is Green's strain, (F^T F - 1) / 2, size
+  /// is the edge of a cube with the volume of a point, m, and history contains
+  /// the history variables of the materials. Each of them is a field of all
+  /// points, and is zero at points whose material does not have it.
   template <int dim>
   std::vector<OutputField<dim>>
   point_fields(const std::vector<std::string> &names,
@@ -47,5 +44,3 @@ namespace greville
   std::string
   output_field_names();
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_point_layout_h
-#define greville_points_point_layout_h
+#pragma once
 
 #include <string>
 #include <vector>
@@ -157,5 +156,3 @@ namespace greville
     std::vector<PointField> all_fields;
   };
 } // namespace greville
-
-#endif

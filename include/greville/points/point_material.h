@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_point_material_h
-#define greville_points_point_material_h
+#pragma once
 
 #include <greville/materials/material.h>
 #include <greville/points/point_ref.h>
@@ -87,5 +86,3 @@ namespace greville
       p[layout.state + k] = point.state.more[k - n_first];
   }
 } // namespace greville
-
-#endif

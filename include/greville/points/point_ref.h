@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_point_ref_h
-#define greville_points_point_ref_h
+#pragma once
 
 #include <deal.II/base/point.h>
 #include <deal.II/base/symmetric_tensor.h>
@@ -14,12 +13,10 @@
 
 namespace greville
 {
-  /**
-   * A point in the storage of MaterialPoints, or in an array of its numbers
-   * (stride 1), by the names of its numbers; see PointLayout for their units.
-   * It is a pointer: copying it does not copy the point, and a `const PointRef`
-   * may be written to, but not a ConstPointRef.
-   */
+  /// A point in the storage of MaterialPoints, or in an array of its numbers
+  /// (stride 1), by the names of its numbers; see PointLayout for their units.
+  /// It is a pointer: copying it does not copy the point, and a `const
+  /// PointRef` may be written to, but not a ConstPointRef.
   template <int dim, typename Number = double>
   class PointRef
   {
@@ -222,5 +219,3 @@ namespace greville
   template <int dim>
   using ConstPointRef = PointRef<dim, const double>;
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_point_transport_h
-#define greville_points_point_transport_h
+#pragma once
 
 #include <greville/points/material_points.h>
 
@@ -9,13 +8,11 @@
 
 namespace greville
 {
-  /**
-   * A transport of points to the cells, and the processes, to which they have
-   * moved. Points that leave the grid by less than 1e-9 cells are moved back
-   * onto its wall. Points that leave it in a periodic direction re-enter on the
-   * other side: position and reference position, whose difference is the
-   * displacement, move by whole periods.
-   */
+  /// A transport of points to the cells, and the processes, to which they have
+  /// moved. Points that leave the grid by less than 1e-9 cells are moved back
+  /// onto its wall. Points that leave it in a periodic direction re-enter on
+  /// the other side: position and reference position, whose difference is the
+  /// displacement, move by whole periods.
   template <int dim>
   class PointTransport
   {
@@ -44,12 +41,10 @@ namespace greville
     move(MaterialPoints<dim>             &points,
          const std::vector<unsigned int> &left_cells);
 
-    /**
-     * Collective. Insert points into their cells on any process: @p rows
-     * contains the lexicographic position of the cell and the numbers of a
-     * point, one point after another. Points of a cell are sorted by the
-     * calling process and the order in @p rows.
-     */
+    /// Collective. Insert points into their cells on any process: @p rows
+    /// contains the lexicographic position of the cell and the numbers of a
+    /// point, one point after another. Points of a cell are sorted by the
+    /// calling process and the order in @p rows.
     void
     insert(MaterialPoints<dim> &points, const std::vector<double> &rows);
 
@@ -62,5 +57,3 @@ namespace greville
     std::unordered_map<std::uint64_t, unsigned int> owners_of_ghost_cells;
   };
 } // namespace greville
-
-#endif

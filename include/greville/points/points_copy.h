@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_points_copy_h
-#define greville_points_points_copy_h
+#pragma once
 
 #include <greville/points/material_points.h>
 
@@ -50,5 +49,3 @@ namespace greville
     std::vector<float>         rounded;
   };
 } // namespace greville
-
-#endif

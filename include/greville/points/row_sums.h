@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_row_sums_h
-#define greville_points_row_sums_h
+#pragma once
 
 #include <greville/materials/material.h>
 #include <greville/points/material_points.h>
@@ -85,12 +84,10 @@ namespace greville
 
 
 
-  /**
-   * Sums and extremes over the points of a body on this process, for a row of
-   * statistics. Units: kg, m, s, J; in 2D per metre of thickness. Each group of
-   * points is added by add_group() before a step changes it, and by
-   * add_motion() with its velocities at the time of the row.
-   */
+  /// Sums and extremes over the points of a body on this process, for a row of
+  /// statistics. Units: kg, m, s, J; in 2D per metre of thickness. Each group
+  /// of points is added by add_group() before a step changes it, and by
+  /// add_motion() with its velocities at the time of the row.
   template <int dim>
   class RowSums
   {
@@ -101,12 +98,10 @@ namespace greville
     /// One number for each lane.
     using Lane = std::array<double, width>;
 
-    /**
-     * Energies are computed for the @p material, and omitted if it is null.
-     * Only points with y above @p runout_above count for run-out fronts.
-     * outer_points() collects the outermost of them with the mass @p
-     * outer_mass, see OuterPoints; none if it is 0.
-     */
+    /// Energies are computed for the @p material, and omitted if it is null.
+    /// Only points with y above @p runout_above count for run-out fronts.
+    /// outer_points() collects the outermost of them with the mass
+    /// @p outer_mass, see OuterPoints; none if it is 0.
     RowSums(const Material *material  = nullptr,
             const double runout_above = std::numeric_limits<double>::lowest(),
             const double outer_mass   = 0.);
@@ -164,5 +159,3 @@ namespace greville
     double          typical_size = 0.; // m
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_spline_polynomials_h
-#define greville_points_spline_polynomials_h
+#pragma once
 
 #include <greville/spline/spline_space.h>
 
@@ -56,5 +55,3 @@ namespace greville
     std::array<SplinePolynomials, dim> directions;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_surface_h
-#define greville_points_surface_h
+#pragma once
 
 #include <greville/geometry/fitted_points.h>
 #include <greville/points/body.h>
@@ -17,14 +16,12 @@ namespace greville
 
 
 
-  /**
-   * Points on a part of the surface of a body, which move and deform with it
-   * and bear one load. Their initial area dA0, m^2 (in 2D m, or m^2 per
-   * radian), is stored as their mass, so that sums over points treat their
-   * field "load" as a force per initial area, Pa. They have no volume, stress
-   * or material; F refers to the initial positions, and the field "normal"
-   * contains the outward normal there.
-   */
+  /// Points on a part of the surface of a body, which move and deform with it
+  /// and bear one load. Their initial area dA0, m^2 (in 2D m, or m^2 per
+  /// radian), is stored as their mass, so that sums over points treat their
+  /// field "load" as a force per initial area, Pa. They have no volume, stress
+  /// or material; F refers to the initial positions, and the field "normal"
+  /// contains the outward normal there.
   template <int dim>
   struct Surface
   {
@@ -32,16 +29,14 @@ namespace greville
     MaterialPoints<dim> points;
     /// The number of its body.
     unsigned int body = 0;
-    /**
-     * The contact to which the load belongs and whose data the points store;
-     * empty if none. Points in contact have the fields "slip", "new_slip",
-     * "gap", "state", with water "pore_pressure" (see ContactPoint), and
-     * "before", x at the start of the last step. The gap is limited to
-     * farthest_gap_in_cells, also if nothing is near. Material points of the
-     * body in contact have a "radius" (m), "last_radius" at the start of the
-     * last step, their area as mass, and the opposite of the other side's
-     * normal as normal.
-     */
+    /// The contact to which the load belongs and whose data the points store;
+    /// empty if none. Points in contact have the fields "slip", "new_slip",
+    /// "gap", "state", with water "pore_pressure" (see ContactPoint), and
+    /// "before", x at the start of the last step. The gap is limited to
+    /// farthest_gap_in_cells, also if nothing is near. Material points of the
+    /// body in contact have a "radius" (m), "last_radius" at the start of the
+    /// last step, their area as mass, and the opposite of the other side's
+    /// normal as normal.
     std::string contact;
     /// Upper bounds of the derivatives of the load per initial area by
     /// displacement, Pa / m, and by velocity, Pa s / m, which limit explicit
@@ -90,12 +85,10 @@ namespace greville
 
 
 
-  /**
-   * Collective. Return the surface of the @p placed points of @p body that lie
-   * in the shape @p where (empty: all). They have the initial displacement and
-   * velocity of the body. @p section names the load or the contact. Throws
-   * dealii::ExcMessage if there are none.
-   */
+  /// Collective. Return the surface of the @p placed points of @p body that lie
+  /// in the shape @p where (empty: all). They have the initial displacement and
+  /// velocity of the body. @p section names the load or the contact. Throws
+  /// dealii::ExcMessage if there are none.
   template <int dim>
   Surface<dim>
   make_surface(const std::string                    &name,
@@ -117,5 +110,3 @@ namespace greville
                   const Body<dim>        &body,
                   const SplineSpace<dim> &space);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_surface_values_h
-#define greville_points_surface_values_h
+#pragma once
 
 #include <greville/base/vector_field.h>
 #include <greville/points/material_points.h>
@@ -30,5 +29,3 @@ namespace greville
                      const VectorType                &coefficients,
                      const std::vector<const MaterialPoints<dim> *> &surfaces);
 } // namespace greville
-
-#endif

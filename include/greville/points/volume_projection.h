@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_volume_projection_h
-#define greville_points_volume_projection_h
+#pragma once
 
 #include <greville/points/point_transfer.h>
 #include <greville/points/trial_step.h>
@@ -60,22 +59,19 @@ namespace greville
   class VolumeProjection
   {
   public:
-    /**
-     * Collective. The space of order p is kept by reference. If @p coarse, the
-     * cells of the projection have twice the size. Throws dealii::ExcMessage if
-     * a periodic direction has too few cells or an odd number of them for that.
-     */
+    /// Collective. The space of order p is kept by reference. If @p coarse, the
+    /// cells of the projection have twice the size. Throws dealii::ExcMessage
+    /// if a periodic direction has too few cells or an odd number of them for
+    /// that.
     void
     reinit(const SplineSpace<dim>        &space,
            DistributedTriangulation<dim> &triangulation,
            const bool                     coarse);
 
-    /**
-     * Collective. Return J hat of the @p points of a body, in the order of
-     * MaterialPoints::for_each(), after a step @p dt (s) with the velocity @p w
-     * of the grid; or, with a @p direction, its derivative by dt w. Unless @p
-     * moves, axisymmetric points keep their radius.
-     */
+    /// Collective. Return J hat of the @p points of a body, in the order of
+    /// MaterialPoints::for_each(), after a step @p dt (s) with the velocity
+    /// @p w of the grid; or, with a @p direction, its derivative by dt w.
+    /// Unless @p moves, axisymmetric points keep their radius.
     const std::vector<double> &
     project(const MaterialPoints<dim> &points,
             const VectorField<dim>    &w,
@@ -123,5 +119,3 @@ namespace greville
     std::vector<double> J, rates;
   };
 } // namespace greville
-
-#endif

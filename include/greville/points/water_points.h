@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_water_points_h
-#define greville_points_water_points_h
+#pragma once
 
 #include <greville/base/vector_field.h>
 #include <greville/mass/stencil_matrix.h>
@@ -54,12 +53,10 @@ namespace greville
   class WaterPoints
   {
   public:
-    /**
-     * The spaces have the same order and are kept by reference. Cells of the @p
-     * pressures are the @p parents of the cells of the @p displacements, for
-     * each of which there is an entry: owned cell c lies in owned cell
-     * parents[c].
-     */
+    /// The spaces have the same order and are kept by reference. Cells of the
+    /// @p pressures are the @p parents of the cells of the @p displacements,
+    /// for each of which there is an entry: owned cell c lies in owned cell
+    /// parents[c].
     void
     reinit(const SplineSpace<dim>          &displacements,
            const SplineSpace<dim>          &pressures,
@@ -114,25 +111,21 @@ namespace greville
     void
     begin_force(VectorField<dim> &force) const;
 
-    /**
-     * Collective. Set the displacement @p u, m^2 s^2 / kg times Pa, by which
-     * the forces of the pressure 1 move a body with the mass M and without
-     * stiffness, M u = - f: it is not zero if the body can move at its surface.
-     * It is needed by add_schur_complement() for bodies with inertia.
-     */
+    /// Collective. Set the displacement @p u, m^2 s^2 / kg times Pa, by which
+    /// the forces of the pressure 1 move a body with the mass M and without
+    /// stiffness, M u = - f: it is not zero if the body can move at its
+    /// surface. It is needed by add_schur_complement() for bodies with inertia.
     void
     set_free_motion(const VectorField<dim> &u);
 
-    /**
-     * Add the Schur complement: the derivative of r by p at the start of the
-     * step, and the contribution of the displacement that follows the pressure.
-     * If @p kick is 0, the latter is the contribution of stiff soil without
-     * inertia, the sum of V q q over the modulus of pressure waves of each
-     * point. Otherwise it is the contribution of soil without stiffness and
-     * with its mass times @p kick (s^2), the sum of V / rho grad q . grad q
-     * and, at free surfaces, of V div u q q with the u of set_free_motion().
-     * The functions may have any order on the same cells as the pressures.
-     */
+    /// Add the Schur complement: the derivative of r by p at the start of the
+    /// step, and the contribution of the displacement that follows the
+    /// pressure. If @p kick is 0, the latter is the contribution of stiff soil
+    /// without inertia, the sum of V q q over the modulus of pressure waves of
+    /// each point. Otherwise it is the contribution of soil without stiffness
+    /// and with its mass times @p kick (s^2), the sum of V / rho grad q . grad
+    /// q and, at free surfaces, of V div u q q with the u of set_free_motion().
+    /// The functions may have any order on the same cells as the pressures.
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
                          const double                 kick,
@@ -230,5 +223,3 @@ namespace greville
     mutable std::vector<double> u_buffer, p_buffer, forces, row_sums;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_water_table_h
-#define greville_points_water_table_h
+#pragma once
 
 #include <deal.II/base/point.h>
 
@@ -25,12 +24,10 @@ namespace greville
   public:
     WaterTable() = default;
 
-    /**
-     * @p table is a formula, m, or empty for no table. @p density is the
-     * density of water, kg / m^3; the suction is in Pa, 0 for no bound. Throws
-     * dealii::ExcMessage for invalid formulas, and if gravity (m / s^2) is not
-     * along an axis.
-     */
+    /// @p table is a formula, m, or empty for no table. @p density is the
+    /// density of water, kg / m^3; the suction is in Pa, 0 for no bound. Throws
+    /// dealii::ExcMessage for invalid formulas, and if gravity (m / s^2) is not
+    /// along an axis.
     WaterTable(const std::string            &table,
                const double                  density,
                const double                  suction,
@@ -54,5 +51,3 @@ namespace greville
     unsigned int                       axis    = 0;
   };
 } // namespace greville
-
-#endif

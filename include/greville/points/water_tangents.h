@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_water_tangents_h
-#define greville_points_water_tangents_h
+#pragma once
 
 #include <greville/points/spline_polynomials.h>
 #include <greville/points/water_terms.h>
@@ -88,5 +87,3 @@ namespace greville
     std::vector<double>     numbers; // [cell][group][number][lane]
   };
 } // namespace greville
-
-#endif

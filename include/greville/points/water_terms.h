@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_water_terms_h
-#define greville_points_water_terms_h
+#pragma once
 
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
@@ -27,12 +26,10 @@ namespace greville
 
 
 
-  /**
-   * Return the law of Kozeny and Carman (@ref Carman1937 "1937"), e^3 / (1 + e)
-   * over its value for J = 1, with the void ratio e from 1 + e = J / solid, and
-   * its derivative by J. The value is at least 1e-6, even if hardly any pores
-   * are left.
-   */
+  /// Return the law of Kozeny and Carman (@ref Carman1937 "1937"), e^3 / (1 +
+  /// e) over its value for J = 1, with the void ratio e from 1 + e = J / solid,
+  /// and its derivative by J. The value is at least 1e-6, even if hardly any
+  /// pores are left.
   std::array<double, 2>
   kozeny_carman(const double J, const double solid);
 
@@ -177,5 +174,3 @@ namespace greville
     bool                   is_axisymmetric = false;
   };
 } // namespace greville
-
-#endif

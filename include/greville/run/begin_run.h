@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_begin_run_h
-#define greville_run_begin_run_h
+#pragma once
 
 #include <greville/base/run_folder.h>
 #include <greville/run/simulation_run.h>
@@ -55,5 +54,3 @@ namespace greville
              const Checkpoint           &checkpoint,
              const SimulationParameters &parameters);
 } // namespace greville
-
-#endif

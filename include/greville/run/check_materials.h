@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_check_materials_h
-#define greville_run_check_materials_h
+#pragma once
 
 #include <greville/parameters/simulation_parameters.h>
 #include <greville/points/body_list.h>
@@ -12,12 +11,10 @@
 
 namespace greville
 {
-  /**
-   * Return the largest pure shear stress, Pa, of @p material at rest under the
-   * @p pressure, Pa: the largest that Material::initialize() accepts, to 0.1 %.
-   * Infinite if it exceeds half of the shear modulus, and zero for fluids and
-   * for soil without cohesion and pressure.
-   */
+  /// Return the largest pure shear stress, Pa, of @p material at rest under the
+  /// @p pressure, Pa: the largest that Material::initialize() accepts, to 0.1
+  /// %. Infinite if it exceeds half of the shear modulus, and zero for fluids
+  /// and for soil without cohesion and pressure.
   double
   shear_strength(const Material &material, const double pressure = 0.);
 
@@ -28,12 +25,10 @@ namespace greville
   void
   print_materials(std::ostream &out, const BodyList<dim> &bodies);
 
-  /**
-   * Return the largest difference between Material::tangents() and finite
-   * differences of update(), relative to the norm of the latter. The path is
-   * compression and shear by @p strain in @p dim dimensions from the state @p
-   * point, in ten steps of length MaterialPoint::dt.
-   */
+  /// Return the largest difference between Material::tangents() and finite
+  /// differences of update(), relative to the norm of the latter. The path is
+  /// compression and shear by @p strain in @p dim dimensions from the state
+  /// @p point, in ten steps of length MaterialPoint::dt.
   double
   tangent_error(const Material    &material,
                 MaterialPoint      point,
@@ -73,5 +68,3 @@ namespace greville
   std::vector<std::string>
   repeated_parameters(const std::string &file);
 } // namespace greville
-
-#endif

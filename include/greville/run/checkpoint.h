@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_checkpoint_h
-#define greville_run_checkpoint_h
+#pragma once
 
 #include <greville/base/tables.h>
 
@@ -10,13 +9,11 @@
 
 namespace greville
 {
-  /**
-   * Return the differences between two sets of parameters, as
-   * SimulationParameters::used() writes them, that prevent a run from resuming:
-   * all except in the sections 'Output', 'Checkpoints' and 'Load balance', and
-   * in 'End' and 'Maximum steps' of 'Time'. Each line has the parameter, its
-   * value before and its value now.
-   */
+  /// Return the differences between two sets of parameters, as
+  /// SimulationParameters::used() writes them, that prevent a run from
+  /// resuming: all except in the sections 'Output', 'Checkpoints' and 'Load
+  /// balance', and in 'End' and 'Maximum steps' of 'Time'. Each line has the
+  /// parameter, its value before and its value now.
   std::string
   describe_changes(const std::string &before, const std::string &now);
 
@@ -30,13 +27,11 @@ namespace greville
 
 
 
-  /**
-   * Collective. Write @p content, the format and the version of the program to
-   * the file checkpoint_NNNNNNNNNN.h5 of @p folder, named after the number of
-   * steps; then remove all older checkpoints but one. Once there has been a
-   * complete checkpoint, there is one at any moment. Returns the file. Throws
-   * dealii::ExcMessage if it cannot be written; older checkpoints then remain.
-   */
+  /// Collective. Write @p content, the format and the version of the program to
+  /// the file checkpoint_NNNNNNNNNN.h5 of @p folder, named after the number of
+  /// steps; then remove all older checkpoints but one. Once there has been a
+  /// complete checkpoint, there is one at any moment. Returns the file. Throws
+  /// dealii::ExcMessage if it cannot be written; older checkpoints then remain.
   std::string
   write_checkpoint(const std::string &folder,
                    const unsigned int n_steps,
@@ -65,5 +60,3 @@ namespace greville
   Checkpoint
   read_checkpoint(const std::string &folder, const MPI_Comm comm);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_comparison_h
-#define greville_run_comparison_h
+#pragma once
 
 #include <greville/parameters/simulation_parameters.h>
 #include <greville/steps/statistics.h>
@@ -65,5 +64,3 @@ namespace greville
   void
   check_reference(const ReferenceParameters &parameters);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_element_run_h
-#define greville_run_element_run_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -11,14 +10,12 @@
 
 namespace greville
 {
-  /**
-   * Collective. Run an element test, see run_element_test(), of the material @p
-   * name of a parameter file (empty: the only one) with the section 'Element
-   * test'. Writes element_test.csv to the folder of the file's run, and the
-   * first and last state and the largest q to std::cout. 'Output/Earlier
-   * results' decides on earlier results. Throws dealii::ExcMessage for wrong
-   * names and files, and errors of the test.
-   */
+  /// Collective. Run an element test, see run_element_test(), of the material
+  /// @p name of a parameter file (empty: the only one) with the section
+  /// 'Element test'. Writes element_test.csv to the folder of the file's run,
+  /// and the first and last state and the largest q to std::cout.
+  /// 'Output/Earlier results' decides on earlier results. Throws
+  /// dealii::ExcMessage for wrong names and files, and errors of the test.
   void
   run_element_test_of_file(const std::string &file,
                            const std::string &test,
@@ -26,5 +23,3 @@ namespace greville
                            const MPI_Comm     comm,
                            const RunOptions  &options = RunOptions());
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_end_of_run_h
-#define greville_run_end_of_run_h
+#pragma once
 
 #include <greville/parameters/simulation_parameters.h>
 
@@ -93,5 +92,3 @@ namespace greville
     std::string message;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_output_h
-#define greville_run_output_h
+#pragma once
 
 #include <greville/contact/rigid_body.h>
 #include <greville/parameters/simulation_parameters.h>
@@ -38,14 +37,12 @@ namespace greville
 
 
 
-  /**
-   * Writes points, grid fields, the points of loads and contacts on surfaces,
-   * and rigid bodies for ParaView: points_NNNN.vtu, grid_NNNN.vtu,
-   * surface_NNNN.vtu and rigid_NAME_NNNN.vtu in the folder `files`. Each file
-   * has the points or cells of all processes. fields.pvd lists all files with
-   * their times and is replaced after each, so that it never names a missing
-   * file.
-   */
+  /// Writes points, grid fields, the points of loads and contacts on surfaces,
+  /// and rigid bodies for ParaView: points_NNNN.vtu, grid_NNNN.vtu,
+  /// surface_NNNN.vtu and rigid_NAME_NNNN.vtu in the folder `files`. Each file
+  /// has the points or cells of all processes. fields.pvd lists all files with
+  /// their times and is replaced after each, so that it never names a missing
+  /// file.
   template <int dim>
   class FieldOutput
   {
@@ -77,13 +74,11 @@ namespace greville
                const GridFields<dim>  &fields,
                const std::string      &body = "");
 
-    /**
-     * Collective. Write the points of surfaces: the @p numbers of load and
-     * body, load (Pa per initial area), current normal times area, area,
-     * velocity and displacement, and with contacts gap, pressure, shear stress
-     * and ContactState. Writes nothing without points. With several grids, the
-     * file has the name of the @p body.
-     */
+    /// Collective. Write the points of surfaces: the @p numbers of load and
+    /// body, load (Pa per initial area), current normal times area, area,
+    /// velocity and displacement, and with contacts gap, pressure, shear stress
+    /// and ContactState. Writes nothing without points. With several grids, the
+    /// file has the name of the @p body.
     void
     write_surfaces(const double                       time,
                    const std::vector<Surface<dim>>   &surfaces,
@@ -172,5 +167,3 @@ namespace greville
     bool              holds = false;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_probes_h
-#define greville_run_probes_h
+#pragma once
 
 #include <greville/base/csv.h>
 #include <greville/geometry/shape.h>
@@ -14,24 +13,20 @@
 
 namespace greville
 {
-  /**
-   * Writes single points, and means over the points in shapes, to probes.csv:
-   * time, and for each probe its position, velocity, the Cauchy stress xx, yy,
-   * zz, xy, and the other fields in 'Output/Fields'. A mean is sum V q / sum V
-   * over the points that are in the shape at the time, with their initial
-   * volumes V, m^3. It is 0 without points.
-   */
+  /// Writes single points, and means over the points in shapes, to probes.csv:
+  /// time, and for each probe its position, velocity, the Cauchy stress xx, yy,
+  /// zz, xy, and the other fields in 'Output/Fields'. A mean is sum V q / sum V
+  /// over the points that are in the shape at the time, with their initial
+  /// volumes V, m^3. It is 0 without points.
   template <int dim>
   class Probes
   {
   public:
-    /**
-     * Collective. Read positions and shapes from @p text ("x, y; SHAPE; ..."),
-     * take the nearest point of @p bodies for each position, and write the
-     * named output @p fields. Throws if an entry is neither a position nor a
-     * shape, if no point is within a cell's length of a position, or if a shape
-     * has no point.
-     */
+    /// Collective. Read positions and shapes from @p text ("x, y; SHAPE; ..."),
+    /// take the nearest point of @p bodies for each position, and write the
+    /// named output @p fields. Throws if an entry is neither a position nor a
+    /// shape, if no point is within a cell's length of a position, or if a
+    /// shape has no point.
     Probes(const std::string              &text,
            const std::vector<std::string> &fields,
            const BodyList<dim>            &bodies,
@@ -129,5 +124,3 @@ namespace greville
     CsvWriter                     file;
   };
 } // namespace greville
-
-#endif

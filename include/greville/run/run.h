@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_run_h
-#define greville_run_run_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -11,37 +10,31 @@
 
 namespace greville
 {
-  /**
-   * Collective. Run the simulation that a parameter file describes.
-   * 'Output/Earlier results' decides on earlier results in its folder. Throws
-   * dealii::ExcMessage if the file is wrong, the run fails, or the file has a
-   * 'Sweep'.
-   */
+  /// Collective. Run the simulation that a parameter file describes.
+  /// 'Output/Earlier results' decides on earlier results in its folder. Throws
+  /// dealii::ExcMessage if the file is wrong, the run fails, or the file has a
+  /// 'Sweep'.
   void
   run_simulations(const std::string &file,
                   const MPI_Comm     comm,
                   const RunOptions  &options = RunOptions());
 
-  /**
-   * Collective. Set up a run as run_simulations() does, take some steps in
-   * memory, and write the estimated cost of the run to std::cout: sizes, time
-   * step, number of steps, time and memory. Writes no file but the initial
-   * points, to the folder @p drawing if it is not empty. Throws as
-   * run_simulations() would up to there.
-   */
+  /// Collective. Set up a run as run_simulations() does, take some steps in
+  /// memory, and write the estimated cost of the run to std::cout: sizes, time
+  /// step, number of steps, time and memory. Writes no file but the initial
+  /// points, to the folder @p drawing if it is not empty. Throws as
+  /// run_simulations() would up to there.
   void
   check_simulations(const std::string &file,
                     const MPI_Comm     comm,
                     const RunOptions  &options = RunOptions(),
                     const std::string &drawing = "");
 
-  /**
-   * Read the parameter files of a sweep from the folder @p runs, and write
-   * formulation and mass of each run to std::cout. Then, if @p makes_room,
-   * treat earlier results in the folder of the sweep @p file as
-   * run_simulations() does, and write parameters.prm there. Throws
-   * dealii::ExcMessage with the number of a run that is refused.
-   */
+  /// Read the parameter files of a sweep from the folder @p runs, and write
+  /// formulation and mass of each run to std::cout. Then, if @p makes_room,
+  /// treat earlier results in the folder of the sweep @p file as
+  /// run_simulations() does, and write parameters.prm there. Throws
+  /// dealii::ExcMessage with the number of a run that is refused.
   void
   prepare_sweep(const std::string &file,
                 const std::string &runs,
@@ -49,5 +42,3 @@ namespace greville
                 const RunOptions  &options,
                 const bool         makes_room);
 } // namespace greville
-
-#endif

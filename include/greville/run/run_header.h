@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_run_header_h
-#define greville_run_run_header_h
+#pragma once
 
 #include <greville/steps/coupled_simulations.h>
 
@@ -39,5 +38,3 @@ namespace greville
                   const SimulationParameters &parameters,
                   const MPI_Comm              comm);
 } // namespace greville
-
-#endif

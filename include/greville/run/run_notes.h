@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_run_notes_h
-#define greville_run_run_notes_h
+#pragma once
 
 #include <greville/base/csv.h>
 #include <greville/steps/step_log.h>
@@ -85,17 +84,13 @@ namespace greville
 
 
 
-  /**
-   * Return the unit of a column of statistics.csv, probes.csv or newton.csv, or
-   * of a field of points, grid, surface or rigid; "1" without unit, and empty
-   * if the unit is unknown, as for a history variable of a program's own
-   * material. In 2D, sums are per metre of thickness, or per radian.
-   */
+  /// Return the unit of a column of statistics.csv, probes.csv or newton.csv,
+  /// or of a field of points, grid, surface or rigid; "1" without unit, and
+  /// empty if the unit is unknown, as for a history variable of a program's own
+  /// material. In 2D, sums are per metre of thickness, or per radian.
   std::string
   unit_of(const std::string &file,
           const std::string &column,
           const unsigned int dim,
           const bool         is_axisymmetric = false);
 } // namespace greville
-
-#endif

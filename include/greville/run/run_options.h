@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_run_options_h
-#define greville_run_run_options_h
+#pragma once
 
 #include <greville/run/comparison.h>
 
@@ -59,5 +58,3 @@ namespace greville
     std::function<void()> prepare_folder;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_simulation_run_h
-#define greville_run_simulation_run_h
+#pragma once
 
 #include <greville/run/checkpoint.h>
 #include <greville/run/end_of_run.h>
@@ -35,12 +34,10 @@ namespace greville
                   const MPI_Comm              comm,
                   const RunOptions           &options = RunOptions());
 
-    /**
-     * Collective. Run to the end. Rethrows errors of Simulation::step(), after
-     * the last good state has been written if the simulation has gone back to
-     * it. Throws dealii::ExcMessage after a signal, with a checkpoint and all
-     * results written.
-     */
+    /// Collective. Run to the end. Rethrows errors of Simulation::step(), after
+    /// the last good state has been written if the simulation has gone back to
+    /// it. Throws dealii::ExcMessage after a signal, with a checkpoint and all
+    /// results written.
     RunSummary
     run();
 
@@ -268,5 +265,3 @@ namespace greville
     bool                is_terminal;
   };
 } // namespace greville
-
-#endif

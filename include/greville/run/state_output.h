@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_run_state_output_h
-#define greville_run_state_output_h
+#pragma once
 
 #include <greville/run/output.h>
 #include <greville/steps/coupled_simulations.h>
@@ -37,5 +36,3 @@ namespace greville
                const SimulationParameters    &parameters,
                const MPI_Comm                 comm);
 } // namespace greville
-
-#endif

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_cell_batches_h
-#define greville_spline_cell_batches_h
+#pragma once
 
 #include <greville/spline/spline_space.h>
 
 namespace greville
 {
-  /**
-   * The owned cells in groups for SIMD: a batch is a run of neighbours in x,
-   * one cell per lane. Consecutive batches are stacked in the last direction (y
-   * or z) and form *columns*, in which a loop can reuse results for
-   * coefficients that neighbours share. The groups depend on the mesh only and
-   * serve all orders of an OrderHierarchy.
-   */
+  /// The owned cells in groups for SIMD: a batch is a run of neighbours in x,
+  /// one cell per lane. Consecutive batches are stacked in the last direction
+  /// (y or z) and form *columns*, in which a loop can reuse results for
+  /// coefficients that neighbours share. The groups depend on the mesh only and
+  /// serve all orders of an OrderHierarchy.
   template <int dim>
   struct CellBatches
   {
@@ -40,5 +37,3 @@ namespace greville
     make(const SplineSpace<dim> &space);
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_cell_filling_h
-#define greville_spline_cell_filling_h
+#pragma once
 
 #include <greville/spline/cell_neighbors.h>
 
@@ -76,15 +75,13 @@ namespace greville
       return false;
     }
 
-    /**
-     * Collective. Compute the classes. @p filling is the filled fraction of
-     * each owned cell: 0 for an empty cell; from @p threshold on, the cell is
-     * well-filled. A negative number marks a cell *beyond* the body, without
-     * points, to which functions are extended if it has a host. With the
-     * threshold 0, all cells with points are hosts. All calls must agree on
-     * outer hosts. Returns whether the class of any cell, on any process,
-     * changed.
-     */
+    /// Collective. Compute the classes. @p filling is the filled fraction of
+    /// each owned cell: 0 for an empty cell; from @p threshold on, the cell is
+    /// well-filled. A negative number marks a cell *beyond* the body, without
+    /// points, to which functions are extended if it has a host. With the
+    /// threshold 0, all cells with points are hosts. All calls must agree on
+    /// outer hosts. Returns whether the class of any cell, on any process,
+    /// changed.
     bool
     update(const std::vector<double> &filling,
            const double               threshold,
@@ -167,5 +164,3 @@ namespace greville
     std::vector<std::pair<unsigned int, std::uint64_t>> hosts_of_cells;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_cell_neighbors_h
-#define greville_spline_cell_neighbors_h
+#pragma once
 
 #include <greville/spline/spline_space.h>
 
@@ -75,5 +74,3 @@ namespace greville
     unsigned int                                       n_owned = 0;
   };
 } // namespace greville
-
-#endif

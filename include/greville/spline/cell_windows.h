@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_cell_windows_h
-#define greville_spline_cell_windows_h
+#pragma once
 
 #include <greville/base/vector_field.h>
 #include <greville/spline/extension.h>
@@ -110,5 +109,3 @@ namespace greville
     mutable VectorType         buffer_vector;
   };
 } // namespace greville
-
-#endif

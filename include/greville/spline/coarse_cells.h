@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_coarse_cells_h
-#define greville_spline_coarse_cells_h
+#pragma once
 
 #include <greville/spline/lattice.h>
 
@@ -33,5 +32,3 @@ namespace greville
   describe_many_coarse_cells(const MultiIndex<dim> &n_cells,
                              const unsigned int     n_processes);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_extension_h
-#define greville_spline_extension_h
+#pragma once
 
 #include <greville/spline/cell_filling.h>
 
@@ -55,12 +54,10 @@ namespace greville
       reinit(space, filling);
     }
 
-    /**
-     * Collective. Compute the extension. Space and filling, which must share a
-     * mesh, are kept by reference until the next call. If the extension is @p
-     * constant, an extended function takes the coefficient of the nearest
-     * function of its host.
-     */
+    /// Collective. Compute the extension. Space and filling, which must share a
+    /// mesh, are kept by reference until the next call. If the extension is
+    /// @p constant, an extended function takes the coefficient of the nearest
+    /// function of its host.
     void
     reinit(const SplineSpace<dim> &space,
            const CellFilling<dim> &filling,
@@ -85,12 +82,10 @@ namespace greville
       return functions.numbers;
     }
 
-    /**
-     * Rows @f$ E_{ij} @f$: row k has the entries from begin[k] to begin[k + 1],
-     * with the lexicographic positions of the functions j, ascending, and the
-     * weights; at most @f$ (p + 1)^\text{dim} @f$ entries if the function i
-     * has one host.
-     */
+    /// Rows @f$ E_{ij} @f$: row k has the entries from begin[k] to begin[k +
+    /// 1], with the lexicographic positions of the functions j, ascending, and
+    /// the weights; at most @f$ (p + 1)^\text{dim} @f$ entries if the function
+    /// i has one host.
     struct Rows
     {
       std::vector<std::size_t>   begin = {0};
@@ -149,5 +144,3 @@ namespace greville
     VectorType                 support_weights;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_knot_vector_h
-#define greville_spline_knot_vector_h
+#pragma once
 
 #include <deal.II/base/array_view.h>
 #include <deal.II/lac/full_matrix.h>
@@ -44,12 +43,10 @@ namespace greville
                  const double       lower = 0.,
                  const double       upper = 1.);
 
-    /**
-     * Return a knot vector with the same elements and equidistant knots that
-     * continue beyond both ends. Function n_elements + k is function k shifted
-     * by one period: all functions are translates of one another, and a
-     * periodic spline has the same coefficient for both.
-     */
+    /// Return a knot vector with the same elements and equidistant knots that
+    /// continue beyond both ends. Function n_elements + k is function k shifted
+    /// by one period: all functions are translates of one another, and a
+    /// periodic spline has the same coefficient for both.
     static KnotVector
     periodic_uniform(const unsigned int degree,
                      const unsigned int n_elements,
@@ -180,14 +177,9 @@ namespace greville
     }
   };
 
-  /**
-   * Return the cross matrix
-   * @f$ \int N_i^\text{rows} N_j^\text{columns} \, dx @f$ of two knot vectors
-   * with the same elements, exact by Gauss quadrature. It is the mass matrix if
-   * both arguments are equal.
-   */
+  /// Return the cross matrix @f$ \int N_i^\text{rows} N_j^\text{columns} \, dx
+  /// @f$ of two knot vectors with the same elements, exact by Gauss quadrature.
+  /// It is the mass matrix if both arguments are equal.
   BandedMatrix
   cross_matrix(const KnotVector &rows, const KnotVector &columns);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_lattice_h
-#define greville_spline_lattice_h
+#pragma once
 
 #include <deal.II/base/point.h>
 
@@ -64,13 +63,11 @@ namespace greville
 
 
 
-  /**
-   * The cells of a box mesh, counted by integers along each axis. The lattice
-   * is read off a triangulation whose active cells are equal boxes that fill a
-   * larger box; it needs no memory besides these few numbers. A direction is
-   * periodic if it is periodic in the triangulation. Lengths carry the unit of
-   * the mesh.
-   */
+  /// The cells of a box mesh, counted by integers along each axis. The lattice
+  /// is read off a triangulation whose active cells are equal boxes that fill a
+  /// larger box; it needs no memory besides these few numbers. A direction is
+  /// periodic if it is periodic in the triangulation. Lengths carry the unit of
+  /// the mesh.
   template <int dim>
   class Lattice
   {
@@ -196,13 +193,11 @@ namespace greville
     std::array<bool, dim>  periodic{};
   };
 
-  /**
-   * Fill @p triangulation with n_cells[0] x n_cells[1] (x n_cells[2]) equal
-   * cells. The number of p4est's trees, which deal.II keeps on every process,
-   * is the smallest that these numbers allow: the numbers of cells divided by
-   * their largest common power of two. In @p periodic directions the cells at
-   * both ends are neighbours.
-   */
+  /// Fill @p triangulation with n_cells[0] x n_cells[1] (x n_cells[2]) equal
+  /// cells. The number of p4est's trees, which deal.II keeps on every process,
+  /// is the smallest that these numbers allow: the numbers of cells divided by
+  /// their largest common power of two. In @p periodic directions the cells at
+  /// both ends are neighbours.
   template <int dim>
   void
   create_box_mesh(DistributedTriangulation<dim> &triangulation,
@@ -217,5 +212,3 @@ namespace greville
   constexpr typename DistributedTriangulation<dim>::Settings mesh_settings =
     DistributedTriangulation<dim>::communicate_vertices_to_p4est;
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_order_hierarchy_h
-#define greville_spline_order_hierarchy_h
+#pragma once
 
 #include <greville/spline/spline_space.h>
 
@@ -78,5 +77,3 @@ namespace greville
     std::vector<SplineSpace<dim>> spaces;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_space_cells_h
-#define greville_spline_space_cells_h
+#pragma once
 
 #include <greville/spline/lattice.h>
 
@@ -138,5 +137,3 @@ namespace greville
     std::vector<unsigned int>      cell_numbers; // active index
   };
 } // namespace greville
-
-#endif

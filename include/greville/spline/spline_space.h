@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_spline_spline_space_h
-#define greville_spline_spline_space_h
+#pragma once
 
 #include <deal.II/base/array_view.h>
 #include <deal.II/base/index_set.h>
@@ -139,12 +138,10 @@ namespace greville
     dealii::FullMatrix<double>
     extraction(const CellIterator &cell) const;
 
-    /**
-     * Collective. Write the spline with @p coefficients (ghost entries are not
-     * needed) as a field of @p dof_handler, which has the element fe(), into @p
-     * bernstein, a vector with (at least) the locally owned dofs of @p
-     * dof_handler.
-     */
+    /// Collective. Write the spline with @p coefficients (ghost entries are not
+    /// needed) as a field of @p dof_handler, which has the element fe(), into
+    /// @p bernstein, a vector with (at least) the locally owned dofs of
+    /// @p dof_handler.
     void
     extract(const VectorType              &coefficients,
             const dealii::DoFHandler<dim> &dof_handler,
@@ -242,5 +239,3 @@ namespace greville
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_body_contact_h
-#define greville_steps_body_contact_h
+#pragma once
 
 #include <greville/contact/rigid_body.h>
 #include <greville/steps/simulation.h>
@@ -76,5 +75,3 @@ namespace greville
     double             distance; // lower bound, of the center; 0: unknown
   };
 } // namespace greville
-
-#endif

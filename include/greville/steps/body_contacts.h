@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_body_contacts_h
-#define greville_steps_body_contacts_h
+#pragma once
 
 #include <greville/contact/surface_search.h>
 #include <greville/steps/body_contact.h>
@@ -18,15 +17,13 @@ namespace greville
   template <int dim>
   class TrialContacts;
 
-  /**
-   * The contacts of bodies that are parts of CoupledSimulations, and the rigid
-   * bodies that they meet. At the start of each explicit step, with all parts
-   * at the same time, a contact gives forces to the points of its surfaces, as
-   * loads that the parts sum up; and it stores the data of the step there
-   * (ContactPoint::slip). See AveragedContact and SurfaceSearch. Implicit steps
-   * have TrialContacts, which leave loads and slip of the end of the step at
-   * the points.
-   */
+  /// The contacts of bodies that are parts of CoupledSimulations, and the rigid
+  /// bodies that they meet. At the start of each explicit step, with all parts
+  /// at the same time, a contact gives forces to the points of its surfaces, as
+  /// loads that the parts sum up; and it stores the data of the step there
+  /// (ContactPoint::slip). See AveragedContact and SurfaceSearch. Implicit
+  /// steps have TrialContacts, which leave loads and slip of the end of the
+  /// step at the points.
   template <int dim>
   class BodyContacts
   {
@@ -37,12 +34,10 @@ namespace greville
                  const std::vector<Simulation<dim> *> &parts,
                  const MPI_Comm                        comm);
 
-    /**
-     * Collective. Set the loads on the surfaces of the parts in their current
-     * state. Does nothing if this has been done already; between two implicit
-     * steps, points keep their loads. Throws StepFailed if a surface is lost,
-     * or bodies overlap initially.
-     */
+    /// Collective. Set the loads on the surfaces of the parts in their current
+    /// state. Does nothing if this has been done already; between two implicit
+    /// steps, points keep their loads. Throws StepFailed if a surface is lost,
+    /// or bodies overlap initially.
     void
     act();
 
@@ -55,12 +50,10 @@ namespace greville
     void
     end_step();
 
-    /**
-     * Collective. Return an explicit step, at most @p longest (s), in which
-     * surfaces and rigid bodies move by at most a quarter of a cell relative to
-     * one another. Throws StepFailed if this step is below a thousandth of the
-     * first one.
-     */
+    /// Collective. Return an explicit step, at most @p longest (s), in which
+    /// surfaces and rigid bodies move by at most a quarter of a cell relative
+    /// to one another. Throws StepFailed if this step is below a thousandth of
+    /// the first one.
     double
     bounded_step(const double longest) const;
 
@@ -81,12 +74,11 @@ namespace greville
     void
     set_intervals(const std::vector<ContactInterval<dim>> &intervals);
 
-    /**
-     * Collective. Return, for each contact, the energy that its surfaces have
-     * given to the bodies in excess of what they have taken, as a fraction of
-     * the largest energy or work of one source so far: this energy is spurious.
-     * Contacts with rigid bodies that have moved, which do work, are omitted.
-     */
+    /// Collective. Return, for each contact, the energy that its surfaces have
+    /// given to the bodies in excess of what they have taken, as a fraction of
+    /// the largest energy or work of one source so far: this energy is
+    /// spurious. Contacts with rigid bodies that have moved, which do work, are
+    /// omitted.
     std::vector<std::pair<std::string, double>>
     gains() const;
 
@@ -164,13 +156,12 @@ namespace greville
     std::vector<ContactPoint<dim>>
     collect(const Contact &contact) const;
 
-    /**
-     * Replace the surfaces of the first side by the material points that now
-     * form the outermost layer, with their contact data: points within one
-     * spacing of the other side, and, in implicit steps, points that may get
-     * there in a step. Points inside the other side are moved back to its
-     * surface, since single points can penetrate despite the averaged pressure.
-     */
+    /// Replace the surfaces of the first side by the material points that now
+    /// form the outermost layer, with their contact data: points within one
+    /// spacing of the other side, and, in implicit steps, points that may get
+    /// there in a step. Points inside the other side are moved back to its
+    /// surface, since single points can penetrate despite the averaged
+    /// pressure.
     void
     renew_contactors(Contact &contact);
 
@@ -290,5 +281,3 @@ namespace greville
     std::vector<std::string>          all_notes;
   };
 } // namespace greville
-
-#endif

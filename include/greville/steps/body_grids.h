@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_body_grids_h
-#define greville_steps_body_grids_h
+#pragma once
 
 #include <greville/parameters/simulation_parameters.h>
 
@@ -24,5 +23,3 @@ namespace greville
   std::vector<SimulationParameters>
   split_by_grids(const SimulationParameters &parameters, const MPI_Comm comm);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_central_differences_h
-#define greville_steps_central_differences_h
+#pragma once
 
 #include <greville/steps/contact.h>
 #include <greville/steps/damping.h>
@@ -258,5 +257,3 @@ namespace greville
     LateRow<dim>                   *row = nullptr; // of this step
   };
 } // namespace greville
-
-#endif

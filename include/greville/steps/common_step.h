@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_common_step_h
-#define greville_steps_common_step_h
+#pragma once
 
 #include <greville/steps/simulation.h>
 
@@ -66,5 +65,3 @@ namespace greville
     double              dt = 0.;         // of the step that is being tried, s
   };
 } // namespace greville
-
-#endif

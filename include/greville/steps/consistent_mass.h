@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_consistent_mass_h
-#define greville_steps_consistent_mass_h
+#pragma once
 
 #include <greville/multigrid/extended_mass_solver.h>
 #include <greville/multigrid/extended_multigrid.h>
@@ -9,13 +8,12 @@
 
 namespace greville
 {
-  /**
-   * The consistent mass matrix M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the points
-   * on extended B-splines, see Extension and ExtendedMass. All components of
-   * the fields are solved together by an ExtendedMassSolver. Cells that contain
-   * points of surfaces, but not yet of their bodies, are marked as beyond the
-   * body: functions are extended to them, so that no part of a load is lost.
-   */
+  /// The consistent mass matrix M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the
+  /// points on extended B-splines, see Extension and ExtendedMass. All
+  /// components of the fields are solved together by an ExtendedMassSolver.
+  /// Cells that contain points of surfaces, but not yet of their bodies, are
+  /// marked as beyond the body: functions are extended to them, so that no part
+  /// of a load is lost.
   template <int dim>
   class ConsistentMass : public GridMass<dim>
   {
@@ -176,5 +174,3 @@ namespace greville
     double                                          total_mass = 0.;
   };
 } // namespace greville
-
-#endif

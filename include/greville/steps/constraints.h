@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_constraints_h
-#define greville_steps_constraints_h
+#pragma once
 
 #include <greville/boundary/constrained_functions.h>
 
@@ -72,5 +71,3 @@ namespace greville
     return values;
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_contact_h
-#define greville_steps_contact_h
+#pragma once
 
 #include <greville/steps/time_integrator.h>
 
@@ -57,12 +56,10 @@ namespace greville
     constrain(ContactStep<dim> &)
     {}
 
-    /**
-     * Collective. Change GridField::new_velocity, and GridField::acceleration
-     * accordingly over the step, whose length may be zero. The momentum of
-     * walls is added to GridField::momentum_of_walls; ContactStep::add_work()
-     * counts the work.
-     */
+    /// Collective. Change GridField::new_velocity, and GridField::acceleration
+    /// accordingly over the step, whose length may be zero. The momentum of
+    /// walls is added to GridField::momentum_of_walls; ContactStep::add_work()
+    /// counts the work.
     virtual void
     apply(ContactStep<dim> &)
     {}
@@ -106,5 +103,3 @@ namespace greville
   std::vector<std::unique_ptr<Contact<dim>>>
   make_contacts(const IntegratorParts<dim> &parts);
 } // namespace greville
-
-#endif

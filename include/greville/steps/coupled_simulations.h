@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_coupled_simulations_h
-#define greville_steps_coupled_simulations_h
+#pragma once
 
 #include <greville/steps/body_contacts.h>
 
@@ -231,5 +230,3 @@ namespace greville
     std::vector<std::string>                      load_names;
   };
 } // namespace greville
-
-#endif

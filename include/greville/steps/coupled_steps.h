@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_coupled_steps_h
-#define greville_steps_coupled_steps_h
+#pragma once
 
 #include <greville/steps/implicit_steps.h>
 
@@ -116,5 +115,3 @@ namespace greville
     std::vector<VectorType>   blocks, products;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_critical_step_h
-#define greville_steps_critical_step_h
+#pragma once
 
 #include <greville/steps/grid_mass.h>
 #include <greville/steps/state.h>
@@ -76,12 +75,10 @@ namespace greville
   class CriticalStep
   {
   public:
-    /**
-     * Collective. Return the critical step, infinite if nothing is stiff or
-     * viscous. @p mass belongs to the current positions of @p bodies, and to @p
-     * mass_points. Springs and dashpots of the loads on @p surfaces are
-     * included. The iteration begins with the last @p mode and overwrites it.
-     */
+    /// Collective. Return the critical step, infinite if nothing is stiff or
+    /// viscous. @p mass belongs to the current positions of @p bodies, and to
+    /// @p mass_points. Springs and dashpots of the loads on @p surfaces are
+    /// included. The iteration begins with the last @p mode and overwrites it.
     double
     estimate(GridMass<dim>                                  &mass,
              PointTransfer<dim>                             &transfer,
@@ -132,5 +129,3 @@ namespace greville
     std::vector<double> start;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_damping_h
-#define greville_steps_damping_h
+#pragma once
 
 #include <greville/steps/discretization.h>
 
@@ -36,12 +35,10 @@ namespace greville
     void
     damp(GridField<dim> &field) const;
 
-    /**
-     * Return the power of damping on this process, W (2D: W / m), if points
-     * have the momentum P before and P' after the kick, and @p momenta is P +
-     * P': a kick dt' a adds dt' a . (P + P') / 2 to their kinetic energy, of
-     * which the damping's part of a is counted.
-     */
+    /// Return the power of damping on this process, W (2D: W / m), if points
+    /// have the momentum P before and P' after the kick, and @p momenta is P +
+    /// P': a kick dt' a adds dt' a . (P + P') / 2 to their kinetic energy, of
+    /// which the damping's part of a is counted.
     double
     power(const GridField<dim> &field, const VectorField<dim> &momenta) const;
 
@@ -53,5 +50,3 @@ namespace greville
     const LoadParameters &parameters;
   };
 } // namespace greville
-
-#endif

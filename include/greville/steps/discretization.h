@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_discretization_h
-#define greville_steps_discretization_h
+#pragma once
 
 #include <greville/boundary/loads.h>
 #include <greville/points/point_transport.h>
@@ -39,12 +38,10 @@ namespace greville
                    StepLog                    &log,
                    const MPI_Comm              comm);
 
-    /**
-     * Collective. Distribute the cells among the processes by @p partition.
-     * Returns whether the mesh has changed, after which everything must be made
-     * anew by reinit(). It does not change if cells already have this
-     * distribution, if the partition has no rows, and on one process.
-     */
+    /// Collective. Distribute the cells among the processes by @p partition.
+    /// Returns whether the mesh has changed, after which everything must be
+    /// made anew by reinit(). It does not change if cells already have this
+    /// distribution, if the partition has no rows, and on one process.
     bool
     repartition(const std::shared_ptr<const Partition> &partition);
 
@@ -223,5 +220,3 @@ namespace greville
     bool          mass_is_known   = false; // for all states
   };
 } // namespace greville
-
-#endif

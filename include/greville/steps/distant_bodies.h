@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_distant_bodies_h
-#define greville_steps_distant_bodies_h
+#pragma once
 
 #include <deal.II/base/bounding_box.h>
 
@@ -19,5 +18,3 @@ namespace greville
                           const std::vector<RigidBody<dim>> &rigid_bodies,
                           const std::vector<dealii::BoundingBox<dim>> &regions);
 } // namespace greville
-
-#endif

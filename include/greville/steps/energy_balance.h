@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_energy_balance_h
-#define greville_steps_energy_balance_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -115,12 +114,10 @@ namespace greville
     EnergyTotals
     totals(const double energy, const MPI_Comm comm) const;
 
-    /**
-     * Return the spurious gain of energy, as a fraction of the largest energy
-     * or work so far. Since damping may only dissipate, a rise of D since its
-     * lowest value counts as gain. Known temporary oscillations of E by @p
-     * swing do not count.
-     */
+    /// Return the spurious gain of energy, as a fraction of the largest energy
+    /// or work so far. Since damping may only dissipate, a rise of D since its
+    /// lowest value counts as gain. Known temporary oscillations of E by
+    /// @p swing do not count.
     double
     gain(const EnergyTotals &now, const double energy_swing = 0.);
 
@@ -175,5 +172,3 @@ namespace greville
     double              lowest_damping = 0.; // of D in calls of gain()
   };
 } // namespace greville
-
-#endif

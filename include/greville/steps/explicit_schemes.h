@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_explicit_schemes_h
-#define greville_steps_explicit_schemes_h
+#pragma once
 
 #include <greville/steps/central_differences.h>
 
@@ -46,5 +45,3 @@ namespace greville
     take_points(State<dim> &state) override;
   };
 } // namespace greville
-
-#endif

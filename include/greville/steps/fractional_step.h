@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_fractional_step_h
-#define greville_steps_fractional_step_h
+#pragma once
 
 #include <greville/steps/discretization.h>
 #include <greville/water/pore_water.h>
@@ -44,12 +43,10 @@ namespace greville
     FractionalStep(Discretization<dim>        &discretization,
                    const SimulationParameters &parameters);
 
-    /**
-     * Collective. Add the effect of the pressure to the acceleration and the
-     * momentum of walls of the field. @p step and @p velocity_step are dt and
-     * dt'. Returns the number of linear iterations. Throws StepFailed if
-     * Newton's method or a linear solver does not converge.
-     */
+    /// Collective. Add the effect of the pressure to the acceleration and the
+    /// momentum of walls of the field. @p step and @p velocity_step are dt and
+    /// dt'. Returns the number of linear iterations. Throws StepFailed if
+    /// Newton's method or a linear solver does not converge.
     unsigned int
     add_pressure(const State<dim>             &state,
                  const dealii::Tensor<1, dim> &gravity,
@@ -108,5 +105,3 @@ namespace greville
     double           friction_work = 0.;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_grid_field_h
-#define greville_steps_grid_field_h
+#pragma once
 
 #include <greville/steps/grid_mass.h>
 
@@ -41,5 +40,3 @@ namespace greville
     WallSums<dim> momentum_of_walls;
   };
 } // namespace greville
-
-#endif

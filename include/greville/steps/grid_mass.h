@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_grid_mass_h
-#define greville_steps_grid_mass_h
+#pragma once
 
 #include <greville/steps/constraints.h>
 
@@ -57,25 +56,21 @@ namespace greville
       return nullptr;
     }
 
-    /**
-     * Collective. Set new masses: @p lumped from
-     * PointTransfer::points_to_grid() for these @p bodies, and points of their
-     * @p surfaces, which have no mass but bear loads. The list of bodies and
-     * the transfer are kept by reference.
-     */
+    /// Collective. Set new masses: @p lumped from
+    /// PointTransfer::points_to_grid() for these @p bodies, and points of their
+    /// @p surfaces, which have no mass but bear loads. The list of bodies and
+    /// the transfer are kept by reference.
     virtual void
     update(const VectorType                               &lumped,
            const std::vector<const MaterialPoints<dim> *> &bodies,
            const std::vector<const MaterialPoints<dim> *> &surfaces,
            const PointTransfer<dim>                       &transfer) = 0;
 
-    /**
-     * Collective. Solve M x = b for pairs of fields. On entry, @p x contains
-     * initial guesses and the values of constrained coefficients. Right-hand
-     * sides below @p shares[k] times the first one need not be solved for (see
-     * ExtendedMassSolver::solve()). Throws dealii::ExcMessage if the solver
-     * does not converge.
-     */
+    /// Collective. Solve M x = b for pairs of fields. On entry, @p x contains
+    /// initial guesses and the values of constrained coefficients. Right-hand
+    /// sides below @p shares[k] times the first one need not be solved for (see
+    /// ExtendedMassSolver::solve()). Throws dealii::ExcMessage if the solver
+    /// does not converge.
     virtual void
     solve(const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &b,
@@ -117,23 +112,19 @@ namespace greville
       return lumped_mass.local_element(function) > 0.;
     }
 
-    /**
-     * Collective. Compute the momentum @p b of points that a velocity @p x, the
-     * solution of M x = b, does not represent because of its constraints, as a
-     * velocity: (b - M x)_i / m_i at constrained coefficients, its part along
-     * constrained directions, and zero elsewhere.
-     */
+    /// Collective. Compute the momentum @p b of points that a velocity @p x,
+    /// the solution of M x = b, does not represent because of its constraints,
+    /// as a velocity: (b - M x)_i / m_i at constrained coefficients, its part
+    /// along constrained directions, and zero elsewhere.
     void
     constrained_residual(VectorField<dim>       &residual,
                          const VectorField<dim> &b,
                          const VectorField<dim> &x) const;
 
-    /**
-     * Collective. Compute the contribution of constrained coefficients to the
-     * momentum: at each of them the row of M x - b for the pair @p k of the
-     * last solve(). For all masses, the sum of m_i x_i is then the sum of b_i
-     * and of these rows. Other entries may have any value.
-     */
+    /// Collective. Compute the contribution of constrained coefficients to the
+    /// momentum: at each of them the row of M x - b for the pair @p k of the
+    /// last solve(). For all masses, the sum of m_i x_i is then the sum of b_i
+    /// and of these rows. Other entries may have any value.
     virtual void
     constrained_rows(VectorField<dim>       &rows,
                      const VectorField<dim> &x,
@@ -181,12 +172,10 @@ namespace greville
       return iterations;
     }
 
-    /**
-     * Return whether functions with hardly any mass are extended for surfaces
-     * in contact, although not for solve(). If so, loads of surfaces must be
-     * condensed, b = E^T b, and they move with distributed velocities, v = E v.
-     * E is the matrix of ExtendedUnknowns.
-     */
+    /// Return whether functions with hardly any mass are extended for surfaces
+    /// in contact, although not for solve(). If so, loads of surfaces must be
+    /// condensed, b = E^T b, and they move with distributed velocities, v = E
+    /// v. E is the matrix of ExtendedUnknowns.
     virtual bool
     extends_surfaces() const
     {
@@ -286,5 +275,3 @@ namespace greville
                  const SimulationParameters &parameters,
                  const Walls<dim>           &walls);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_implicit_scheme_h
-#define greville_steps_implicit_scheme_h
+#pragma once
 
 #include <greville/parameters/names.h>
 #include <greville/parameters/stage_parameters.h>
@@ -86,5 +85,3 @@ namespace greville
   make_implicit_scheme(const std::string        &name,
                        const ImplicitParameters &parameters);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_implicit_steps_h
-#define greville_steps_implicit_steps_h
+#pragma once
 
 #include <greville/steps/implicit_scheme.h>
 #include <greville/steps/time_integrator.h>
@@ -293,5 +292,3 @@ namespace greville
     unsigned int n_newton = 0, n_linear = 0, n_all_linear = 0;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_initial_state_h
-#define greville_steps_initial_state_h
+#pragma once
 
 #include <greville/steps/discretization.h>
 
@@ -23,29 +22,23 @@ namespace greville
   initial_signals(const std::vector<Body<dim>> &bodies,
                   const SplineSpace<dim>       &space);
 
-  /**
-   * Collective. Return the bodies with their points, at rest on the grid.
-   * Throws dealii::ExcMessage if two bodies fill the same cells, by half a cell
-   * or more, or if an initial displacement moves points out of the grid. Points
-   * have the fields of all stages.
-   */
+  /// Collective. Return the bodies with their points, at rest on the grid.
+  /// Throws dealii::ExcMessage if two bodies fill the same cells, by half a
+  /// cell or more, or if an initial displacement moves points out of the grid.
+  /// Points have the fields of all stages.
   template <int dim>
   State<dim>
   make_initial_state(const SimulationParameters &parameters,
                      const Loads<dim>           &loads,
                      Discretization<dim>        &discretization);
 
-  /**
-   * Collective. Throw dealii::ExcMessage if the pressure of incompressible
-   * water is undetermined: bodies without drained boundaries fill a grid whose
-   * walls all constrain their normals. Otherwise, the total stress at a surface
-   * determines it.
-   */
+  /// Collective. Throw dealii::ExcMessage if the pressure of incompressible
+  /// water is undetermined: bodies without drained boundaries fill a grid whose
+  /// walls all constrain their normals. Otherwise, the total stress at a
+  /// surface determines it.
   template <int dim>
   void
   check_closed_box(const std::vector<Body<dim>> &bodies,
                    const SimulationParameters   &parameters,
                    const SplineSpace<dim>       &space);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_late_row_h
-#define greville_steps_late_row_h
+#pragma once
 
 #include <greville/steps/grid_field.h>
 #include <greville/steps/state.h>
@@ -82,5 +81,3 @@ namespace greville
     std::vector<double> numbers;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_load_balance_h
-#define greville_steps_load_balance_h
+#pragma once
 
 #include <greville/steps/discretization.h>
 
@@ -58,5 +57,3 @@ namespace greville
                Discretization<dim>                    &discretization,
                const std::shared_ptr<const Partition> &partition);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_lumped_mass_h
-#define greville_steps_lumped_mass_h
+#pragma once
 
 #include <greville/steps/grid_mass.h>
 
@@ -9,14 +8,12 @@
 
 namespace greville
 {
-  /**
-   * The row sums M_L of the mass matrix M of the points, or FMPM's series of K
-   * terms, see add_fmpm_terms(), on all functions with mass in their support.
-   * The points of a surface in contact are ahead of the points of its body: if
-   * they enter a cell first, functions there have hardly any mass or none. For
-   * surfaces in contact, these functions are replaced by a constant extension
-   * of the nearest ones, so that no part of a force is lost.
-   */
+  /// The row sums M_L of the mass matrix M of the points, or FMPM's series of K
+  /// terms, see add_fmpm_terms(), on all functions with mass in their support.
+  /// The points of a surface in contact are ahead of the points of its body: if
+  /// they enter a cell first, functions there have hardly any mass or none. For
+  /// surfaces in contact, these functions are replaced by a constant extension
+  /// of the nearest ones, so that no part of a force is lost.
   template <int dim>
   class LumpedMass : public GridMass<dim>
   {
@@ -113,5 +110,3 @@ namespace greville
     std::vector<VectorField<dim>> products; // of the last solve(), if K > 1
   };
 } // namespace greville
-
-#endif

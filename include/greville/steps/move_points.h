@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_move_points_h
-#define greville_steps_move_points_h
+#pragma once
 
 #include <greville/steps/late_row.h>
 
@@ -33,12 +32,10 @@ namespace greville
   void
   stop_points(State<dim> &state);
 
-  /**
-   * Collective. Update the points of all bodies in one pass. The material of
-   * the @p update is replaced by the material of each body, with the strength
-   * at the @p time (s) that the points reach. A kick sums up the @p row unless
-   * null.
-   */
+  /// Collective. Update the points of all bodies in one pass. The material of
+  /// the @p update is replaced by the material of each body, with the strength
+  /// at the @p time (s) that the points reach. A kick sums up the @p row unless
+  /// null.
   template <int dim>
   PointMotion
   update_points(std::vector<Body<dim>> &bodies,
@@ -64,5 +61,3 @@ namespace greville
   void
   share_volume(State<dim> &state, PointTransfer<dim> &transfer, const double h);
 } // namespace greville
-
-#endif

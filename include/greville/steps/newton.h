@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_newton_h
-#define greville_steps_newton_h
+#pragma once
 
 #include <greville/base/compatibility.h>
 #include <greville/linear_algebra/solve_result.h>
@@ -84,5 +83,3 @@ namespace greville
                NewtonProblem          &problem,
                const NewtonParameters &parameters);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_overlap_of_bodies_h
-#define greville_steps_overlap_of_bodies_h
+#pragma once
 
 #include <greville/contact/overlap.h>
 #include <greville/points/body.h>
@@ -59,5 +58,3 @@ namespace greville
   Inside<dim>
   mirrored(const Inside<dim> &is_inside, const bool is_axisymmetric);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_partition_h
-#define greville_steps_partition_h
+#pragma once
 
 #include <deal.II/base/mpi.h>
 
@@ -10,12 +9,10 @@
 
 namespace greville
 {
-  /**
-   * A distribution of cells among processes, given by weights of the cells with
-   * points, from which p4est computes the same partition again on the same
-   * number of processes. All other cells have the weight of a cell without
-   * points.
-   */
+  /// A distribution of cells among processes, given by weights of the cells
+  /// with points, from which p4est computes the same partition again on the
+  /// same number of processes. All other cells have the weight of a cell
+  /// without points.
   struct Partition
   {
     /// Collective. @p rows has the lexicographic position of a cell
@@ -35,5 +32,3 @@ namespace greville
     }
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_passing_bodies_h
-#define greville_steps_passing_bodies_h
+#pragma once
 
 #include <greville/contact/rigid_body.h>
 #include <greville/steps/simulation.h>
@@ -11,11 +10,10 @@
 
 namespace greville
 {
-  /**
-   * A check for pairs of bodies, or of a body and a rigid body, that pass
-   * through one another, since they have no common grid and no contact names
-   * both. The first overlap of a pair by more than half a cell gives a warning.
-   */
+  /// A check for pairs of bodies, or of a body and a rigid body, that pass
+  /// through one another, since they have no common grid and no contact names
+  /// both. The first overlap of a pair by more than half a cell gives a
+  /// warning.
   template <int dim>
   class PassingBodies
   {
@@ -26,12 +24,10 @@ namespace greville
                   const std::vector<RigidBody<dim>>    &rigid_bodies,
                   const MPI_Comm                        comm);
 
-    /**
-     * Collective. Add warnings to the log of the first part. Overlaps are
-     * checked at the start, in every tenth explicit step and in each implicit
-     * one, if both bodies may have moved by a quarter of a cell since the last
-     * check.
-     */
+    /// Collective. Add warnings to the log of the first part. Overlaps are
+    /// checked at the start, in every tenth explicit step and in each implicit
+    /// one, if both bodies may have moved by a quarter of a cell since the last
+    /// check.
     void
     check();
 
@@ -69,5 +65,3 @@ namespace greville
     std::vector<Pair>                  pairs;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_rigid_trial_h
-#define greville_steps_rigid_trial_h
+#pragma once
 
 #include <greville/contact/rigid_body.h>
 #include <greville/steps/implicit_scheme.h>
@@ -102,5 +101,3 @@ namespace greville
     Vector                   old_velocity, old_acceleration, weight;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_simulation_h
-#define greville_steps_simulation_h
+#pragma once
 
 #include <greville/base/step_errors.h>
 #include <greville/base/tables.h>
@@ -19,13 +18,11 @@ namespace greville
   template <int dim>
   class TrialContacts;
 
-  /**
-   * The material point method on a grid of B-splines: a State on a
-   * Discretization, which a TimeIntegrator takes from step to step. Each stage
-   * of the parameters has its own integrator, walls, mass and loads; State and
-   * mesh stay. All bodies share the grid. Bodies with a grid each are
-   * simulations of CoupledSimulations.
-   */
+  /// The material point method on a grid of B-splines: a State on a
+  /// Discretization, which a TimeIntegrator takes from step to step. Each stage
+  /// of the parameters has its own integrator, walls, mass and loads; State and
+  /// mesh stay. All bodies share the grid. Bodies with a grid each are
+  /// simulations of CoupledSimulations.
   template <int dim>
   class Simulation
   {
@@ -40,13 +37,11 @@ namespace greville
     void
     fill_grid();
 
-    /**
-     * Collective. Take one step, not beyond the end. Throws StepGivenUp with
-     * step, time and point if a point is lost or breaks, or if a StepGuard
-     * finds an error; the state is then the last stored good one, to single
-     * precision. For an exact state, keep a copy of state(). Several
-     * simulations take a CommonStep.
-     */
+    /// Collective. Take one step, not beyond the end. Throws StepGivenUp with
+    /// step, time and point if a point is lost or breaks, or if a StepGuard
+    /// finds an error; the state is then the last stored good one, to single
+    /// precision. For an exact state, keep a copy of state(). Several
+    /// simulations take a CommonStep.
     void
     step();
 
@@ -305,5 +300,3 @@ namespace greville
     unsigned int entered_stage = 0; // of parameters
   };
 } // namespace greville
-
-#endif

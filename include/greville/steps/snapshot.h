@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_snapshot_h
-#define greville_steps_snapshot_h
+#pragma once
 
 #include <greville/steps/state.h>
 
@@ -68,5 +67,3 @@ namespace greville
     std::vector<std::uint64_t>   n_points;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_stage_bodies_h
-#define greville_steps_stage_bodies_h
+#pragma once
 
 #include <greville/steps/discretization.h>
 
@@ -19,12 +18,10 @@ namespace greville
   PointLayout<dim>
   layout_of(const std::string &body, const SimulationParameters &parameters);
 
-  /**
-   * Collective. Make the points of a body, with its initial state at the start
-   * of the current stage: its K0 procedure includes the layers that are present
-   * then. Throws dealii::ExcMessage as make_points(), and if an initial
-   * displacement moves points out of the grid.
-   */
+  /// Collective. Make the points of a body, with its initial state at the start
+  /// of the current stage: its K0 procedure includes the layers that are
+  /// present then. Throws dealii::ExcMessage as make_points(), and if an
+  /// initial displacement moves points out of the grid.
   template <int dim>
   void
   add_points(Body<dim>                  &body,
@@ -83,5 +80,3 @@ namespace greville
   check_overlap_of_shapes(const BodyList<dim>    &bodies,
                           const SplineSpace<dim> &space);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_state_h
-#define greville_steps_state_h
+#pragma once
 
 #include <greville/geometry/rigid_motion.h>
 #include <greville/points/point_transfer.h>
@@ -209,5 +208,3 @@ namespace greville
       action(surface.points);
   }
 } // namespace greville
-
-#endif

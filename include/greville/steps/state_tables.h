@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_state_tables_h
-#define greville_steps_state_tables_h
+#pragma once
 
 #include <greville/base/tables.h>
 #include <greville/steps/discretization.h>
@@ -50,14 +49,12 @@ namespace greville
 
 
 
-  /**
-   * Collective. Replace the points of bodies and surfaces in @p state, the
-   * initial state of another simulation, by the points of the same names in @p
-   * content. The grid and all other initial data may differ. Data of loads and
-   * APIC at points are zero if the other simulation did not have them. Throws
-   * dealii::ExcMessage if a body or surface is missing, has another material,
-   * or is not inside the grid.
-   */
+  /// Collective. Replace the points of bodies and surfaces in @p state, the
+  /// initial state of another simulation, by the points of the same names in
+  /// @p content. The grid and all other initial data may differ. Data of loads
+  /// and APIC at points are zero if the other simulation did not have them.
+  /// Throws dealii::ExcMessage if a body or surface is missing, has another
+  /// material, or is not inside the grid.
   template <int dim>
   void
   set_points_from_tables(State<dim>          &state,
@@ -103,5 +100,3 @@ namespace greville
         action(points.point(groups[k], lane));
   }
 } // namespace greville
-
-#endif

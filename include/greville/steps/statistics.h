@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_statistics_h
-#define greville_steps_statistics_h
+#pragma once
 
 #include <greville/contact/averaged_contact.h>
 #include <greville/geometry/rigid_motion.h>
@@ -121,14 +120,12 @@ namespace greville
            const dealii::Tensor<1, dim>    &gravity,
            const MPI_Comm                   comm);
 
-  /**
-   * Collective. Return the smallest x beyond which lies at most the fraction
-   * mass_beyond_runout of the mass of all points that count for the run-out; x
-   * of a point is its position plus half of its size. Unlike the outermost
-   * point, it does not depend on single points. @p sums have outer_points() of
-   * at least this mass. Points are not sent: nested histograms of masses, each
-   * within one bar of the previous one, find the point.
-   */
+  /// Collective. Return the smallest x beyond which lies at most the fraction
+  /// mass_beyond_runout of the mass of all points that count for the run-out; x
+  /// of a point is its position plus half of its size. Unlike the outermost
+  /// point, it does not depend on single points. @p sums have outer_points() of
+  /// at least this mass. Points are not sent: nested histograms of masses, each
+  /// within one bar of the previous one, find the point.
   template <int dim>
   Largest
   runout_quantile(const std::vector<const RowSums<dim> *> &sums,
@@ -155,5 +152,3 @@ namespace greville
   largest_displacement(const std::vector<Body<dim>> &bodies,
                        const MPI_Comm                comm);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_step_guard_h
-#define greville_steps_step_guard_h
+#pragma once
 
 #include <greville/steps/discretization.h>
 
@@ -82,12 +81,10 @@ namespace greville
     void
     set(const MomentumBalance<dim> &balance);
 
-    /**
-     * For integrators, with a LateRow: dt^2 / 8 a^T M a of this process, J (2D:
-     * J / m). In linear vibrations, central differences conserve the energy E
-     * of finished states minus this value. E itself oscillates, the more the
-     * closer modes are to their critical step. check() resets it.
-     */
+    /// For integrators, with a LateRow: dt^2 / 8 a^T M a of this process, J
+    /// (2D: J / m). In linear vibrations, central differences conserve the
+    /// energy E of finished states minus this value. E itself oscillates, the
+    /// more the closer modes are to their critical step. check() resets it.
     void
     set_energy_swing(const double energy)
     {
@@ -105,11 +102,10 @@ namespace greville
     looks_at_energy(const unsigned int n_steps,
                     const bool         is_last = false) const;
 
-    /**
-     * Collective. Check the balance of energy; @p now belongs to a finished
-     * state. Most of its oscillation is subtracted. Subtracting all of it would
-     * hide modes beyond their critical step, too. Warns, or throws StepFailed.
-     */
+    /// Collective. Check the balance of energy; @p now belongs to a finished
+    /// state. Most of its oscillation is subtracted. Subtracting all of it
+    /// would hide modes beyond their critical step, too. Warns, or throws
+    /// StepFailed.
     void
     check_energy(State<dim> &state, const EnergyTotals &now) const;
 
@@ -153,5 +149,3 @@ namespace greville
     std::optional<MomentumBalance<dim>> balance;
   };
 } // namespace greville
-
-#endif

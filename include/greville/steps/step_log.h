@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_step_log_h
-#define greville_steps_step_log_h
+#pragma once
 
 #include <greville/steps/newton.h>
 
@@ -25,13 +24,10 @@ namespace greville
 
 
 
-  /**
-   * Reports of the parts of a simulation besides their results: the seconds
-   * that they take on this process, warnings, cuts of steps, and Newton's
-   * method; and a label
-   * that distinguishes the simulation from others in common steps, such as " of
-   * 'Body disk'".
-   */
+  /// Reports of the parts of a simulation besides their results: the seconds
+  /// that they take on this process, warnings, cuts of steps, and Newton's
+  /// method; and a label that distinguishes the simulation from others in
+  /// common steps, such as " of 'Body disk'".
   struct StepLog
   {
     /// Return the warnings, or the cuts or the records of Newton's method in
@@ -95,5 +91,3 @@ namespace greville
     std::chrono::steady_clock::time_point begin;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_step_size_h
-#define greville_steps_step_size_h
+#pragma once
 
 #include <greville/steps/critical_step.h>
 #include <greville/steps/discretization.h>
@@ -60,24 +59,20 @@ namespace greville
              Discretization<dim>  &discretization,
              StepLog              &log);
 
-    /**
-     * Collective. Return the next step, s, not beyond the end. Throws
-     * dealii::ExcMessage if it is above the critical step and this is refused,
-     * if there would be too many steps, and if an automatic step is below
-     * TimeParameters::smallest_step times the first one.
-     */
+    /// Collective. Return the next step, s, not beyond the end. Throws
+    /// dealii::ExcMessage if it is above the critical step and this is refused,
+    /// if there would be too many steps, and if an automatic step is below
+    /// TimeParameters::smallest_step times the first one.
     double
     propose(State<dim> &state, const StepScheme &scheme);
 
-    /**
-     * Collective. Return whether the acceleration of a field and the
-     * accelerations of the two previous steps, which the field has @p kept,
-     * show a mode for which the step @p dt is too long. Undamped, a'' = -M^-1 K
-     * a, so their second difference is a step of the power method, which
-     * detects an unstable mode from its first steps on. Accelerations that
-     * change speeds by less than 1e-8 of c + |v| in a step are noise and are
-     * ignored.
-     */
+    /// Collective. Return whether the acceleration of a field and the
+    /// accelerations of the two previous steps, which the field has @p kept,
+    /// show a mode for which the step @p dt is too long. Undamped, a'' = -M^-1
+    /// K a, so their second difference is a step of the power method, which
+    /// detects an unstable mode from its first steps on. Accelerations that
+    /// change speeds by less than 1e-8 of c + |v| in a step are noise and are
+    /// ignored.
     bool
     has_unstable_mode(const State<dim>      &state,
                       const FieldState<dim> &kept,
@@ -114,5 +109,3 @@ namespace greville
     std::optional<Expression> formula;
   };
 } // namespace greville
-
-#endif

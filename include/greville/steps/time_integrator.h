@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_time_integrator_h
-#define greville_steps_time_integrator_h
+#pragma once
 
 #include <greville/parameters/names.h>
 #include <greville/steps/step_guard.h>
@@ -38,23 +37,19 @@ namespace greville
   public:
     virtual ~TimeIntegrator() = default;
 
-    /**
-     * Collective. Return the length of the next step, s. Estimates in the state
-     * are renewed if they are due, and after a rejected step
-     * (StateWithoutBodies::n_rejections). Throws dealii::ExcMessage if
-     * parameters do not give a step.
-     */
+    /// Collective. Return the length of the next step, s. Estimates in the
+    /// state are renewed if they are due, and after a rejected step
+    /// (StateWithoutBodies::n_rejections). Throws dealii::ExcMessage if
+    /// parameters do not give a step.
     virtual double
     propose_step(State<dim> &state) = 0;
 
-    /**
-     * Collective. Try a step, and store the data for advance(). Throws
-     * StepRejected if a shorter step should be tried. Positions, velocities,
-     * stresses, time and counters do not change, only guesses may: a scheme
-     * that iterates uses fields of its own. The step may be tried again with
-     * another length, as in common steps of simulations. Throws StepFailed if a
-     * solver does not converge.
-     */
+    /// Collective. Try a step, and store the data for advance(). Throws
+    /// StepRejected if a shorter step should be tried. Positions, velocities,
+    /// stresses, time and counters do not change, only guesses may: a scheme
+    /// that iterates uses fields of its own. The step may be tried again with
+    /// another length, as in common steps of simulations. Throws StepFailed if
+    /// a solver does not converge.
     virtual void
     try_step(State<dim> &, const double)
     {}
@@ -87,13 +82,12 @@ namespace greville
     finish(State<dim> &)
     {}
 
-    /**
-     * Return whether the scheme has no critical step. Points may then cross
-     * many cells in a step, and momentum is checked against the grid's transfer
-     * to the points, within the tolerance of a solver (see StepGuard); cells
-     * count as filled by the threshold of ImplicitParameters; and each step
-     * begins with a copy of the state for restoring it.
-     */
+    /// Return whether the scheme has no critical step. Points may then cross
+    /// many cells in a step, and momentum is checked against the grid's
+    /// transfer to the points, within the tolerance of a solver (see
+    /// StepGuard); cells count as filled by the threshold of
+    /// ImplicitParameters; and each step begins with a copy of the state for
+    /// restoring it.
     virtual bool
     is_implicit() const
     {
@@ -149,5 +143,3 @@ namespace greville
   make_time_integrator(const std::string          &name,
                        const IntegratorParts<dim> &parts);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_trial_contacts_h
-#define greville_steps_trial_contacts_h
+#pragma once
 
 #include <greville/steps/body_contacts.h>
 #include <greville/steps/implicit_steps.h>
@@ -92,13 +91,11 @@ namespace greville
     bool
     is_symmetric() const;
 
-    /**
-     * Collective. Add to the products of the parts' matrices with @p src the
-     * tangent in excess of the stiffness of single points. The parts are
-     * followed by the pore pressures, if there are any, whose product is not
-     * changed, and by free rigid bodies, if there are any, whose product is
-     * set.
-     */
+    /// Collective. Add to the products of the parts' matrices with @p src the
+    /// tangent in excess of the stiffness of single points. The parts are
+    /// followed by the pore pressures, if there are any, whose product is not
+    /// changed, and by free rigid bodies, if there are any, whose product is
+    /// set.
     void
     add_product(std::vector<VectorType>       &dst,
                 const std::vector<VectorType> &src);
@@ -219,5 +216,3 @@ namespace greville
     std::vector<std::vector<double>>                 pore_pressures;
   };
 } // namespace greville
-
-#endif

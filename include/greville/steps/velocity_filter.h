@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_velocity_filter_h
-#define greville_steps_velocity_filter_h
+#pragma once
 
 #include <greville/base/zeroed_array.h>
 #include <greville/spline/spline_space.h>
@@ -130,5 +129,3 @@ namespace greville
     mutable VectorType                   exchanged;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_steps_wall_friction_h
-#define greville_steps_wall_friction_h
+#pragma once
 
 #include <greville/steps/contact.h>
 
@@ -36,5 +35,3 @@ namespace greville
     VectorField<dim>  before;
   };
 } // namespace greville
-
-#endif

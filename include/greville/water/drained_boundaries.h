@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_water_drained_boundaries_h
-#define greville_water_drained_boundaries_h
+#pragma once
 
 #include <greville/parameters/simulation_parameters.h>
 #include <greville/points/water_points.h>
@@ -43,12 +42,10 @@ namespace greville
       return of_surfaces.count(k) > 0;
     }
 
-    /**
-     * Add the points of these walls and surfaces, with their conditions at a @p
-     * time, to @p points. @p filled contains the filled fraction of each cell
-     * of the displacement. Throws dealii::ExcMessage if
-     * a formula has no value.
-     */
+    /// Add the points of these walls and surfaces, with their conditions at a
+    /// @p time, to @p points. @p filled contains the filled fraction of each
+    /// cell of the displacement. Throws dealii::ExcMessage if a formula has no
+    /// value.
     void
     add_points(const std::vector<Body<dim>>    &bodies,
                const std::vector<Surface<dim>> &all_surfaces,
@@ -106,5 +103,3 @@ namespace greville
     std::map<unsigned int, Given> of_walls, of_surfaces;
   };
 } // namespace greville
-
-#endif

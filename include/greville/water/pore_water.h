@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_water_pore_water_h
-#define greville_water_pore_water_h
+#pragma once
 
 #include <greville/points/free_surface.h>
 #include <greville/water/drained_boundaries.h>
@@ -77,12 +76,10 @@ namespace greville
     set_points(const std::vector<Body<dim>>    &bodies,
                const std::vector<Surface<dim>> &surfaces);
 
-    /**
-     * Collective. Begin a step of length @p dt (s) that ends at @p time with
-     * the acceleration @p gravity. The previous step had the length @p last_dt,
-     * or 0 if BDF2 cannot use a previous step. Throws dealii::ExcMessage if a
-     * formula has no value.
-     */
+    /// Collective. Begin a step of length @p dt (s) that ends at @p time with
+    /// the acceleration @p gravity. The previous step had the length
+    /// @p last_dt, or 0 if BDF2 cannot use a previous step. Throws
+    /// dealii::ExcMessage if a formula has no value.
     void
     begin_step(const std::vector<Body<dim>>    &bodies,
                const std::vector<Surface<dim>> &surfaces,
@@ -140,12 +137,10 @@ namespace greville
     using SolveMass =
       std::function<void(const VectorField<dim> &, VectorField<dim> &)>;
 
-    /**
-     * Collective. Build the cycles of the Schur complement of the last
-     * evaluate(), unless they exist for this step and the flow is linear. A
-     * includes the mass M times @p mass_factor (1 / s^2), and nothing else in
-     * explicit steps. Throws ErrorOnAll if a cycle cannot be built.
-     */
+    /// Collective. Build the cycles of the Schur complement of the last
+    /// evaluate(), unless they exist for this step and the flow is linear. A
+    /// includes the mass M times @p mass_factor (1 / s^2), and nothing else in
+    /// explicit steps. Throws ErrorOnAll if a cycle cannot be built.
     void
     set_up(const double mass_factor, const SolveMass &solve_mass);
 
@@ -167,13 +162,11 @@ namespace greville
     double
     round_off() const;
 
-    /**
-     * Collective. Store the pressure of the last evaluate() in the points.
-     * Returns this process' share of volumes of water, m^3 (2D: m^2): the water
-     * that entered the pores, and the water that left in the step through all
-     * boundaries and through each wall, each surface, and the free surface. @p
-     * last contains these numbers for the previous step.
-     */
+    /// Collective. Store the pressure of the last evaluate() in the points.
+    /// Returns this process' share of volumes of water, m^3 (2D: m^2): the
+    /// water that entered the pores, and the water that left in the step
+    /// through all boundaries and through each wall, each surface, and the free
+    /// surface. @p last contains these numbers for the previous step.
     std::vector<double>
     advance(std::vector<Body<dim>>    &bodies,
             const std::vector<double> &last) const;
@@ -240,5 +233,3 @@ namespace greville
     mutable VectorType pressure, rows;
   };
 } // namespace greville
-
-#endif

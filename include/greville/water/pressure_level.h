@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_water_pressure_level_h
-#define greville_water_pressure_level_h
+#pragma once
 
 #include <greville/multigrid/extended_level.h>
 
@@ -60,5 +59,3 @@ namespace greville
     UpperTriangle     entries;
   };
 } // namespace greville
-
-#endif
