@@ -138,5 +138,4 @@ namespace greville
       }
     return {list, H5Pclose};
   }
-
 } // namespace greville

@@ -351,5 +351,4 @@ namespace greville
     write_tree(out, tree, "");
     out << '\n';
   }
-
 } // namespace greville

@@ -352,13 +352,4 @@ namespace greville
                 << " s left";
     std::cout << std::flush;
   }
-
-
-
-  void
-  ProgressLine::finish()
-  {
-    if (is_visible)
-      std::cout << "\r\033[K" << std::flush;
-  }
 } // namespace greville

@@ -174,17 +174,6 @@ namespace greville
 
 
   template <int dim>
-  bool
-  Walls<dim>::constrains(const unsigned int wall,
-                         const unsigned int component) const
-  {
-    return type[wall] == WallType::fixed || type[wall] == WallType::moving ||
-           (type[wall] == WallType::sliding && wall / 2 == component);
-  }
-
-
-
-  template <int dim>
   std::vector<unsigned int>
   Walls<dim>::constrained_functions(const SplineSpace<dim> &space,
                                     const unsigned int      component) const
@@ -212,23 +201,13 @@ namespace greville
 
 
   template <int dim>
-  bool
-  Walls<dim>::have_friction() const
-  {
-    return std::find(type.begin(), type.end(), WallType::friction) !=
-           type.end();
-  }
-
-
-
-  template <int dim>
   template <typename Value>
   void
   Walls<dim>::impose(VectorField<dim> &field, const Value &value_at) const
   {
     if (have_moving())
-      run_or_fail([&]() { set_constrained(field, value_at); },
-                  field[0].get_mpi_communicator());
+      run_or_fail(field[0].get_mpi_communicator(),
+                  [&]() { set_constrained(field, value_at); });
     else
       set_constrained(field, value_at);
   }
@@ -296,15 +275,6 @@ namespace greville
     for (unsigned int c = 0; c < dim; ++c)
       result |= constrains(wall, c) << c;
     return result;
-  }
-
-
-
-  template <int dim>
-  unsigned char
-  Walls<dim>::components_with_force(const unsigned int wall) const
-  {
-    return is_friction(wall) ? (1 << dim) - 1 : constrained_components(wall);
   }
 
 

@@ -391,10 +391,6 @@ namespace greville
     : spline_space(&space)
     , cross(space, space, weights)
   {
-    AssertThrow(space.n_components() == 1,
-                ExcMessage(
-                  "The mass matrix is the same for all components; use a "
-                  "space with one."));
     space.initialize_vector(matrix_diagonal);
     cross.diagonal(matrix_diagonal);
     std::tie(inactive_diagonal, inactive_functions) =

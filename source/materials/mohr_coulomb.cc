@@ -221,23 +221,6 @@ namespace greville
 
 
 
-  bool
-  MohrCoulomb::has_symmetric_tangent() const
-  {
-    return !softens && dilatancy_angle == friction_angle && peak.apex <= 0. &&
-           (friction_angle == 0. || !reduction_of_strength.changes_strength());
-  }
-
-
-
-  double
-  MohrCoulomb::strength_reduction(const double time) const
-  {
-    return reduction_of_strength.at(time);
-  }
-
-
-
   double
   MohrCoulomb::opening_at_apex(const Principal &trial,
                                const double     apex,

@@ -563,12 +563,4 @@ namespace greville
   {
     return point.state.first[dissipated];
   }
-
-
-
-  Moduli
-  Umat::moduli() const
-  {
-    return {bulk, shear};
-  }
 } // namespace greville

@@ -34,14 +34,6 @@ namespace greville
 
 
 
-  bool
-  UmatCall::is_beyond(const void *address) const
-  {
-    return memory.is_beyond(address);
-  }
-
-
-
   const char *
   UmatCall::text_of_limit() const
   {

@@ -86,15 +86,6 @@ namespace greville
 
 
 
-  bool
-  SweepParameters::is_empty() const
-  {
-    return cells.empty() && degrees.empty() && formulations.empty() &&
-           masses.empty() && parameter.empty();
-  }
-
-
-
   void
   OutputParameters::declare(ParameterHandler &prm)
   {

@@ -59,26 +59,6 @@ namespace greville
 
 
 
-  std::string
-  SimulationParameters::stage_text(const unsigned int stage) const
-  {
-    return stages.empty() ? ""
-                          : "Stage " + std::to_string(stage + 1) + " (" +
-                              stages[stage].name + "): ";
-  }
-
-
-
-  bool
-  SimulationParameters::is_in_stage(const std::string &body,
-                                    const unsigned int stage) const
-  {
-    return stages.empty() || stages[stage].has_all_bodies() ||
-           contains(stages[stage].bodies, body);
-  }
-
-
-
   bool
   SimulationParameters::changes_bodies(const unsigned int stage) const
   {

@@ -207,24 +207,6 @@ namespace greville
 
   template <int dim>
   void
-  FreeSurface<dim>::add_rows(const VectorType &p, VectorType &rows)
-  {
-    volume_out = sum(p, rows, true);
-  }
-
-
-
-  template <int dim>
-  void
-  FreeSurface<dim>::add_derivative(const VectorType &dp, VectorType &rows) const
-  {
-    sum(dp, rows, false);
-  }
-
-
-
-  template <int dim>
-  void
   FreeSurface<dim>::add_schur_complement(const SpacePolynomials<dim> &functions,
                                          StencilMatrix<dim> &matrix) const
   {

@@ -329,18 +329,6 @@ namespace greville
 
 
 
-  template <int dim>
-  std::size_t
-  MaterialPoints<dim>::memory_consumption() const
-  {
-    return data.capacity() * sizeof(double) +
-           (heads.capacity() + counts.capacity() + links.capacity() +
-            filled_cells.capacity()) *
-             sizeof(unsigned int);
-  }
-
-
-
   GREVILLE_INSTANTIATE_CLASS(PointLayout);
   GREVILLE_INSTANTIATE_CLASS(MaterialPoints);
 } // namespace greville

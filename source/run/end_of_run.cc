@@ -278,16 +278,6 @@ namespace greville
 
   template <int dim>
   bool
-  SimulationRun<dim>::is_in_ramp() const
-  {
-    return simulations.first().is_implicit() &&
-           end_of_run.is_ramp(common().stage);
-  }
-
-
-
-  template <int dim>
-  bool
   SimulationRun<dim>::take_step()
   {
     const bool is_new_stage =
@@ -364,16 +354,6 @@ namespace greville
       }
     halve();
     return false;
-  }
-
-
-
-  template <int dim>
-  bool
-  SimulationRun<dim>::holds_now()
-  {
-    return simulations.exceeds_displacement() ||
-           criterion_holds(common().stage, row_now());
   }
 
 

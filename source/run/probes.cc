@@ -230,15 +230,5 @@ namespace greville
 
 
 
-  template <int dim>
-  void
-  Probes<dim>::write()
-  {
-    if (!probes.empty())
-      file.write(row);
-  }
-
-
-
   GREVILLE_INSTANTIATE_CLASS(Probes);
 } // namespace greville

@@ -221,14 +221,6 @@ namespace greville
 
 
   void
-  RunNotes::note_error(const std::string &error)
-  {
-    append("Error", error);
-  }
-
-
-
-  void
   RunNotes::write(const std::vector<NewtonRecord> &records)
   {
     const std::string file = directory + "/newton.csv";

@@ -120,16 +120,6 @@ namespace greville
 
 
   template <int dim>
-  double
-  SimulationRun<dim>::iterations_per_step()
-  {
-    return double(simulations.sum(&State<dim>::n_all_iterations)) /
-           std::max(1u, common().n_steps);
-  }
-
-
-
-  template <int dim>
   void
   SimulationRun<dim>::print_systems()
   {
@@ -330,16 +320,6 @@ namespace greville
     run_on_first(comm, [&]() {
       write_atomically(directory + "/summary.json", json.text());
     });
-  }
-
-
-
-  template <int dim>
-  double
-  SimulationRun<dim>::bytes_per_point() const
-  {
-    return Utilities::MPI::sum(double(simulations.points_memory()), comm) /
-           n_points;
   }
 
 

@@ -13,9 +13,7 @@ namespace greville
   CellWindows<dim>::reinit(const SplineSpace<dim> &space,
                            const bool              averages_values)
   {
-    with_values = averages_values;
-    AssertThrow(space.n_components() == 1,
-                ExcDimensionMismatch(space.n_components(), 1));
+    with_values               = averages_values;
     spline_space              = &space;
     const unsigned int n      = space.degree() + 3;
     n_in_window               = Utilities::fixed_power<dim>(n);

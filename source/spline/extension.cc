@@ -242,7 +242,7 @@ namespace greville
       multi_index<dim>(space.function_position(functions.numbers[k]), extents);
     MultiIndex<dim> local_extents;
     local_extents.fill(p + 1);
-    const unsigned int n = space.n_dofs_per_cell() / space.n_components();
+    const unsigned int n = space.n_dofs_per_cell();
 
     const std::size_t begin = functions.hosts_begin[k],
                       end   = functions.hosts_begin[k + 1];

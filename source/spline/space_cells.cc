@@ -49,15 +49,6 @@ namespace greville
 
 
   template <int dim>
-  MPI_Comm
-  SpaceCells<dim>::communicator() const
-  {
-    return comm;
-  }
-
-
-
-  template <int dim>
   bool
   SpaceCells<dim>::contains(const unsigned int cell, const Point<dim> &x) const
   {
@@ -77,16 +68,6 @@ namespace greville
 
 
   template <int dim>
-  std::uint64_t
-  SpaceCells<dim>::cell_position(const Point<dim> &x) const
-  {
-    return lexicographic<dim>(mesh_lattice.find_cell(x),
-                              mesh_lattice.n_cells());
-  }
-
-
-
-  template <int dim>
   unsigned int
   SpaceCells<dim>::find(const std::uint64_t position) const
   {
@@ -94,15 +75,6 @@ namespace greville
     return found != cells.end() && *found == position
              ? found - cells.begin()
              : numbers::invalid_unsigned_int;
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  SpaceCells<dim>::find(const Point<dim> &x) const
-  {
-    return find(cell_position(x));
   }
 
 

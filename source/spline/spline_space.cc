@@ -3,7 +3,6 @@
 #include <deal.II/base/mpi.templates.h>
 #include <deal.II/base/mpi_consensus_algorithms.h>
 #include <deal.II/fe/fe_bernstein.h>
-#include <deal.II/fe/fe_system.h>
 
 #include <greville/base/index_limits.h>
 #include <greville/spline/spline_space.h>
@@ -19,10 +18,9 @@ namespace greville
   template <int dim>
   SplineSpace<dim>::SplineSpace(DistributedTriangulation<dim> &triangulation,
                                 const unsigned int             degree,
-                                const unsigned int             n_components,
                                 const bool                     on_parents)
   {
-    reinit(triangulation, degree, n_components, on_parents);
+    reinit(triangulation, degree, on_parents);
   }
 
 
@@ -31,18 +29,15 @@ namespace greville
   void
   SplineSpace<dim>::reinit(DistributedTriangulation<dim> &triangulation,
                            const unsigned int             degree,
-                           const unsigned int             n_components,
                            const bool                     on_parents)
   {
     Require(degree >= 1 && degree <= max_degree,
             "A spline space has an order from 1 to " +
               std::to_string(max_degree) + ", not " + std::to_string(degree) +
               ".");
-    Require(n_components >= 1, "A spline space has at least one component.");
 
     SpaceCells<dim>::reinit(triangulation, on_parents);
     p                  = degree;
-    components         = n_components;
     functions_per_cell = Utilities::fixed_power<dim>(p + 1);
 
     for (unsigned int d = 0; d < dim; ++d)
@@ -81,24 +76,11 @@ namespace greville
       }
     n_dofs(); // throws where they are too many
 
-    if (components == 1)
-      element = std::make_unique<FE_Bernstein<dim>>(p);
-    else
-      element =
-        std::make_unique<FESystem<dim>>(FE_Bernstein<dim>(p), components);
+    element = std::make_unique<FE_Bernstein<dim>>(p);
 
     find_owned_functions();
     number_functions();
     make_partitioner();
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  SplineSpace<dim>::wrapped(const unsigned int i, const unsigned int d) const
-  {
-    return i < extents[d] ? i : i - extents[d];
   }
 
 
@@ -223,14 +205,10 @@ namespace greville
   void
   SplineSpace<dim>::make_partitioner()
   {
-    const types::global_dof_index begin = components * first_owned;
-    const types::global_dof_index end   = begin + n_locally_owned_dofs();
-
     IndexSet owned_set(n_dofs());
-    owned_set.add_range(begin, end);
+    owned_set.add_range(first_owned, first_owned + n_locally_owned_dofs());
     IndexSet ghost_set(n_dofs());
-    for (const types::global_dof_index number : ghost_numbers)
-      ghost_set.add_range(components * number, components * (number + 1));
+    ghost_set.add_indices(ghost_numbers.begin(), ghost_numbers.end());
     ghost_set.compress();
 
     partition = std::make_shared<const Utilities::MPI::Partitioner>(owned_set,
@@ -246,7 +224,7 @@ namespace greville
   {
     // Each factor has 32 bits, the product of two of them fits into 64.
     constexpr std::uint64_t largest_index = types::global_dof_index(-1);
-    std::uint64_t           n             = components;
+    std::uint64_t           n             = 1;
     for (unsigned int d = 0; d < dim; ++d)
       {
         n *= extents[d];
@@ -330,13 +308,8 @@ namespace greville
     indices.resize(n_dofs_per_cell());
     auto out = indices.begin();
     for (const unsigned int number : cell_functions(this->cell_number(cell)))
-      {
-        const types::global_dof_index function =
-          number < owned.size() ? first_owned + number
-                                : ghost_numbers[number - owned.size()];
-        for (unsigned int c = 0; c < components; ++c)
-          *out++ = components * function + c;
-      }
+      *out++ = number < owned.size() ? first_owned + number
+                                     : ghost_numbers[number - owned.size()];
   }
 
 
@@ -382,12 +355,11 @@ namespace greville
     ghosted.copy_locally_owned_data_from(coefficients);
     ghosted.update_ghost_values();
 
-    const FE_Bernstein<dim> scalar_fe(p);
-    const auto to_lexicographic = scalar_fe.get_poly_space_numbering();
+    const auto to_lexicographic =
+      FE_Bernstein<dim>(p).get_poly_space_numbering();
 
     const unsigned int                   n = functions_per_cell;
     std::vector<types::global_dof_index> dofs(n_dofs_per_cell());
-    std::vector<double>                  values(n_dofs_per_cell());
     const auto                           own = dof_handler.locally_owned_dofs();
     bernstein                                = 0.;
 
@@ -403,89 +375,30 @@ namespace greville
         {
           const auto index    = mesh_lattice.find_cell(cell->center());
           const auto function = cell_functions(this->cell_number(cell));
-          for (unsigned int c = 0; c < components; ++c)
+          for (unsigned int a = 0; a < n; ++a)
+            in[a] = ghosted.local_element(function[a]);
+          for (unsigned int d = 0, stride = 1; d < dim; ++d, stride *= p + 1)
             {
-              for (unsigned int a = 0; a < n; ++a)
-                in[a] = ghosted.local_element(components * function[a] + c);
-              for (unsigned int d = 0, stride = 1; d < dim;
-                   ++d, stride *= p + 1)
+              const FullMatrix<double> &matrix = matrices[d][index[d]];
+              std::fill(out.begin(), out.end(), 0.);
+              for (unsigned int i = 0; i < n; ++i)
                 {
-                  const FullMatrix<double> &matrix = matrices[d][index[d]];
-                  std::fill(out.begin(), out.end(), 0.);
-                  for (unsigned int i = 0; i < n; ++i)
-                    {
-                      const unsigned int a     = (i / stride) % (p + 1);
-                      const unsigned int start = i - a * stride;
-                      for (unsigned int b = 0; b <= p; ++b)
-                        out[start + b * stride] += matrix(a, b) * in[i];
-                    }
-                  in.swap(out);
+                  const unsigned int a     = (i / stride) % (p + 1);
+                  const unsigned int start = i - a * stride;
+                  for (unsigned int b = 0; b <= p; ++b)
+                    out[start + b * stride] += matrix(a, b) * in[i];
                 }
-              for (unsigned int a = 0; a < n; ++a)
-                values[c * n + a] = in[a];
+              in.swap(out);
             }
 
           cell->get_dof_indices(dofs);
           for (unsigned int i = 0; i < dofs.size(); ++i)
             if (own.is_element(dofs[i]))
-              {
-                const auto component_and_base =
-                  components == 1 ? std::make_pair(0u, i)
-                                  : element->system_to_component_index(i);
-                bernstein(dofs[i]) =
-                  values[component_and_base.first * n +
-                         to_lexicographic[component_and_base.second]];
-              }
+              bernstein(dofs[i]) = in[to_lexicographic[i]];
         }
 
     // The owner of a dof owns one of its cells, so all owned entries are set.
     bernstein.update_ghost_values();
-  }
-
-
-
-  template <int dim>
-  const FiniteElement<dim> &
-  SplineSpace<dim>::fe() const
-  {
-    return *element;
-  }
-
-
-
-  template <int dim>
-  unsigned int
-  SplineSpace<dim>::n_locally_owned_dofs() const
-  {
-    return components * owned.size();
-  }
-
-
-
-  template <int dim>
-  const IndexSet &
-  SplineSpace<dim>::locally_owned_dofs() const
-  {
-    return partition->locally_owned_range();
-  }
-
-
-
-  template <int dim>
-  void
-  SplineSpace<dim>::initialize_vector(VectorType &vector) const
-  {
-    vector.reinit(partition);
-  }
-
-
-
-  template <int dim>
-  std::uint64_t
-  SplineSpace<dim>::function_position(const unsigned int function) const
-  {
-    return function < owned.size() ? owned[function]
-                                   : ghosts[function - owned.size()];
   }
 
 

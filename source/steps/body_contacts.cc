@@ -384,8 +384,8 @@ namespace greville
           step.force -= now.contacts[c].force;
           step.moment -= now.contacts[c].moment;
         }
-    run_or_fail([&]() { step.gravity = parts.front()->loads.gravity(t); },
-                comm);
+    run_or_fail(comm,
+                [&]() { step.gravity = parts.front()->loads.gravity(t); });
     return step;
   }
 
@@ -403,11 +403,9 @@ namespace greville
         step.t              = state.time;
         step.dt             = dt;
         step.velocity_dt    = 0.5 * (state.step + dt);
-        run_or_fail(
-          [&]() {
-            rigid_bodies[k].move(positions[k].now, positions[k].before, step);
-          },
-          comm);
+        run_or_fail(comm, [&]() {
+          rigid_bodies[k].move(positions[k].now, positions[k].before, step);
+        });
       }
     return positions;
   }

@@ -55,15 +55,6 @@ namespace greville
 
   template <int dim>
   double
-  CentralDifferences<dim>::kept_share(const State<dim> &state) const
-  {
-    return apic ? 0. : discretization.flip_share(state, trial.velocity_step);
-  }
-
-
-
-  template <int dim>
-  double
   CentralDifferences<dim>::propose_step(State<dim> &state)
   {
     StepScheme scheme;
@@ -164,12 +155,10 @@ namespace greville
       false);
     const PartTimer timer(log, "loads");
     if (loads.act_on_points() || !state.surfaces.empty())
-      run_or_fail(
-        [&]() {
-          loads.set(state.bodies, state.time);
-          loads.surfaces().set(state.surfaces, state.time);
-        },
-        discretization.communicator());
+      run_or_fail(discretization.communicator(), [&]() {
+        loads.set(state.bodies, state.time);
+        loads.surfaces().set(state.surfaces, state.time);
+      });
   }
 
 
@@ -304,16 +293,6 @@ namespace greville
 
   template <int dim>
   void
-  CentralDifferences<dim>::stop(VectorField<dim> &velocity) const
-  {
-    for (const auto &contact : contacts)
-      contact->stop(velocity);
-  }
-
-
-
-  template <int dim>
-  void
   CentralDifferences<dim>::take_constrained_residual(const State<dim> &state)
   {
     if (!parameters.scheme.is_flip() || !(trial.velocity_step > 0.))
@@ -351,16 +330,6 @@ namespace greville
       state.reactions[w] = field.momentum_of_walls[w] / trial.velocity_step;
     add_work(state);
     add_work_of_damping(state);
-  }
-
-
-
-  template <int dim>
-  void
-  CentralDifferences<dim>::forget()
-  {
-    for (const auto &contact : contacts)
-      contact->forget();
   }
 
 
@@ -440,15 +409,6 @@ namespace greville
     row->energy_swing = energy_swing(state);
     row->is_known     = true;
     row               = nullptr;
-  }
-
-
-
-  template <int dim>
-  bool
-  CentralDifferences<dim>::may_reject() const
-  {
-    return field.mass->is_exact() && parameters.time.step.empty();
   }
 
 

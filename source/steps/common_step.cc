@@ -184,17 +184,6 @@ namespace greville
 
   template <int dim>
   void
-  CommonStep<dim>::restore_others(const Simulation<dim> *failed)
-  {
-    for (Simulation<dim> *simulation : simulations)
-      if (simulation != failed)
-        simulation->restore();
-  }
-
-
-
-  template <int dim>
-  void
   CommonStep<dim>::take()
   {
     remember();

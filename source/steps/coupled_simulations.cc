@@ -44,31 +44,11 @@ namespace greville
 
 
   template <int dim>
-  void
-  CoupledSimulations<dim>::find_contact()
-  {
-    if (contacts)
-      contacts->act();
-  }
-
-
-
-  template <int dim>
   const std::vector<RigidBody<dim>> &
   CoupledSimulations<dim>::rigid_bodies() const
   {
     static const std::vector<RigidBody<dim>> none;
     return contacts ? contacts->all_rigid_bodies() : none;
-  }
-
-
-
-  template <int dim>
-  void
-  CoupledSimulations<dim>::fill_grid()
-  {
-    for (const auto &part : parts)
-      part->fill_grid();
   }
 
 
@@ -181,16 +161,6 @@ namespace greville
                                   &parts[k]->stage_parameters());
       }
     set_state(states);
-  }
-
-
-
-  template <int dim>
-  void
-  CoupledSimulations<dim>::begin_with(const TablesFile &content)
-  {
-    for (const auto &part : parts)
-      part->begin_with(content);
   }
 
 

@@ -207,16 +207,6 @@ namespace greville
 
   template <int dim>
   void
-  Discretization<dim>::initialize(VectorField<dim> &field) const
-  {
-    for (VectorType &component : field)
-      space().initialize_vector(component);
-  }
-
-
-
-  template <int dim>
-  void
   Discretization<dim>::initialize_field(State<dim> &state) const
   {
     state.field = FieldState<dim>();

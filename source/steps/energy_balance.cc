@@ -40,12 +40,4 @@ namespace greville
     return (now.energy - energy_swing - start - now.work - lowest_damping) /
            largest;
   }
-
-
-
-  double
-  EnergyBalance::largest_with(const EnergyTotals &now) const
-  {
-    return std::max({largest, std::abs(now.energy), std::abs(now.work)});
-  }
 } // namespace greville

@@ -105,8 +105,8 @@ namespace greville
     fail_with([&]() { g = loads.gravity(t); }, false);
     if (loads.act_on_points())
       {
-        run_or_fail([&]() { loads.set(state.bodies, t, with_following); },
-                    discretization.communicator());
+        run_or_fail(discretization.communicator(),
+                    [&]() { loads.set(state.bodies, t, with_following); });
         discretization.sum(state, true);
         for (unsigned int d = 0; d < dim; ++d)
           sums[d].copy_locally_owned_data_from(field().force[d]);

@@ -34,15 +34,6 @@ namespace greville
 
 
   template <int dim>
-  std::string
-  LumpedMass<dim>::solver() const
-  {
-    return n_terms == 1 ? "lumped" : "fmpm-" + std::to_string(n_terms);
-  }
-
-
-
-  template <int dim>
   void
   LumpedMass<dim>::update(
     const VectorType                               &lumped,

@@ -69,7 +69,7 @@ namespace greville
   /// throw StepFailed on all processes if it throws on any.
   template <typename Action>
   void
-  run_or_fail(const Action &action, const MPI_Comm comm)
+  run_or_fail(const MPI_Comm comm, const Action &action)
   {
     fail_with([&]() { run_on_all(comm, action); }, false);
   }

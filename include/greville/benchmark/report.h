@@ -7,6 +7,7 @@
 #include <greville/benchmark/operators.h>
 #include <greville/paper/mass_solver.h>
 
+#include <iostream>
 #include <map>
 #include <optional>
 #include <string>
@@ -102,7 +103,11 @@ namespace greville
     show(const std::string &what);
 
     void
-    finish();
+    finish()
+    {
+      if (is_visible)
+        std::cout << "\r\033[K" << std::flush;
+    }
 
   private:
     unsigned int  n = 0, done = 0;

@@ -98,7 +98,11 @@ namespace greville
 
     /// Return whether there are friction walls, or whether @p wall is one.
     bool
-    have_friction() const;
+    have_friction() const
+    {
+      return std::find(type.begin(), type.end(), WallType::friction) !=
+             type.end();
+    }
 
     bool
     is_friction(const unsigned int wall) const
@@ -140,7 +144,10 @@ namespace greville
     constrained_components(const unsigned int wall) const;
 
     unsigned char
-    components_with_force(const unsigned int wall) const;
+    components_with_force(const unsigned int wall) const
+    {
+      return is_friction(wall) ? (1 << dim) - 1 : constrained_components(wall);
+    }
 
     /// Add value(c, i) over the coefficients that each wall constrains,
     /// component c of the owned function i. A coefficient constrained by two
@@ -175,7 +182,11 @@ namespace greville
 
   private:
     bool
-    constrains(const unsigned int wall, const unsigned int component) const;
+    constrains(const unsigned int wall, const unsigned int component) const
+    {
+      return type[wall] == WallType::fixed || type[wall] == WallType::moving ||
+             (type[wall] == WallType::sliding && wall / 2 == component);
+    }
 
     /// Return the owned coefficients at a wall, in its region.
     std::vector<unsigned int>

@@ -61,13 +61,21 @@ namespace greville
     /// Symmetric for associated flow without softening; see DruckerPrager for
     /// materials that bear tension.
     bool
-    has_symmetric_tangent() const override;
+    has_symmetric_tangent() const override
+    {
+      return !softens && dilatancy_angle == friction_angle && peak.apex <= 0. &&
+             (friction_angle == 0. ||
+              !reduction_of_strength.changes_strength());
+    }
 
     void
     reinit(const std::string &section) override;
 
     double
-    strength_reduction(const double time) const override;
+    strength_reduction(const double time) const override
+    {
+      return reduction_of_strength.at(time);
+    }
 
     double
     yield_function(const Principal &tau,

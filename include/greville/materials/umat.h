@@ -92,7 +92,10 @@ namespace greville
     dissipation(const MaterialPoint &point) const override;
 
     Moduli
-    moduli() const override;
+    moduli() const override
+    {
+      return {bulk, shear};
+    }
 
   private:
     /// Matrices by rows and columns, in the order of stress entries.

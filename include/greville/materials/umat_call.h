@@ -60,7 +60,10 @@ namespace greville
                   const char       *what) const override;
 
     bool
-    is_beyond(const void *address) const override;
+    is_beyond(const void *address) const override
+    {
+      return memory.is_beyond(address);
+    }
 
     const char *
     text_of_limit() const override;

@@ -46,7 +46,11 @@ namespace greville
 
     /// Return whether there is only one run.
     bool
-    is_empty() const;
+    is_empty() const
+    {
+      return cells.empty() && degrees.empty() && formulations.empty() &&
+             masses.empty() && parameter.empty();
+    }
 
     std::vector<unsigned int> cells;
     std::vector<unsigned int> degrees;

@@ -4,6 +4,7 @@
 
 #include <deal.II/base/parameter_handler.h>
 
+#include <greville/base/errors.h>
 #include <greville/parameters/run_parameters.h>
 #include <greville/parameters/section_parameters.h>
 #include <greville/parameters/stage_parameters.h>
@@ -115,7 +116,11 @@ namespace greville
     enter_stage(const unsigned int stage);
 
     bool
-    is_in_stage(const std::string &body, const unsigned int stage) const;
+    is_in_stage(const std::string &body, const unsigned int stage) const
+    {
+      return stages.empty() || stages[stage].has_all_bodies() ||
+             contains(stages[stage].bodies, body);
+    }
 
     /// Return whether the bodies or materials of a stage differ from the
     /// previous stage.
@@ -125,7 +130,12 @@ namespace greville
     /// Return "Stage 2 (collapse): " as the beginning of messages, or an empty
     /// text if there is one stage.
     std::string
-    stage_text(const unsigned int stage) const;
+    stage_text(const unsigned int stage) const
+    {
+      return stages.empty() ? ""
+                            : "Stage " + std::to_string(stage + 1) + " (" +
+                                stages[stage].name + "): ";
+    }
 
     /// Throw dealii::ExcMessage if parameters contradict each other or are
     /// invalid in ways that patterns cannot detect.

@@ -83,11 +83,17 @@ namespace greville
 
     /// Collective. Add to r for a pressure, Pa.
     void
-    add_rows(const VectorType &p, VectorType &rows);
+    add_rows(const VectorType &p, VectorType &rows)
+    {
+      volume_out = sum(p, rows, true);
+    }
 
     /// Collective. Add the derivative of r in the direction of a pressure.
     void
-    add_derivative(const VectorType &dp, VectorType &rows) const;
+    add_derivative(const VectorType &dp, VectorType &rows) const
+    {
+      sum(dp, rows, false);
+    }
 
     /// Add the derivative of r by the coefficients of functions of any order on
     /// the cells of the pressure.

@@ -178,7 +178,13 @@ namespace greville
 
     /// Return the bytes of points and lists on this process.
     std::size_t
-    memory_consumption() const;
+    memory_consumption() const
+    {
+      return data.capacity() * sizeof(double) +
+             (heads.capacity() + counts.capacity() + links.capacity() +
+              filled_cells.capacity()) *
+               sizeof(unsigned int);
+    }
 
   private:
     template <typename Ref, typename Points, typename Action>

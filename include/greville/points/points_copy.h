@@ -32,7 +32,12 @@ namespace greville
 
     /// Return the bytes on this process.
     std::size_t
-    memory_consumption() const;
+    memory_consumption() const
+    {
+      return (cells.capacity() + counts.capacity()) * sizeof(unsigned int) +
+             exact.capacity() * sizeof(double) +
+             rounded.capacity() * sizeof(float);
+    }
 
   private:
     /// Consecutive points with the same numbers.

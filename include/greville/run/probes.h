@@ -88,7 +88,11 @@ namespace greville
     finish(const double time);
 
     void
-    write();
+    write()
+    {
+      if (!probes.empty())
+        file.write(row);
+    }
 
     std::vector<std::string>
     columns() const;

@@ -53,7 +53,10 @@ namespace greville
 
     /// Note the error that ends the run. The program prints it.
     void
-    note_error(const std::string &error);
+    note_error(const std::string &error)
+    {
+      append("Error", error);
+    }
 
     void
     write(const std::vector<NewtonRecord> &records);

@@ -60,11 +60,19 @@ namespace greville
 
     /// Return whether the current stage is a ramp whose steps can be repeated.
     bool
-    is_in_ramp() const;
+    is_in_ramp() const
+    {
+      return simulations.first().is_implicit() &&
+             end_of_run.is_ramp(common().stage);
+    }
 
     /// Return whether the current state ends the run.
     bool
-    holds_now();
+    holds_now()
+    {
+      return simulations.exceeds_displacement() ||
+             criterion_holds(common().stage, row_now());
+    }
 
     /// Return whether 'End when' holds for a row, and note a comparison with
     /// NaN.
@@ -181,7 +189,10 @@ namespace greville
 
     /// Return whether 'Output/Fields' names a field.
     bool
-    wants(const std::string &field) const;
+    wants(const std::string &field) const
+    {
+      return contains(parameters.output.fields, field);
+    }
 
     GridFields<dim>
     grid_fields(Simulation<dim> &part) const;
@@ -209,10 +220,19 @@ namespace greville
     write_summary(const RunSummary &summary);
 
     double
-    bytes_per_point() const;
+    bytes_per_point() const
+    {
+      return dealii::Utilities::MPI::sum(double(simulations.points_memory()),
+                                         comm) /
+             n_points;
+    }
 
     double
-    iterations_per_step();
+    iterations_per_step()
+    {
+      return double(simulations.sum(&State<dim>::n_all_iterations)) /
+             std::max(1u, common().n_steps);
+    }
 
     /// Return a state. Its time, steps and stage are common to all parts.
     const State<dim> &

@@ -33,7 +33,7 @@ namespace greville
   class CellWindows
   {
   public:
-    /// Collective. The space, of one component, is kept by reference. No cell
+    /// Collective. The space is kept by reference. No cell
     /// reaches its neighbours before update(). @p averages_values selects
     /// averages of the splines themselves.
     void

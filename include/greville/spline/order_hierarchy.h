@@ -34,7 +34,7 @@ namespace greville
     {
       spaces.clear();
       for (const unsigned int order : orders(degree, coarsening))
-        spaces.emplace_back(triangulation, order, 1, on_parents);
+        spaces.emplace_back(triangulation, order, on_parents);
     }
 
     /**

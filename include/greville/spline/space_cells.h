@@ -35,7 +35,10 @@ namespace greville
     }
 
     MPI_Comm
-    communicator() const;
+    communicator() const
+    {
+      return comm;
+    }
 
     /// The cells as one lattice, for the few parts that need all of them to be
     /// alike. Others use the functions on cells below.
@@ -111,7 +114,11 @@ namespace greville
     /// Return the position of the cell that contains a point, anywhere in the
     /// mesh; of the nearest cell for points outside.
     std::uint64_t
-    cell_position(const dealii::Point<dim> &x) const;
+    cell_position(const dealii::Point<dim> &x) const
+    {
+      return lexicographic<dim>(mesh_lattice.find_cell(x),
+                                mesh_lattice.n_cells());
+    }
 
     /// Return the number of the owned cell at a position, or
     /// invalid_unsigned_int if another process owns the cell.
@@ -121,7 +128,10 @@ namespace greville
     /// Return the number of the owned cell that contains a point, as
     /// cell_position() and the other find() do.
     unsigned int
-    find(const dealii::Point<dim> &x) const;
+    find(const dealii::Point<dim> &x) const
+    {
+      return find(cell_position(x));
+    }
 
     /// Return the process that owns the cell at a position.
     unsigned int

@@ -24,7 +24,7 @@ namespace greville
    * periodic direction of the mesh, knots are uniform, the n functions are
    * translates of one another, and function i of the knots is function i mod n
    * of the space. The interface resembles a DoFHandler; a *dof* is a
-   * coefficient c_i of one component.
+   * coefficient c_i.
    *
    * **Ownership.** A coefficient belongs to the process that owns the cell of
    * its Greville point (the upper one if the point lies between two cells). The
@@ -35,7 +35,6 @@ namespace greville
    *
    * **Numbering.** Contiguous per process, lexicographic (x fastest) among the
    * coefficients of a process; incomplete factorizations depend on that order.
-   * Dofs of the components of one coefficient follow each other.
    *
    * The triangulation must have the settings ::mesh_settings and must outlive
    * the space. Call reinit() after each repartitioning.
@@ -51,17 +50,15 @@ namespace greville
     /// Construct and call reinit().
     SplineSpace(DistributedTriangulation<dim> &triangulation,
                 const unsigned int             degree,
-                const unsigned int             n_components = 1,
-                const bool                     on_parents   = false);
+                const bool                     on_parents = false);
 
-    /// Collective. Throws dealii::ExcMessage for an order outside 1...5, zero
-    /// components, a mesh that is not a Lattice, less than p + 1 cells in a
-    /// periodic direction, or parents of an odd number of cells.
+    /// Collective. Throws dealii::ExcMessage for an order outside 1...5, a mesh
+    /// that is not a Lattice, less than p + 1 cells in a periodic direction, or
+    /// parents of an odd number of cells.
     void
     reinit(DistributedTriangulation<dim> &triangulation,
            const unsigned int             degree,
-           const unsigned int             n_components = 1,
-           const bool                     on_parents   = false);
+           const bool                     on_parents = false);
 
     /// The largest order for which kernels are compiled.
     static constexpr unsigned int max_degree = 5;
@@ -70,12 +67,6 @@ namespace greville
     degree() const
     {
       return p;
-    }
-
-    unsigned int
-    n_components() const
-    {
-      return components;
     }
 
     const KnotVector &
@@ -90,10 +81,12 @@ namespace greville
       return extents;
     }
 
-    /// Return the Bezier elements: FE_Bernstein of order p, or a FESystem of it
-    /// for more than one component.
+    /// Return the Bezier elements: FE_Bernstein of order p.
     const dealii::FiniteElement<dim> &
-    fe() const;
+    fe() const
+    {
+      return *element;
+    }
 
     // Numbers of dofs, as in a DoFHandler.
 
@@ -101,10 +94,16 @@ namespace greville
     n_dofs() const;
 
     unsigned int
-    n_locally_owned_dofs() const;
+    n_locally_owned_dofs() const
+    {
+      return owned.size();
+    }
 
     const dealii::IndexSet &
-    locally_owned_dofs() const;
+    locally_owned_dofs() const
+    {
+      return partition->locally_owned_range();
+    }
 
     /// Return the layout of vectors whose ghost entries are the relevant dofs.
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
@@ -114,17 +113,19 @@ namespace greville
     }
 
     void
-    initialize_vector(VectorType &vector) const;
+    initialize_vector(VectorType &vector) const
+    {
+      vector.reinit(partition);
+    }
 
     unsigned int
     n_dofs_per_cell() const
     {
-      return components * functions_per_cell;
+      return functions_per_cell;
     }
 
-    /// Return the global numbers of the dofs of a locally owned cell: function
-    /// by function in lexicographic order, with the components of a function
-    /// together.
+    /// Return the global numbers of the dofs of a locally owned cell, in
+    /// lexicographic order.
     void
     cell_dof_indices(
       const CellIterator                           &cell,
@@ -183,7 +184,11 @@ namespace greville
 
     /// Return the lexicographic position of a function with a local number.
     std::uint64_t
-    function_position(const unsigned int function) const;
+    function_position(const unsigned int function) const
+    {
+      return function < owned.size() ? owned[function]
+                                     : ghosts[function - owned.size()];
+    }
 
     dealii::Point<dim>
     greville_point(const unsigned int function) const;
@@ -214,7 +219,6 @@ namespace greville
     make_partitioner();
 
     unsigned int                                p                  = 0;
-    unsigned int                                components         = 0;
     unsigned int                                functions_per_cell = 0;
     std::array<KnotVector, dim>                 knot_vectors;
     MultiIndex<dim>                             extents{};
@@ -223,7 +227,10 @@ namespace greville
     /// Return the number in the space of function @p i of the knots in a
     /// direction.
     unsigned int
-    wrapped(const unsigned int i, const unsigned int d) const;
+    wrapped(const unsigned int i, const unsigned int d) const
+    {
+      return i < extents[d] ? i : i - extents[d];
+    }
 
     // The cell of the Greville point of each function, per direction. It
     // increases with the function, except for the first p / 2 of a periodic

@@ -58,7 +58,11 @@ namespace greville
     advance(State<dim> &state, const double dt) override;
 
     void
-    forget() override;
+    forget() override
+    {
+      for (const auto &contact : contacts)
+        contact->forget();
+    }
 
     bool
     velocities_are_late(const State<dim> &state) const override
@@ -89,7 +93,11 @@ namespace greville
 
     /// Call Contact::stop() of all contacts.
     void
-    stop(VectorField<dim> &velocity) const;
+    stop(VectorField<dim> &velocity) const
+    {
+      for (const auto &contact : contacts)
+        contact->stop(velocity);
+    }
 
     using Member = VectorField<dim> GridField<dim>::*;
 
@@ -131,7 +139,10 @@ namespace greville
   private:
     /// Return whether steps may be rejected: automatic steps with exact mass.
     bool
-    may_reject() const;
+    may_reject() const
+    {
+      return field.mass->is_exact() && parameters.time.step.empty();
+    }
 
     /// Apply contacts and loads at the start of the step.
     void
@@ -170,7 +181,10 @@ namespace greville
 
     /// Return the share of FLIP in this step; zero with APIC.
     double
-    kept_share(const State<dim> &state) const;
+    kept_share(const State<dim> &state) const
+    {
+      return apic ? 0. : discretization.flip_share(state, trial.velocity_step);
+    }
 
     /// Collective. Add the effect of the pore pressure.
     void

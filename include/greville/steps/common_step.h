@@ -49,7 +49,12 @@ namespace greville
 
     /// Restore all simulations except @p failed, which may be null.
     void
-    restore_others(const Simulation<dim> *failed);
+    restore_others(const Simulation<dim> *failed)
+    {
+      for (Simulation<dim> *simulation : simulations)
+        if (simulation != failed)
+          simulation->restore();
+    }
 
     /// Call an action for each simulation as the current one.
     template <typename Action>

@@ -21,7 +21,11 @@ namespace greville
 
     /// Collective. See Simulation::fill_grid().
     void
-    fill_grid();
+    fill_grid()
+    {
+      for (const auto &part : parts)
+        part->fill_grid();
+    }
 
     /// Collective. Take a common step, see Simulation::step().
     void
@@ -111,7 +115,11 @@ namespace greville
 
     /// Collective. See Simulation::begin_with().
     void
-    begin_with(const TablesFile &content);
+    begin_with(const TablesFile &content)
+    {
+      for (const auto &part : parts)
+        part->begin_with(content);
+    }
 
     /// Return all bodies. The list is valid until the next step.
     BodyList<dim>
@@ -132,7 +140,11 @@ namespace greville
 
     /// Collective. Compute contact in the current states: loads of surfaces.
     void
-    find_contact();
+    find_contact()
+    {
+      if (contacts)
+        contacts->act();
+    }
 
     /// Return the rigid bodies of State::rigid_bodies.
     const std::vector<RigidBody<dim>> &

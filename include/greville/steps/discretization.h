@@ -142,7 +142,11 @@ namespace greville
 
     /// Allocate a field.
     void
-    initialize(VectorField<dim> &field) const;
+    initialize(VectorField<dim> &field) const
+    {
+      for (VectorType &component : field)
+        space().initialize_vector(component);
+    }
 
     /// Initialize a state's FieldState with zeros.
     void

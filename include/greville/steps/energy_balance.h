@@ -140,7 +140,10 @@ namespace greville
     /// Return the largest energy or work in @p now and in all calls of gain()
     /// and remember(). Unit: J (2D: J / m).
     double
-    largest_with(const EnergyTotals &now) const;
+    largest_with(const EnergyTotals &now) const
+    {
+      return std::max({largest, std::abs(now.energy), std::abs(now.work)});
+    }
 
     /// Call @p all(name, number) for the numbers that are equal on all
     /// processes, and @p sum(name, number) for numbers that are sums over

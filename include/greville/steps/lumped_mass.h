@@ -24,7 +24,10 @@ namespace greville
                const Walls<dim>          &walls);
 
     std::string
-    solver() const override;
+    solver() const override
+    {
+      return n_terms == 1 ? "lumped" : "fmpm-" + std::to_string(n_terms);
+    }
 
     bool
     is_exact() const override

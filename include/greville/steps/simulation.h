@@ -277,7 +277,13 @@ namespace greville
     void
     check_energy();
     void
-    end_step();
+    end_step()
+    {
+      if (current.n_points == 0)
+        log.warnings.push_back("The last point has left the grid at t = " +
+                               std::to_string(current.time) +
+                               " s: the run ends.");
+    }
 
     // Collective. Restore the last good state and the sections of its stage,
     // and throw StepGivenUp with the message for a step of this length.
