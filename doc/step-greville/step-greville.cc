@@ -366,7 +366,7 @@ namespace StepGreville
       Statistics<dim> sums;
       add_sums(sums, bodies, sums_of_bodies, g, MPI_COMM_WORLD);
       double elastic = 0.;
-      bodies[0].points.for_each([&](const unsigned int, const auto point) {
+      bodies[0].points.for_each([&](const auto point) {
         const double d = floor_depth(point.position());
         elastic += 0.5 * point.mass() * floor_kappa * d * d;
       });

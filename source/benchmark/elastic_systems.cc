@@ -230,7 +230,7 @@ namespace greville
           make_function<dim>(problem.density, "Problem/Density");
         std::vector<double> sums(2); // mass, volume
         run_on_all(space.communicator(), [&]() {
-          body.points.for_each([&](const unsigned int, PointRef<dim> q) {
+          body.points.for_each([&](PointRef<dim> q) {
             const Point<dim> x   = q.position();
             const double     rho = density->value(x);
             Require(rho >= 0. && std::isfinite(rho),

@@ -142,7 +142,7 @@ namespace greville
 
         const auto square = [&](const MaterialPoints<dim> &some) {
           double sum = 0.;
-          some.for_each([&](const unsigned int, ConstPointRef<dim> q) {
+          some.for_each([&](ConstPointRef<dim> q) {
             const double v = q.velocity(0);
             sum += q.mass() * v * v;
           });

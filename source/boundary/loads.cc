@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/boundary/body_force.h>
 #include <greville/boundary/loads.h>
 
@@ -142,7 +141,7 @@ namespace greville
     // Another stage may have had loads.
     for (Body<dim> &body : bodies)
       if (const PointField *load = body.points.layout().find("load"))
-        body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+        body.points.for_each([&](PointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
             p[load->first + d] = 0.;
         });
@@ -167,7 +166,7 @@ namespace greville
         for (const auto &load : point_loads)
           if (with_following || !load->at_position(body.points.layout(), t))
             load->add_acceleration(body.points, first, t);
-        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        body.points.for_each([&](ConstPointRef<dim> p) {
           const double size = p.vector(first).norm();
           if (!(size <= 1e100))
             {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
 #include <greville/boundary/surface_loads.h>
 
@@ -137,7 +136,7 @@ namespace greville
       {
         const PointLayout<dim> &layout = surfaces[k].points.layout();
         const unsigned int      first  = layout.first("load");
-        surfaces[k].points.for_each([&](const unsigned int, PointRef<dim> p) {
+        surfaces[k].points.for_each([&](PointRef<dim> p) {
           const Tensor<1, dim> load =
             loads[k]->load(surface_state<dim>(p, layout), t);
           if (!(load.norm() <= 1e100))
@@ -165,7 +164,7 @@ namespace greville
       {
         Surface<dim>      &surface = surfaces[k];
         const unsigned int first   = surface.points.layout().first("load");
-        surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+        surface.points.for_each([&](PointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
             p[first + d] = 0.;
         });
@@ -204,8 +203,7 @@ namespace greville
         const PointLayout<dim> &layout = surfaces[k].points.layout();
         Tensor<1, dim>          sum;
         run_on_all(comm, [&]() {
-          surfaces[k].points.for_each([&](const unsigned int,
-                                          ConstPointRef<dim> p) {
+          surfaces[k].points.for_each([&](ConstPointRef<dim> p) {
             sum += p.mass() * loads[k]->load(surface_state<dim>(p, layout), t);
           });
         });

@@ -269,68 +269,24 @@ namespace greville
 
 
   void
-  ElementTestParameters::declare_section(ParameterHandler &prm)
+  ElementTestParameters::declare(ParameterHandler &prm)
   {
-    const ElementTestParameters defaults;
-    prm.enter_subsection(section);
-    prm.declare_entry(
-      "Initial stress",
-      text_of(defaults.initial_stress[0]),
-      Patterns::List(Patterns::Double(), 1, 2),
-      "Axial and lateral stress at the start of an element test, "
-      "positive in compression; one number: both. Unit: Pa.");
-    prm.declare_entry(
-      "Strain",
-      text_of(defaults.strains[0]),
-      Patterns::List(Patterns::Double(), 1),
+    using namespace Patterns;
+    add_parameter(prm, "Initial stress", initial_stress, List(Double(), 1, 2))(
+      "Axial and lateral stress at the start of an element test, positive in "
+      "compression; one number: both. Unit: Pa.");
+    add_parameter(prm, "Strain", strains, List(Double(), 1))(
       "Values of the controlled strain at which it reverses, and at which the "
       "test ends: the logarithmic axial strain, volumetric strain (isotropic) "
       "or shear; positive in compression. Unit: none.");
-    prm.declare_entry(
-      "Steps",
-      text_of(defaults.steps),
-      Patterns::Integer(1),
-      "Number of steps from one of the values of 'Strain' to the next. "
-      "Unit: none.");
-    prm.declare_entry(
-      "Strain rate",
-      text_of(defaults.strain_rate),
-      positive(),
-      "Rate of the controlled strain, for laws that depend on the rate "
-      "or on time. Unit: 1 / s.");
-    prm.declare_entry(
-      "Void ratio",
-      text_of(defaults.void_ratio),
-      Patterns::Double(0.),
+    add_parameter(prm, "Steps", steps, Integer(1))(
+      "Number of steps from one of the values of 'Strain' to the next. Unit: "
+      "none.");
+    add_parameter(prm, "Strain rate", strain_rate, positive())(
+      "Rate of the controlled strain, for laws that depend on the rate or on "
+      "time. Unit: 1 / s.");
+    add_parameter(prm, "Void ratio", void_ratio, Double(0.))(
       "Initial void ratio, for laws that have none of their own. Unit: none.");
-    prm.leave_subsection();
-  }
-
-
-
-  ElementTestParameters
-  ElementTestParameters::from(const std::string &text)
-  {
-    ParameterHandler prm;
-    declare_section(prm);
-    std::vector<ParameterLine> lines;
-    for (const ParameterLine &line : parameter_lines_of(text, "parameters"))
-      if (line.section == section && !line.name.empty())
-        lines.push_back(line);
-    parse_parameter_lines(prm, lines);
-    const auto numbers = [&](const std::string &name) {
-      return Utilities::string_to_double(
-        Utilities::split_string_list(prm.get(name), ','));
-    };
-    ElementTestParameters result;
-    prm.enter_subsection(section);
-    result.initial_stress = numbers("Initial stress");
-    result.strains        = numbers("Strain");
-    result.steps          = prm.get_integer("Steps");
-    result.strain_rate    = prm.get_double("Strain rate");
-    result.void_ratio     = prm.get_double("Void ratio");
-    prm.leave_subsection();
-    return result;
   }
 
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/materials/element_test.h>
 #include <greville/parameters/names.h>
 #include <greville/parameters/simulation_parameters.h>
 

@@ -4,7 +4,6 @@
 
 #include <deal.II/base/utilities.h>
 
-#include <greville/base/errors.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <algorithm>

@@ -414,7 +414,7 @@ namespace greville
     for (const auto &body : bodies)
       {
         const Numbers n = body.second;
-        body.first->for_each([&](const unsigned int, const PointRef<dim> p) {
+        body.first->for_each([&](const PointRef<dim> p) {
           p[n.pressure] = term->p;
           if (n.change != numbers::invalid_unsigned_int)
             p[n.change] =

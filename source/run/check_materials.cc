@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
 #include <greville/boundary/loads.h>
 #include <greville/materials/umat.h>
@@ -63,7 +62,7 @@ namespace greville
     {
       const Tensor<1, dim> up = -gravity / gravity.norm();
       std::vector<double>  ends(2, std::numeric_limits<double>::lowest());
-      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+      body.points.for_each([&](ConstPointRef<dim> p) {
         const double z = Tensor<1, dim>(p.position()) * up;
         ends[0]        = std::max(ends[0], z);
         ends[1]        = std::max(ends[1], -z);
@@ -111,7 +110,7 @@ namespace greville
       double                    own = 0., above = 0.;
       double                    gap = std::numeric_limits<double>::max();
       std::vector<double> ends(2 * dim, std::numeric_limits<double>::lowest());
-      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+      body.points.for_each([&](ConstPointRef<dim> p) {
         own += p.mass();
         for (unsigned int d = 0; d < dim; ++d)
           {
@@ -120,7 +119,7 @@ namespace greville
           }
       });
       Utilities::MPI::max(ends, comm, ends);
-      other.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+      other.points.for_each([&](ConstPointRef<dim> p) {
         const Point<dim> x     = p.position();
         bool             is_in = true;
         for (unsigned int d = 0; d < dim; ++d)
@@ -251,7 +250,7 @@ namespace greville
         {
           double      error   = -1.;
           std::string problem = "", fault = "";
-          body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+          body.points.for_each([&](ConstPointRef<dim> p) {
             if (error >= 0. || !problem.empty() || !fault.empty())
               return;
             MaterialPoint point;
@@ -345,7 +344,7 @@ namespace greville
             parameters.scheme.is_quasi_static())
           {
             bool moves = false;
-            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+            body.points.for_each([&](ConstPointRef<dim> p) {
               for (unsigned int d = 0; d < dim; ++d)
                 moves = moves || p.velocity(d) != 0.;
             });

@@ -218,7 +218,7 @@ namespace greville
             if (body.name.empty())
               continue;
             double mass = 0., volume = 0.;
-            body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+            body.points.for_each([&](ConstPointRef<dim> p) {
               mass += p.mass();
               volume += p.volume();
             });
@@ -253,9 +253,7 @@ namespace greville
               {
                 double area = 0.;
                 surfaces[s].points.for_each(
-                  [&](const unsigned int, ConstPointRef<dim> p) {
-                    area += p.mass();
-                  });
+                  [&](ConstPointRef<dim> p) { area += p.mass(); });
                 const auto text = [](const Tensor<1, dim> &force) {
                   std::string result;
                   for (unsigned int d = 0; d < dim; ++d)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/run/comparison.h>
 
 #include <algorithm>
@@ -39,7 +38,7 @@ namespace greville
         return {};
       double error = 0., norm = 0., volume = 0., max_error = 0., max_norm = 0.;
       const auto add = [&](const Body<dim> &body) {
-        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        body.points.for_each([&](ConstPointRef<dim> p) {
           const double V0    = p.volume0();
           Tensor<1, n> exact = formulas(p.reference(), t);
           const double u2    = exact.norm_square();

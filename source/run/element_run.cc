@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/materials/element_test.h>
 #include <greville/run/begin_run.h>
 #include <greville/run/element_run.h>
 
@@ -64,11 +63,10 @@ namespace greville
             "--material: there is no material <" + chosen + "> in <" + file +
               ">, which has: " + boost::algorithm::join(names, ", ") + "." +
               did_you_mean(chosen, names));
-    const ElementTestTable table =
-      run_element_test(*found->second,
-                       "Material " + chosen,
-                       test,
-                       ElementTestParameters::from(parameters.used()));
+    const ElementTestTable table = run_element_test(*found->second,
+                                                    "Material " + chosen,
+                                                    test,
+                                                    parameters.element_test);
 
     const std::string directory = folder_of_run(parameters, file, options);
     RunFolder folder = take_folder(parameters, directory, options, comm);

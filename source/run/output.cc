@@ -4,7 +4,6 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/disk.h>
-#include <greville/base/errors.h>
 #include <greville/points/point_fields.h>
 #include <greville/run/output.h>
 
@@ -181,40 +180,39 @@ namespace greville
             const PointField       *gap    = layout.find("gap");
             // Points of loads have the values of points without contact.
             const double h = surfaces[k].points.space().smallest_cell_size();
-            surfaces[k].points.for_each(
-              [&](const unsigned int, ConstPointRef<dim> p) {
-                const SurfaceState<dim> state = surface_state<dim>(p, layout);
-                const Tensor<1, dim>    area  = p.mass() * state.area_vector();
-                const Tensor<1, dim>    load  = p.vector(layout.first("load"));
-                // The load per current area.
-                const Tensor<1, dim> normal = area / area.norm();
-                const Tensor<1, dim> traction =
-                  gap ? p.mass() / area.norm() * load : Tensor<1, dim>();
-                const double        pressure = -(traction * normal);
-                std::vector<double> values;
-                const auto          add = [&](const Tensor<1, dim> &vector) {
-                  values.insert(values.end(),
-                                vector.begin_raw(),
-                                vector.end_raw());
-                };
-                add(state.velocity);
-                add(state.x - state.X);
-                add(load);
-                add(area);
-                if (has_contact)
-                  add(traction + pressure * normal);
-                for (const double value : {area.norm(),
-                                           double(numbers[k].load),
-                                           double(numbers[k].body)})
+            surfaces[k].points.for_each([&](ConstPointRef<dim> p) {
+              const SurfaceState<dim> state = surface_state<dim>(p, layout);
+              const Tensor<1, dim>    area  = p.mass() * state.area_vector();
+              const Tensor<1, dim>    load  = p.vector(layout.first("load"));
+              // The load per current area.
+              const Tensor<1, dim> normal = area / area.norm();
+              const Tensor<1, dim> traction =
+                gap ? p.mass() / area.norm() * load : Tensor<1, dim>();
+              const double        pressure = -(traction * normal);
+              std::vector<double> values;
+              const auto          add = [&](const Tensor<1, dim> &vector) {
+                values.insert(values.end(),
+                              vector.begin_raw(),
+                              vector.end_raw());
+              };
+              add(state.velocity);
+              add(state.x - state.X);
+              add(load);
+              add(area);
+              if (has_contact)
+                add(traction + pressure * normal);
+              for (const double value : {area.norm(),
+                                         double(numbers[k].load),
+                                         double(numbers[k].body)})
+                values.push_back(value);
+              if (has_contact)
+                for (const double value :
+                     {gap ? p[gap->first] : farthest_gap_in_cells * h,
+                      pressure,
+                      gap ? p[gap->first + 1] : 0.})
                   values.push_back(value);
-                if (has_contact)
-                  for (const double value :
-                       {gap ? p[gap->first] : farthest_gap_in_cells * h,
-                        pressure,
-                        gap ? p[gap->first + 1] : 0.})
-                    values.push_back(value);
-                this->add_point(state.x, values);
-              });
+              this->add_point(state.x, values);
+            });
           }
       }
     };

@@ -57,7 +57,7 @@ namespace greville
     const Shape<dim> shape(text, "Output/Probes");
     bool             is_empty = true;
     for (const Body<dim> &body : bodies)
-      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+      body.points.for_each([&](ConstPointRef<dim> p) {
         if (shape.contains(p.position()))
           is_empty = false;
       });
@@ -92,7 +92,7 @@ namespace greville
     double nearest = std::numeric_limits<double>::max();
     Probe  probe{0, 0., {}};
     for (unsigned int b = 0; b < bodies.size(); ++b)
-      bodies[b].points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+      bodies[b].points.for_each([&](ConstPointRef<dim> p) {
         double square = 0.;
         for (unsigned int d = 0; d < dim; ++d)
           square += std::pow(p.reference(d) - x[d], 2);
@@ -166,7 +166,7 @@ namespace greville
     weights[velocities] = weight;
     std::vector<double> more(n_more);
     for (unsigned int b = 0; b < bodies.size(); ++b)
-      bodies[b].points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+      bodies[b].points.for_each([&](ConstPointRef<dim> p) {
         for (unsigned int k = 0; k < probes.size(); ++k)
           {
             const Probe &probe = probes[k];

@@ -200,9 +200,7 @@ namespace greville
             force += std::sqrt(square);
           }
         for (const Body<dim> &body : part.state().bodies)
-          body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
-            mass += p.mass();
-          });
+          body.points.for_each([&](ConstPointRef<dim> p) { mass += p.mass(); });
       }
     force = Utilities::MPI::sum(force, comm);
     const Loads<dim> loads(parameters);

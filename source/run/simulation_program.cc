@@ -2,9 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
-#include <greville/base/errors.h>
 #include <greville/base/templates.h>
-#include <greville/materials/element_test.h>
 #include <greville/parameters/names.h>
 #include <greville/run/element_run.h>
 #include <greville/run/run.h>

@@ -157,17 +157,16 @@ namespace greville
                              before      = layout.first("before");
           const PointField *const radius = layout.find("radius");
           const PointField *const pore   = layout.find("pore_pressure");
-          surface.points.for_each(
-            [&](const unsigned int, ConstPointRef<dim> p) {
-              ContactPoint<dim> &point = points.emplace_back();
-              point.side               = side;
-              set_place(point, p, surface_state<dim>(p, layout), radius);
-              point.slip = p.vector(slip);
-              if (pore)
-                point.pore_pressure = p[pore->first];
-              if (state.step > 0.)
-                point.motion = point.x - Point<dim>(p.vector(before));
-            });
+          surface.points.for_each([&](ConstPointRef<dim> p) {
+            ContactPoint<dim> &point = points.emplace_back();
+            point.side               = side;
+            set_place(point, p, surface_state<dim>(p, layout), radius);
+            point.slip = p.vector(slip);
+            if (pore)
+              point.pore_pressure = p[pore->first];
+            if (state.step > 0.)
+              point.motion = point.x - Point<dim>(p.vector(before));
+          });
         }
     return points;
   }
@@ -321,7 +320,7 @@ namespace greville
           const bool              is_of_points = layout.find("radius");
           const unsigned int      normal       = layout.first("normal");
           const PointField *const pore         = layout.find("pore_pressure");
-          surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+          surface.points.for_each([&](PointRef<dim> p) {
             for (unsigned int d = 0; d < dim; ++d)
               {
                 p[load + d] = point->force[d] / p.mass();
@@ -359,7 +358,7 @@ namespace greville
                                before      = layout.first("before");
             const PointField *const radius = layout.find("radius");
             const unsigned int last = radius ? layout.first("last_radius") : 0;
-            surface.points.for_each([&](const unsigned int, PointRef<dim> p) {
+            surface.points.for_each([&](PointRef<dim> p) {
               for (unsigned int d = 0; d < dim; ++d)
                 {
                   p[slip + d]   = p[after + d];

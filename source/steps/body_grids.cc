@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/parameters/pores.h>
 #include <greville/steps/body_grids.h>
 #include <greville/steps/stage_bodies.h>

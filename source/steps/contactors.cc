@@ -258,10 +258,9 @@ namespace greville
     auto      &points  = result.points;
     double     largest = 0.; // spacing
     for (const Place &place : contact.sides[0])
-      body_of(place).points.for_each(
-        [&](const unsigned int, const ConstPointRef<dim> p) {
-          largest = std::max(largest, p.extent(body_of(place).points.layout()));
-        });
+      body_of(place).points.for_each([&](const ConstPointRef<dim> p) {
+        largest = std::max(largest, p.extent(body_of(place).points.layout()));
+      });
     largest = Utilities::MPI::max(largest, comm);
     // A step may bring points from farther away, and the steps before must be
     // short enough for their stiffness.
@@ -331,7 +330,7 @@ namespace greville
     std::unordered_map<std::uint64_t, std::size_t> last; // first numbers
     std::vector<double>                            last_rows;
     last_rows.reserve(surface.points.n_points() * layout.size);
-    surface.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+    surface.points.for_each([&](ConstPointRef<dim> p) {
       last[std::uint64_t(p.id())] = last_rows.size();
       for (unsigned int i = 0; i < layout.size; ++i)
         last_rows.push_back(p[i]);

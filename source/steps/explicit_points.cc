@@ -229,7 +229,7 @@ namespace greville
     for (const Body<dim> &body : state.bodies)
       {
         const unsigned int load = body.points.layout().first("load");
-        body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+        body.points.for_each([&](ConstPointRef<dim> p) {
           for (unsigned int d = 0; d < dim; ++d)
             power += p.mass() * p[load + d] * p.velocity(d);
         });

@@ -280,9 +280,8 @@ namespace greville
         auto               value = values[k].begin();
         const unsigned int first =
           surfaces[k]->layout().first(PoreWater<dim>::field);
-        in_contact[k]->for_each([&](const unsigned int, const PointRef<dim> p) {
-          p[first] = *value++;
-        });
+        in_contact[k]->for_each(
+          [&](const PointRef<dim> p) { p[first] = *value++; });
       }
   }
 

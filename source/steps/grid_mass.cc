@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/mass/fmpm.h>
 #include <greville/steps/consistent_mass.h>
 #include <greville/steps/lumped_mass.h>

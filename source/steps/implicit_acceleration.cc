@@ -33,7 +33,7 @@ namespace greville
       for (Body<dim> &body : bodies)
         {
           const unsigned int kept = body.points.layout().first("acceleration");
-          body.points.for_each([&](const unsigned int, PointRef<dim> p) {
+          body.points.for_each([&](PointRef<dim> p) {
             for (unsigned int d = 0; d < dim; ++d)
               std::swap(p.velocity(d), p[kept + d]);
           });

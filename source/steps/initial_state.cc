@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/geometry/inside.h>
 #include <greville/parameters/pores.h>
 #include <greville/steps/initial_state.h>
@@ -85,10 +84,9 @@ namespace greville
         for (Surface<dim> &surface : surfaces)
           if (const PointField *pore =
                 surface.points.layout().find("pore_pressure"))
-            surface.points.for_each(
-              [&](const unsigned int, const PointRef<dim> p) {
-                p[pore->first] = table(p.position());
-              });
+            surface.points.for_each([&](const PointRef<dim> p) {
+              p[pore->first] = table(p.position());
+            });
       });
     }
   } // namespace
@@ -172,9 +170,7 @@ namespace greville
       for (std::size_t b = 0; b < n_bodies; ++b)
         {
           bodies[b].points.for_each(
-            [&](const unsigned int, ConstPointRef<dim> p) {
-              volumes[b] += p.volume();
-            });
+            [&](ConstPointRef<dim> p) { volumes[b] += p.volume(); });
           for (std::size_t a = 0; a < b && has_shape(b); ++a)
             {
               if (!has_shape(a))
@@ -255,7 +251,7 @@ namespace greville
         signals.wave        = std::max(signals.wave, c);
         signals.fastest     = std::max(signals.fastest, c);
         if (!body.points.layout().is_total_lagrangian())
-          body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+          body.points.for_each([&](ConstPointRef<dim> p) {
             double rate = 0.;
             for (unsigned int d = 0; d < dim; ++d)
               rate += std::abs(p.velocity(d)) / space.cell_size(d);
@@ -349,7 +345,7 @@ namespace greville
       box *= 0.5 * (lower[0] + upper[0]);
     double volume = 0.;
     for (const Body<dim> &body : bodies)
-      body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+      body.points.for_each([&](ConstPointRef<dim> p) {
         volume +=
           parameters.scheme.is_total_lagrangian() ? p.volume0() : p.volume();
       });

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/steps/move_points.h>
 
 #include <algorithm>
@@ -38,7 +37,7 @@ namespace greville
   {
     for_all_points(state, [](MaterialPoints<dim> &points) {
       const PointField *affine = points.layout().find("affine");
-      points.for_each([&](const unsigned int, PointRef<dim> p) {
+      points.for_each([&](PointRef<dim> p) {
         for (unsigned int d = 0; d < dim; ++d)
           p.velocity(d) = 0.;
         for (unsigned int k = 0; affine && k < dim * dim; ++k)

@@ -27,15 +27,14 @@ namespace greville
       std::vector<double> extremes(4 * dim, none);
       for (unsigned int side = 0; side < 2; ++side)
         for (const Body<dim> *body : sides[side])
-          body->points.for_each(
-            [&](const unsigned int, const ConstPointRef<dim> p) {
-              double *const of_side = &extremes[2 * side * dim];
-              for (unsigned int d = 0; d < dim; ++d)
-                {
-                  of_side[d]       = std::max(of_side[d], -p.position(d));
-                  of_side[dim + d] = std::max(of_side[dim + d], p.position(d));
-                }
-            });
+          body->points.for_each([&](const ConstPointRef<dim> p) {
+            double *const of_side = &extremes[2 * side * dim];
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                of_side[d]       = std::max(of_side[d], -p.position(d));
+                of_side[dim + d] = std::max(of_side[dim + d], p.position(d));
+              }
+          });
       Utilities::MPI::max(extremes, comm, extremes);
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -68,7 +67,7 @@ namespace greville
       for (unsigned int b = 0; b < sides[side].size(); ++b)
         {
           const auto &of_body = sides[side][b]->points;
-          of_body.for_each([&](const unsigned int, const ConstPointRef<dim> p) {
+          of_body.for_each([&](const ConstPointRef<dim> p) {
             VolumePoint<dim> point;
             point.x = p.position();
             for (unsigned int d = 0; d < dim; ++d)

@@ -106,7 +106,7 @@ namespace greville
     double            depth           = 0.;
     const auto        look            = [&](const Inside<dim>   &is_inside,
                           MaterialPoints<dim> &points) {
-      points.for_each([&](const unsigned int, const ConstPointRef<dim> p) {
+      points.for_each([&](const ConstPointRef<dim> p) {
         depth = std::max(depth,
                          depth_of<dim>(is_inside,
                                        p.position(),
@@ -177,8 +177,7 @@ namespace greville
         // Total Lagrangian points are not in the cells of their current
         // positions.
         if (body.points.layout().is_total_lagrangian())
-          body.points.for_each(
-            [&](const unsigned int, const ConstPointRef<dim> p) { look(p); });
+          body.points.for_each([&](const ConstPointRef<dim> p) { look(p); });
         else
           for (const NearCell &cell : near_cells(contact, place, -depth))
             body.points.for_each_in_cell(cell.cell, look);

@@ -87,17 +87,16 @@ namespace greville
         {
           double largest[2 * dim + 1];
           std::fill(std::begin(largest), std::end(largest), none);
-          body.points.for_each(
-            [&](const unsigned int, const ConstPointRef<dim> p) {
-              double square = 0.;
-              for (unsigned int d = 0; d < dim; ++d)
-                {
-                  largest[d]       = std::max(largest[d], -p.position(d));
-                  largest[dim + d] = std::max(largest[dim + d], p.position(d));
-                  square += p.velocity(d) * p.velocity(d);
-                }
-              largest[2 * dim] = std::max(largest[2 * dim], square);
-            });
+          body.points.for_each([&](const ConstPointRef<dim> p) {
+            double square = 0.;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                largest[d]       = std::max(largest[d], -p.position(d));
+                largest[dim + d] = std::max(largest[dim + d], p.position(d));
+                square += p.velocity(d) * p.velocity(d);
+              }
+            largest[2 * dim] = std::max(largest[2 * dim], square);
+          });
           all.insert(all.end(), std::begin(largest), std::end(largest));
           result.push_back({&body, part, {}});
         }
@@ -143,7 +142,7 @@ namespace greville
       mirrored<dim>([&](const Point<dim> &x) { return rigid.contains(x, now); },
                     points.layout().is_axisymmetric());
     std::string problem;
-    points.for_each([&](const unsigned int, const ConstPointRef<dim> p) {
+    points.for_each([&](const ConstPointRef<dim> p) {
       if (!problem.empty() ||
           !is_deep<dim>(is_inside,
                         p.position(),

@@ -440,7 +440,7 @@ namespace greville
       std::size_t k        = 0;
       for (Body<dim> &body : bodies)
         if (const PointField *p = body.points.layout().find("pore_pressure"))
-          body.points.for_each([&](const unsigned int, PointRef<dim> point) {
+          body.points.for_each([&](PointRef<dim> point) {
             for (unsigned int d = 0; d < 3; ++d)
               {
                 double &sigma =

@@ -139,7 +139,7 @@ namespace greville
     const bool apic = parameters.scheme.is_apic();
     for_all_points(current, [&](MaterialPoints<dim> &points) {
       const PointField *affine = points.layout().find("affine");
-      points.for_each([&](const unsigned int, PointRef<dim> p) {
+      points.for_each([&](PointRef<dim> p) {
         for (unsigned int d = 0; reset && d < dim; ++d)
           p.reference(d) = p.position(d);
         for (unsigned int k = 0; affine && !apic && k < dim * dim; ++k)

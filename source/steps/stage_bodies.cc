@@ -158,7 +158,7 @@ namespace greville
         const Moduli a = before.moduli(), b = after.moduli();
         bool result = is_same_model() && a.bulk == b.bulk && a.shear == b.shear;
         if (result)
-          body.points.for_each([&](const unsigned int, ConstPointRef<dim> p) {
+          body.points.for_each([&](ConstPointRef<dim> p) {
             MaterialPoint point;
             load_material_point<dim>(p, old_layout, point);
             const double old_energy = before.strain_energy(point),
@@ -175,8 +175,7 @@ namespace greville
       {
         const double ratio = after.density / before.density;
         if (ratio != 1.)
-          body.points.for_each(
-            [&](const unsigned int, PointRef<dim> p) { p.mass() *= ratio; });
+          body.points.for_each([&](PointRef<dim> p) { p.mass() *= ratio; });
       }
 
       /// Replace the points by new ones with the old stresses.

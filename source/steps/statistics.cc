@@ -379,7 +379,7 @@ namespace greville
   {
     double square = 0.;
     for (const Body<dim> &body : bodies)
-      body.points.for_each([&](const unsigned int, const ConstPointRef<dim> p) {
+      body.points.for_each([&](const ConstPointRef<dim> p) {
         square = std::max(square, p.position().distance_square(p.reference()));
       });
     return std::sqrt(Utilities::MPI::max(square, comm));

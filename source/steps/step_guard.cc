@@ -114,8 +114,7 @@ namespace greville
   {
     double mass = 0.;
     for (const Body<dim> &body : state.bodies)
-      body.points.for_each(
-        [&](const unsigned int, ConstPointRef<dim> p) { mass += p.mass(); });
+      body.points.for_each([&](ConstPointRef<dim> p) { mass += p.mass(); });
     state.mass = Utilities::MPI::sum(mass, discretization.communicator());
     state.removed_mass = state.mass_removed_last = 0.;
   }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/steps/explicit_schemes.h>
 #include <greville/steps/implicit_steps.h>
 

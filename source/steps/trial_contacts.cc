@@ -546,14 +546,13 @@ namespace greville
         const ContactPoint<dim> *point =
           points[side.contact].data() + side.begin;
         double work = 0.;
-        points_of(side).for_each(
-          [&](const unsigned int, const ConstPointRef<dim> p) {
-            const Tensor<1, dim> force =
-              part_of_new * point->force +
-              (1. - part_of_new) * p.mass() * p.vector(load);
-            work += force * point->motion / share;
-            ++point;
-          });
+        points_of(side).for_each([&](const ConstPointRef<dim> p) {
+          const Tensor<1, dim> force =
+            part_of_new * point->force +
+            (1. - part_of_new) * p.mass() * p.vector(load);
+          work += force * point->motion / share;
+          ++point;
+        });
         contacts.parts[side.part]->current.energy.add_work(
           EnergyBalance::surfaces + side.surface, work);
       }

@@ -42,9 +42,8 @@ namespace
       for (Body<2> &body : bodies)
         {
           const unsigned int field = body.points.layout().first("magnet");
-          body.points.for_each([&](const unsigned int, PointRef<2> p) {
-            p[field] = p.reference(0) > 0.4 ? 1. : 0.;
-          });
+          body.points.for_each(
+            [&](PointRef<2> p) { p[field] = p.reference(0) > 0.4 ? 1. : 0.; });
         }
     }
 
@@ -54,9 +53,8 @@ namespace
                      const double       t) const override
     {
       const unsigned int field = points.layout().first("magnet");
-      points.for_each([&](const unsigned int, PointRef<2> p) {
-        p[first] += p[field] * strength * (1. + t);
-      });
+      points.for_each(
+        [&](PointRef<2> p) { p[first] += p[field] * strength * (1. + t); });
     }
   };
 

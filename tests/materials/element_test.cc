@@ -178,6 +178,21 @@ namespace
 
 
 
+  ElementTestParameters
+  read_section(const std::string &lines)
+  {
+    ElementTestParameters parameters;
+    ParameterHandler      prm;
+    declare_section(prm, ElementTestParameters::section, parameters);
+    parse_parameter_lines(prm,
+                          parameter_lines_of("subsection Element test\n" +
+                                               lines + "\nend\n",
+                                             "parameters"));
+    return parameters;
+  }
+
+
+
   void
   test_effects()
   {
@@ -195,9 +210,7 @@ namespace
       return difference > 1e-6;
     };
     const auto read = [](const std::string &line) {
-      return ElementTestParameters::from(
-        "subsection Element test\nset " + line +
-        "\nset Strain = 0.02\nset Steps = 10" + "\nset " + line + "\nend\n");
+      return read_section("set Strain = 0.02\nset Steps = 10\nset " + line);
     };
     for (const std::string line : {"Initial stress = 2e5",
                                    "Initial stress = 1e5, 5e4",
@@ -233,10 +246,7 @@ namespace
           "triaxial-drained",
           parameters);
     });
-    print_message([]() {
-      ElementTestParameters::from(
-        "subsection Element test\n  set Steps = 0\nend\n");
-    });
+    print_message([]() { read_section("set Steps = 0"); });
   }
 } // namespace
 

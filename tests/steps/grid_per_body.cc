@@ -41,7 +41,7 @@ namespace
     std::vector<double> numbers;
     for (const Body<2> &body : bodies)
       if (body.name == name)
-        body.points.for_each([&](const unsigned int, const ConstPointRef<2> p) {
+        body.points.for_each([&](const ConstPointRef<2> p) {
           for (unsigned int d = 0; d < 2; ++d)
             numbers.push_back(p.reference(d));
           for (unsigned int d = 0; d < 2; ++d)
@@ -381,9 +381,8 @@ namespace
     const unsigned int n_good = simulations.first().state().n_steps;
     simulations.set_state(simulations.state());
     for (Body<2> &body : simulations.part(1).bodies())
-      body.points.for_each([](const unsigned int, PointRef<2> p) {
-        p.velocity(0) = -1e5 * p.position(0);
-      });
+      body.points.for_each(
+        [](PointRef<2> p) { p.velocity(0) = -1e5 * p.position(0); });
     std::string message;
     try
       {

@@ -167,13 +167,12 @@ namespace
               "Top = sliding"}));
     run.run();
     std::vector<double> sums(2);
-    run->bodies()[0].points.for_each(
-      [&](const unsigned int, const ConstPointRef<2> point) {
-        const double u     = exact.displacement(point.reference(0));
-        const double error = point.position(0) - point.reference(0) - u;
-        sums[0] += point.volume0() * error * error;
-        sums[1] += point.volume0() * u * u;
-      });
+    run->bodies()[0].points.for_each([&](const ConstPointRef<2> point) {
+      const double u     = exact.displacement(point.reference(0));
+      const double error = point.position(0) - point.reference(0) - u;
+      sums[0] += point.volume0() * error * error;
+      sums[1] += point.volume0() * u * u;
+    });
     Utilities::MPI::sum(sums, MPI_COMM_WORLD, sums);
     return std::sqrt(sums[0] / sums[1]);
   }

@@ -25,7 +25,7 @@ namespace
   {
     std::vector<double> result;
     for (const Body<2> &body : simulation.bodies())
-      body.points.for_each([&](const unsigned int, ConstPointRef<2> p) {
+      body.points.for_each([&](ConstPointRef<2> p) {
         for (unsigned int d = 0; d < 2; ++d)
           {
             result.push_back(p.position(d));
@@ -54,7 +54,7 @@ namespace
   {
     Tensor<1, 2> u;
     double       mass = 0.;
-    body.points.for_each([&](const unsigned int, ConstPointRef<2> p) {
+    body.points.for_each([&](ConstPointRef<2> p) {
       mass += p.mass();
       for (unsigned int d = 0; d < 2; ++d)
         u[d] += p.mass() * (p.position(d) - p.reference(d));

@@ -223,7 +223,7 @@ namespace
     const Body<2>      &body     = simulated->bodies()[0];
     const auto          farthest = [&]() {
       double result = 0.;
-      body.points.for_each([&](const unsigned int, ConstPointRef<2> p) {
+      body.points.for_each([&](ConstPointRef<2> p) {
         result = std::max(result, p.position().distance(p.reference()));
       });
       return Utilities::MPI::max(result, MPI_COMM_WORLD);
@@ -343,13 +343,12 @@ namespace
     for (unsigned int k = 0; k < 3; ++k)
       F *= 1. - 0.04 * (t[k + 1] * t[k + 1] - t[k] * t[k]);
     double worst = 0.;
-    simulated->bodies()[0].points.for_each(
-      [&](const unsigned int, ConstPointRef<2> p) {
-        worst = std::max({worst,
-                          std::abs(p.position(1) - F * p.reference(1)),
-                          std::abs(p.position(0) - p.reference(0)),
-                          std::abs(p.J() - F)});
-      });
+    simulated->bodies()[0].points.for_each([&](ConstPointRef<2> p) {
+      worst = std::max({worst,
+                        std::abs(p.position(1) - F * p.reference(1)),
+                        std::abs(p.position(0) - p.reference(0)),
+                        std::abs(p.J() - F)});
+    });
     check("confined compression in three unequal steps",
           simulated->state().n_steps == 3 && worst < 1e-9);
     if (!(worst < 1e-9))
@@ -373,8 +372,7 @@ namespace
     Simulated<2> simulated(text);
     simulated.run();
     double worst = 0.;
-    simulated->bodies()[0].points.for_each([&](const unsigned int,
-                                               ConstPointRef<2> p) {
+    simulated->bodies()[0].points.for_each([&](ConstPointRef<2> p) {
       worst = std::max({worst,
                         std::abs(p.position(0) - p.reference(0) - 0.03 * 0.343),
                         std::abs(p.position(1) - p.reference(1) + 0.02 * 0.7)});

@@ -236,22 +236,20 @@ namespace
     std::vector<double> sums(6);
     double              largest = 0.;
     for (const Body<2> &body : run->bodies())
-      body.points.for_each(
-        [&](const unsigned int, const ConstPointRef<2> point) {
-          const Point<2>     X     = point.reference();
-          const Tensor<1, 2> u     = (ring(X.norm()).r / X.norm() - 1.) * X;
-          const auto         sigma = exact_stress(ring, X);
-          const auto         error =
-            SymmetricTensor<2, 2>(
-              {point.stress(0), point.stress(1), point.stress(3)}) -
-            sigma;
-          sums[0] += point.volume0() * (point.position() - X - u).norm_square();
-          sums[1] += point.volume0() * u.norm_square();
-          sums[2] += point.volume0() * (error * error);
-          sums[3] += point.volume0() * (sigma * sigma);
-        });
-    run->state().surfaces[0].points.for_each([&](const unsigned int,
-                                                 const ConstPointRef<2> point) {
+      body.points.for_each([&](const ConstPointRef<2> point) {
+        const Point<2>     X     = point.reference();
+        const Tensor<1, 2> u     = (ring(X.norm()).r / X.norm() - 1.) * X;
+        const auto         sigma = exact_stress(ring, X);
+        const auto         error =
+          SymmetricTensor<2, 2>(
+            {point.stress(0), point.stress(1), point.stress(3)}) -
+          sigma;
+        sums[0] += point.volume0() * (point.position() - X - u).norm_square();
+        sums[1] += point.volume0() * u.norm_square();
+        sums[2] += point.volume0() * (error * error);
+        sums[3] += point.volume0() * (sigma * sigma);
+      });
+    run->state().surfaces[0].points.for_each([&](const ConstPointRef<2> point) {
       const auto sigma = exact_stress(ring, point.reference());
       const auto error = Ring::stress(point.matrix(PointLayout<2>::F)) - sigma;
       sums[4] += point.mass() * (error * error);

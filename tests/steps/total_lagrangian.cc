@@ -165,16 +165,13 @@ namespace
     alone.run();
     std::map<double, double> positions;
     both->bodies()[1].points.for_each(
-      [&](const unsigned int, const ConstPointRef<2> p) {
-        positions[p.id()] = p.position(0);
-      });
+      [&](const ConstPointRef<2> p) { positions[p.id()] = p.position(0); });
     double difference = 0.;
-    alone->bodies()[0].points.for_each(
-      [&](const unsigned int, const ConstPointRef<2> p) {
-        if (positions.count(p.id()) == 1)
-          difference =
-            std::max(difference, std::abs(positions[p.id()] - p.position(0)));
-      });
+    alone->bodies()[0].points.for_each([&](const ConstPointRef<2> p) {
+      if (positions.count(p.id()) == 1)
+        difference =
+          std::max(difference, std::abs(positions[p.id()] - p.position(0)));
+    });
     check("bodies do not see one another", difference, 1e-10);
     check_refused("bodies that share functions",
                   text("body, other", "0.35"),

@@ -57,7 +57,7 @@ namespace
     simulated.run();
     double sums[2] = {};
     for (const Body<dim> &body : simulated->bodies())
-      body.points.for_each([&](const unsigned int, const ConstPointRef<dim> p) {
+      body.points.for_each([&](const ConstPointRef<dim> p) {
         if (p.reference(0) < 3.5)
           return;
         sums[0] += p.reference(1) - p.position(1);
@@ -166,7 +166,7 @@ namespace
       simulated.run();
       double largest = 0.;
       for (const Body<2> &body : simulated->bodies())
-        body.points.for_each([&](const unsigned int, const ConstPointRef<2> p) {
+        body.points.for_each([&](const ConstPointRef<2> p) {
           largest = std::max(largest, std::abs(p.J() - 0.981));
         });
       return Utilities::MPI::max(largest, MPI_COMM_WORLD);

@@ -2,7 +2,6 @@
 
 #pragma once
 
-#include <greville/base/errors.h>
 #include <greville/benchmark/problem_parameters.h>
 #include <greville/boundary/constrained_functions.h>
 

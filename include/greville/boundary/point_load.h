@@ -121,7 +121,7 @@ namespace greville
         return;
       const unsigned int  first = points.layout().first(field());
       std::vector<double> precomputed(formulas.n_precomputed());
-      points.for_each([&](const unsigned int, PointRef<dim> p) {
+      points.for_each([&](PointRef<dim> p) {
         formulas.precompute(arguments_of(p.position(), p.reference(), 0.),
                             precomputed);
         for (unsigned int k = 0; k < precomputed.size(); ++k)
@@ -151,7 +151,7 @@ namespace greville
       std::vector<double> precomputed(formulas.n_precomputed());
       const unsigned int  first_value =
         precomputed.empty() ? 0 : points.layout().first(field());
-      points.for_each([&](const unsigned int, PointRef<dim> p) {
+      points.for_each([&](PointRef<dim> p) {
         for (unsigned int k = 0; k < precomputed.size(); ++k)
           precomputed[k] = p[first_value + k];
         std::array<double, dim> result;

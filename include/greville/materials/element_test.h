@@ -17,14 +17,8 @@ namespace greville
   {
     static constexpr char section[] = "Element test";
 
-    /// Declare the section with these defaults in a simulation's parameter
-    /// file, which does not use its values.
-    static void
-    declare_section(dealii::ParameterHandler &prm);
-
-    /// Return the parameters that the @p text of a parameter file sets.
-    static ElementTestParameters
-    from(const std::string &text);
+    void
+    declare(dealii::ParameterHandler &prm);
 
     /// The axial and lateral stress, Pa; one number sets both.
     std::vector<double> initial_stress = {1e5};

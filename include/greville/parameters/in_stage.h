@@ -2,7 +2,6 @@
 
 #pragma once
 
-#include <greville/base/errors.h>
 #include <greville/parameters/simulation_parameters.h>
 
 namespace greville

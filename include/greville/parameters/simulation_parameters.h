@@ -5,6 +5,7 @@
 #include <deal.II/base/parameter_handler.h>
 
 #include <greville/base/errors.h>
+#include <greville/materials/element_test.h>
 #include <greville/parameters/run_parameters.h>
 #include <greville/parameters/section_parameters.h>
 #include <greville/parameters/stage_parameters.h>
@@ -65,6 +66,8 @@ namespace greville
     SmootherParameters         smoother;
 
     TangentParameters implicit_solver;
+    /// For --element-test only.
+    ElementTestParameters element_test;
 
     /// The stages in order; if empty, there is one stage with the sections
     /// above.

@@ -8,6 +8,7 @@
 #include <greville/points/point_ref.h>
 #include <greville/spline/spline_space.h>
 
+#include <type_traits>
 #include <vector>
 
 namespace greville
@@ -112,8 +113,8 @@ namespace greville
       return data.data() + std::size_t(g) * point_layout.size * width;
     }
 
-    /// Call @p action(cell, point) for all points, with a PointRef or a
-    /// ConstPointRef.
+    /// Call @p action(point) or @p action(cell, point) for all points, with a
+    /// PointRef or a ConstPointRef.
     template <typename Action>
     void
     for_each(const Action &action)
@@ -197,7 +198,10 @@ namespace greville
           for (unsigned int g = points.heads[cell]; g != none;
                g = points.links[g], n = width)
             for (unsigned int lane = 0; lane < n; ++lane)
-              action(cell, Ref(points.group(g) + lane, width));
+              if constexpr (std::is_invocable_v<Action, Ref>)
+                action(Ref(points.group(g) + lane, width));
+              else
+                action(cell, Ref(points.group(g) + lane, width));
         }
     }
 
