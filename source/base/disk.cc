@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/disk.h>
+#include <greville/base/errors.h>
 #include <greville/base/index_limits.h>
 #include <greville/base/mixed_bits.h>
 #include <greville/base/parameters.h>
@@ -151,31 +152,28 @@ namespace greville
       own_size += text.size();
     const std::uint64_t begin = sum_before(own_size, comm);
     const std::uint64_t size  = Utilities::MPI::sum(own_size, comm);
-    run_on_first([&]() { make_file(file, size); }, comm);
-    run_on_all(
-      [&]() {
-        if (own_size == 0)
-          return;
-        errno = 0;
-        // A network file system may not know yet that the file is there.
-        const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT, 0666);
-        AssertThrow(descriptor >= 0, ExcMessage(write_error(file)));
-        std::uint64_t done = 0;
-        ssize_t       n    = 1;
-        for (const std::string &text : own)
-          for (std::size_t at = 0; n > 0 && at < text.size();
-               at += n, done += n)
-            n = std::max<ssize_t>(0,
-                                  pwrite(descriptor,
-                                         text.data() + at,
-                                         text.size() - at,
-                                         off_t(begin + done)));
-        std::string message = done < own_size ? write_error(file) : "";
-        if (close(descriptor) != 0 && message.empty())
-          message = write_error(file);
-        Require(message.empty(), message);
-      },
-      comm);
+    run_on_first(comm, [&]() { make_file(file, size); });
+    run_on_all(comm, [&]() {
+      if (own_size == 0)
+        return;
+      errno = 0;
+      // A network file system may not know yet that the file is there.
+      const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT, 0666);
+      Require(descriptor >= 0, write_error(file));
+      std::uint64_t done = 0;
+      ssize_t       n    = 1;
+      for (const std::string &text : own)
+        for (std::size_t at = 0; n > 0 && at < text.size(); at += n, done += n)
+          n = std::max<ssize_t>(0,
+                                pwrite(descriptor,
+                                       text.data() + at,
+                                       text.size() - at,
+                                       off_t(begin + done)));
+      std::string message = done < own_size ? write_error(file) : "";
+      if (close(descriptor) != 0 && message.empty())
+        message = write_error(file);
+      Require(message.empty(), message);
+    });
   }
 
 

@@ -416,6 +416,5 @@ namespace greville
 
 
 
-  template class SurfaceSearch<2>;
-  template class SurfaceSearch<3>;
+  GREVILLE_INSTANTIATE_CLASS(SurfaceSearch);
 } // namespace greville

@@ -177,6 +177,5 @@ namespace greville
 
 
 
-  template class Shape<2>;
-  template class Shape<3>;
+  GREVILLE_INSTANTIATE_CLASS(Shape);
 } // namespace greville

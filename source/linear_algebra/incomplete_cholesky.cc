@@ -2,6 +2,7 @@
 
 #include <deal.II/base/exceptions.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/largest_eigenvalue.h>
 #include <greville/base/simd.h>
 #include <greville/base/with_width.h>
@@ -37,9 +38,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * The finished columns of a factor, found by the row of their next entry.
-     */
+    /// The finished columns of a factor, found by the row of their next entry.
     class ColumnsByRow
     {
     public:
@@ -95,11 +94,10 @@ namespace greville
     for (unsigned int i = 0; i < n; ++i)
       {
         const double diagonal = matrix.diagonal(i);
-        AssertThrow(diagonal > 0. && std::isfinite(diagonal),
-                    ExcMessage("A Cholesky factorization needs a positive "
-                               "diagonal, but entry " +
-                               std::to_string(i) + " is " +
-                               std::to_string(diagonal) + "."));
+        Require(
+          diagonal > 0. && std::isfinite(diagonal),
+          "A Cholesky factorization needs a positive diagonal, but entry " +
+            std::to_string(i) + " is " + std::to_string(diagonal) + ".");
         scaling[i]       = 1. / std::sqrt(diagonal);
         largest_diagonal = std::max(largest_diagonal, diagonal);
       }
@@ -117,10 +115,9 @@ namespace greville
     while (fails())
       {
         used_shift = std::max(2. * used_shift, first_shift);
-        AssertThrow(used_shift < 10.,
-                    ExcMessage("An incomplete Cholesky factorization fails "
-                               "with all shifts: the matrix is not positive "
-                               "definite."));
+        Require(used_shift < 10.,
+                "An incomplete Cholesky factorization fails with all shifts: "
+                "the matrix is not positive definite.");
       }
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/linear_algebra/interleaved_layout.h>
 
 #include <algorithm>
@@ -16,15 +17,12 @@ namespace greville
     if (result)
       return result;
     constexpr std::uint64_t largest_index = types::global_dof_index(-1);
-    AssertThrow(std::uint64_t(n_all) * width < largest_index,
-                ExcMessage(
-                  std::to_string(n_all) + " functions with " +
-                  std::to_string(width) +
-                  " values each are more than this deal.II can number, at "
-                  "most " +
-                  std::to_string(largest_index) +
-                  ": use a coarser grid, a 'Scheme/Mass' other than exact "
-                  "mass, or a deal.II with 64-bit indices."));
+    Require(std::uint64_t(n_all) * width < largest_index,
+            std::to_string(n_all) + " functions with " + std::to_string(width) +
+              " values each are more than this deal.II can number, at most " +
+              std::to_string(largest_index) +
+              ": use a coarser grid, a 'Scheme/Mass' other than exact mass, or "
+              "a deal.II with 64-bit indices.");
     // deal.II divides by the size, even if no process owns anything.
     const types::global_dof_index size =
       std::max<types::global_dof_index>(1, n_all * width);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_linear_algebra_lattice_distances_h
-#define greville_source_linear_algebra_lattice_distances_h
+#pragma once
 
 #include <algorithm>
 #include <array>
@@ -24,11 +23,9 @@ namespace greville
 
 
 
-    /**
-     * Return the distance of each unknown from the nearest one of the other
-     * kind, owned or ghost, in a lattice whose diagonal neighbors have distance
-     * 1; @p largest if it is larger. @p order is lexicographic.
-     */
+    /// Return the distance of each unknown from the nearest one of the other
+    /// kind, owned or ghost, in a lattice whose diagonal neighbors have
+    /// distance 1; @p largest if it is larger. @p order is lexicographic.
     inline std::vector<int>
     distances_to_other_part(const std::vector<std::array<int, 3>> &positions,
                             const std::vector<unsigned int>       &order,
@@ -91,5 +88,3 @@ namespace greville
     }
   } // namespace internal
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_linear_algebra_overlapping_domain_h
-#define greville_source_linear_algebra_overlapping_domain_h
+#pragma once
 
 #include <greville/linear_algebra/interleaved_layout.h>
 #include <greville/linear_algebra/row_variants.h>
@@ -14,11 +13,9 @@ namespace greville
 {
   namespace internal
   {
-    /**
-     * The domain of a process: its rows of A, and some layers of the unknowns
-     * that A couples with them, in lexicographic order; rows that differ
-     * between variants are last.
-     */
+    /// The domain of a process: its rows of A, and some layers of the unknowns
+    /// that A couples with them, in lexicographic order; rows that differ
+    /// between variants are last.
     class OverlappingDomain
     {
     public:
@@ -134,11 +131,9 @@ namespace greville
           visit(of.columns[e], of.values[e]);
       }
 
-      /**
-       * Collective. Send the entries with unknowns of other processes there,
-       * and keep those in own rows. Entries between unknowns of a process are
-       * sent once.
-       */
+      /// Collective. Send the entries with unknowns of other processes there,
+      /// and keep those in own rows. Entries between unknowns of a process are
+      /// sent once.
       void
       sum_shared_rows(const UpperTriangle &own);
 
@@ -154,10 +149,9 @@ namespace greville
       std::map<unsigned int, std::vector<UnknownOf>>
       columns_for_others() const;
 
-      /**
-       * Return the entries that processes need in addition to those that they
-       * share: between own rows that they need, once, and in columns of others.
-       */
+      /// Return the entries that processes need in addition to those that they
+      /// share: between own rows that they need, once, and in columns of
+      /// others.
       std::map<unsigned int, std::vector<SharedEntry>>
       rows_for_others(const UpperTriangle &own) const;
 
@@ -180,10 +174,8 @@ namespace greville
       bool
       is_ghost(const Number unknown) const;
 
-      /**
-       * Return the local number of an unknown, or invalid_unsigned_int. The
-       * search begins behind the @p last ghost found, and updates it.
-       */
+      /// Return the local number of an unknown, or invalid_unsigned_int. The
+      /// search begins behind the @p last ghost found, and updates it.
       unsigned int
       local(const Number unknown, unsigned int &last) const;
 
@@ -211,5 +203,3 @@ namespace greville
     };
   } // namespace internal
 } // namespace greville
-
-#endif

@@ -98,9 +98,8 @@ namespace greville
                     [&](Vec y) { error = PCApplyTranspose(pc.get(), x, y); });
     });
     check_petsc(PetscPopErrorHandler());
-    AssertThrow(error == 0,
-                ExcMessage(
-                  "PETSc cannot transpose this preconditioner, which "
-                  "a symmetric cycle (restriction = transpose) needs."));
+    Require(error == 0,
+            "PETSc cannot transpose this preconditioner, which a symmetric "
+            "cycle (restriction = transpose) needs.");
   }
 } // namespace greville

@@ -71,10 +71,8 @@ namespace greville
         add_cells(cell_batches[b], b);
     });
     throw_on_all(message, space.communicator());
-    AssertThrow(Utilities::MPI::max(largest, space.communicator()) > 0.,
-                ExcMessage(
-                  "'Problem/Density' is zero at all points: there is no "
-                  "mass."));
+    Require(Utilities::MPI::max(largest, space.communicator()) > 0.,
+            "'Problem/Density' is zero at all points: there is no mass.");
   }
 
 
@@ -99,6 +97,5 @@ namespace greville
 
 
 
-  template class DensityWeights<2>;
-  template class DensityWeights<3>;
+  GREVILLE_INSTANTIATE_CLASS(DensityWeights);
 } // namespace greville

@@ -56,10 +56,8 @@ namespace greville
 
 
 
-    /**
-     * A row that is being summed up: its values, and bits that mark its
-     * entries.
-     */
+    /// A row that is being summed up: its values, and bits that mark its
+    /// entries.
     class RowSum
     {
     public:
@@ -138,10 +136,8 @@ namespace greville
   class ExtendedMass<dim>::EntrySums
   {
   public:
-    /**
-     * If @p rows is not null, only the entries between these unknowns are
-     * computed.
-     */
+    /// If @p rows is not null, only the entries between these unknowns are
+    /// computed.
     EntrySums(const ExtendedMass<dim>          &mass,
               const unsigned int                components,
               const int                         reach,
@@ -378,10 +374,8 @@ namespace greville
       add_product(i, C_columns, W, W_next);
     }
 
-    /**
-     * Add row @p i of a product, from column i on. @p next are the entries of
-     * the rows at which the last search ended.
-     */
+    /// Add row @p i of a product, from column i on. @p next are the entries of
+    /// the rows at which the last search ended.
     void
     add_product(const unsigned int        i,
                 const SparseRows<Entry>  &columns,
@@ -492,6 +486,5 @@ namespace greville
 
 
 
-  template class ExtendedMass<2>;
-  template class ExtendedMass<3>;
+  GREVILLE_INSTANTIATE_CLASS(ExtendedMass);
 } // namespace greville

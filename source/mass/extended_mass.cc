@@ -280,6 +280,5 @@ namespace greville
 
 
 
-  template class ExtendedMass<2>;
-  template class ExtendedMass<3>;
+  GREVILLE_INSTANTIATE_CLASS(ExtendedMass);
 } // namespace greville

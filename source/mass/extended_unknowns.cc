@@ -102,11 +102,9 @@ namespace greville
 
   namespace
   {
-    /**
-     * Collective. Ask the owners for the numbers of the unknowns at positions,
-     * and return pairs of a number and its position, ascending. The unknowns of
-     * this process are @p functions, numbered from @p first_unknown on.
-     */
+    /// Collective. Ask the owners for the numbers of the unknowns at positions,
+    /// and return pairs of a number and its position, ascending. The unknowns
+    /// of this process are @p functions, numbered from @p first_unknown on.
     template <int dim>
     std::vector<std::pair<types::global_dof_index, std::uint64_t>>
     find_unknowns(const SplineSpace<dim>           &space,
@@ -372,6 +370,5 @@ namespace greville
 
 
 
-  template class ExtendedUnknowns<2>;
-  template class ExtendedUnknowns<3>;
+  GREVILLE_INSTANTIATE_CLASS(ExtendedUnknowns);
 } // namespace greville

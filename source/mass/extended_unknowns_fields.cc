@@ -258,6 +258,5 @@ namespace greville
 
 
 
-  template class ExtendedUnknowns<2>;
-  template class ExtendedUnknowns<3>;
+  GREVILLE_INSTANTIATE_CLASS(ExtendedUnknowns);
 } // namespace greville

@@ -13,10 +13,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return N_a(x_q) N_b(x_q) for all pairs a <= b of functions of an element,
-     * points fastest.
-     */
+    /// Return N_a(x_q) N_b(x_q) for all pairs a <= b of functions of an
+    /// element, points fastest.
     std::vector<double>
     products_of_pairs(const KnotVector    &knots,
                       const unsigned int   element,
@@ -90,6 +88,5 @@ namespace greville
 
 
 
-  template decltype(add_mass_matrix<2>) add_mass_matrix<2>;
-  template decltype(add_mass_matrix<3>) add_mass_matrix<3>;
+  GREVILLE_INSTANTIATE(add_mass_matrix);
 } // namespace greville

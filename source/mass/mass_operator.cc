@@ -20,11 +20,9 @@ namespace greville
 
 
 
-  /**
-   * The part of an operator that belongs to one of the two spaces: its basis
-   * values, its kernels, and the layout of the coefficients of a batch in
-   * memory.
-   */
+  /// The part of an operator that belongs to one of the two spaces: its basis
+  /// values, its kernels, and the layout of the coefficients of a batch in
+  /// memory.
   template <int dim>
   struct CrossMassOperator<dim>::Side
   {
@@ -40,10 +38,8 @@ namespace greville
         contiguous[b] = is_contiguous(weights.batches()[b]);
     }
 
-    /**
-     * Return whether the coefficients of each row in x of the batch are
-     * contiguous in memory.
-     */
+    /// Return whether the coefficients of each row in x of the batch are
+    /// contiguous in memory.
     bool
     is_contiguous(const typename CellBatches<dim>::Batch &batch) const
     {
@@ -61,10 +57,8 @@ namespace greville
       return true;
     }
 
-    /**
-     * Gather the coefficients of one layer (with the same index in the last
-     * direction) of a batch.
-     */
+    /// Gather the coefficients of one layer (with the same index in the last
+    /// direction) of a batch.
     void
     gather_layer(const std::size_t                       b,
                  const typename CellBatches<dim>::Batch &batch,
@@ -123,9 +117,7 @@ namespace greville
         scatter_add_layer(b, batch, layer, values + layer * n_layer, target);
     }
 
-    /**
-     * Basis values of a batch.
-     */
+    /// Basis values of a batch.
     struct Tables
     {
       NativeSimd    x[ShapeTables<dim>::max_size];
@@ -172,9 +164,9 @@ namespace greville
                                 VectorType       &dst,
                                 const VectorType &src) const
   {
-    AssertThrow(src.get_partitioner().get() == in.space.partitioner().get() &&
-                  dst.get_partitioner().get() == out.space.partitioner().get(),
-                ExcMessage("Vectors have to be made by the space."));
+    Require(src.get_partitioner().get() == in.space.partitioner().get() &&
+              dst.get_partitioner().get() == out.space.partitioner().get(),
+            "Vectors have to be made by the space.");
     const bool communicate = src.get_partitioner()->n_mpi_processes() > 1;
     if (communicate)
       src.update_ghost_values();
@@ -411,8 +403,6 @@ namespace greville
 
 
 
-  template class CrossMassOperator<2>;
-  template class CrossMassOperator<3>;
-  template class MassOperator<2>;
-  template class MassOperator<3>;
+  GREVILLE_INSTANTIATE_CLASS(CrossMassOperator);
+  GREVILLE_INSTANTIATE_CLASS(MassOperator);
 } // namespace greville

@@ -295,10 +295,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * The numbers at a place. Three numbers are loaded and stored as four, of
-     * which the last one is zero.
-     */
+    /// The numbers at a place. Three numbers are loaded and stored as four, of
+    /// which the last one is zero.
     template <int width, typename Number>
     struct Place
     {
@@ -323,11 +321,9 @@ namespace greville
 
 
 
-    /**
-     * For the entries U[x * n + dx] between lines and lines at a distance,
-     * compute y_l += U x_m and y_l += U^T x_m for the pairs l + m = n_lines - 1
-     * of lines. A window of n places moves along the lines.
-     */
+    /// For the entries U[x * n + dx] between lines and lines at a distance,
+    /// compute y_l += U x_m and y_l += U^T x_m for the pairs l + m = n_lines -
+    /// 1 of lines. A window of n places moves along the lines.
     template <int n, int width, int n_lines, typename Number>
     inline void
     multiply_lines(Number *const       *y,
@@ -446,6 +442,5 @@ namespace greville
 
 
 
-  template class StencilMatrix<2>;
-  template class StencilMatrix<3>;
+  GREVILLE_INSTANTIATE_CLASS(StencilMatrix);
 } // namespace greville

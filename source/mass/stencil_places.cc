@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/mass/stencil_places.h>
 
 #include <limits>
@@ -126,9 +127,8 @@ namespace greville
           line_places[line] = n_places;
           line_size[line]   = reached[line][1] - reached[line][0] + 1;
           n_places += line_size[line];
-          AssertThrow(n_places < std::size_t(largest_int),
-                      ExcMessage("A process has more coefficients than an "
-                                 "integer can count."));
+          Require(n_places < std::size_t(largest_int),
+                  "A process has more coefficients than an integer can count.");
         }
   }
 
@@ -164,6 +164,5 @@ namespace greville
 
 
 
-  template class StencilPlaces<2>;
-  template class StencilPlaces<3>;
+  GREVILLE_INSTANTIATE_CLASS(StencilPlaces);
 } // namespace greville

@@ -2,6 +2,7 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
+#include <greville/base/errors.h>
 #include <greville/base/with_width.h>
 #include <greville/mass/sum_factorization.h>
 
@@ -65,12 +66,10 @@ namespace greville
 
   namespace
   {
-    /**
-     * Multiply one or two columns of a tensor, whose entries lie @p stride
-     * apart, by a matrix or its transpose. Two columns at a time halve the
-     * loads of the matrix and still fit into 16 registers. The second column is
-     * offset by @p next_in and @p next_out.
-     */
+    /// Multiply one or two columns of a tensor, whose entries lie @p stride
+    /// apart, by a matrix or its transpose. Two columns at a time halve the
+    /// loads of the matrix and still fit into 16 registers. The second column
+    /// is offset by @p next_in and @p next_out.
     template <int  n_functions,
               int  n_points,
               bool transpose,
@@ -115,10 +114,9 @@ namespace greville
 
 
 
-    /**
-     * Compute out(outer, j, inner) = sum_i matrix(j, i) in(outer, i, inner), or
-     * use the transpose of the matrix, which is stored as [point][function].
-     */
+    /// Compute out(outer, j, inner) = sum_i matrix(j, i) in(outer, i, inner),
+    /// or use the transpose of the matrix, which is stored as
+    /// [point][function].
     template <int  n_functions,
               int  n_points,
               bool transpose,
@@ -280,10 +278,8 @@ namespace greville
 
 
 
-    /**
-     * Return the lanes of @p value shifted up by @p shift (down if negative)
-     * and filled with zeros.
-     */
+    /// Return the lanes of @p value shifted up by @p shift (down if negative)
+    /// and filled with zeros.
     template <int shift>
     inline __attribute__((always_inline)) NativeSimd
     shift_lanes(const NativeSimd &value)
@@ -299,11 +295,9 @@ namespace greville
 
 
 
-    /**
-     * Function a of lane l is entry l + a of a row. All functions are summed in
-     * registers before they are stored, since stores that partly overlap
-     * earlier ones would stall subsequent loads.
-     */
+    /// Function a of lane l is entry l + a of a row. All functions are summed
+    /// in registers before they are stored, since stores that partly overlap
+    /// earlier ones would stall subsequent loads.
     template <int n, int a, int n_vectors>
     inline __attribute__((always_inline)) void
     add_shifted(const NativeSimd *values, NativeSimd (&sums)[n_vectors])
@@ -353,10 +347,8 @@ namespace greville
 
 
 
-    /**
-     * Call an action with the number of points per direction as a constant: 2,
-     * ..., 6 for densities and 2 p + 1 for material points.
-     */
+    /// Call an action with the number of points per direction as a constant: 2,
+    /// ..., 6 for densities and 2 p + 1 for material points.
     template <typename Action>
     void
     with_points(const unsigned int n_points_1d, const Action &action)
@@ -366,12 +358,10 @@ namespace greville
 
 
 
-    /**
-     * Return whether the cross mass of spaces with n_1 and n_2 functions per
-     * direction may have q points: p + 1 for densities and 2 p + 1 for material
-     * points, p being the higher order, or 2 p if the orders differ.
-     * Hierarchies decrease the order by one or two, or to order 1.
-     */
+    /// Return whether the cross mass of spaces with n_1 and n_2 functions per
+    /// direction may have q points: p + 1 for densities and 2 p + 1 for
+    /// material points, p being the higher order, or 2 p if the orders differ.
+    /// Hierarchies decrease the order by one or two, or to order 1.
     constexpr bool
     has_points(const int n_1, const int n_2, const int q)
     {
@@ -412,10 +402,9 @@ namespace greville
                     &scatter_add_layer<dim, n>};
       });
     });
-    AssertThrow(result.interpolate,
-                ExcMessage("No kernel for order " + std::to_string(degree) +
-                           " and " + std::to_string(n_points_1d) +
-                           " points per direction."));
+    Require(result.interpolate,
+            "No kernel for order " + std::to_string(degree) + " and " +
+              std::to_string(n_points_1d) + " points per direction.");
     return result;
   }
 
@@ -439,21 +428,16 @@ namespace greville
         });
       });
     });
-    AssertThrow(result,
-                ExcMessage("No kernel for the mass of the orders " +
-                           std::to_string(degree_out) + " and " +
-                           std::to_string(degree_in) + " and " +
-                           std::to_string(n_points_1d) +
-                           " points per direction."));
+    Require(result,
+            "No kernel for the mass of the orders " +
+              std::to_string(degree_out) + " and " + std::to_string(degree_in) +
+              " and " + std::to_string(n_points_1d) + " points per direction.");
     return result;
   }
 
 
 
-  template class ShapeTables<2>;
-  template class ShapeTables<3>;
-  template decltype(cell_kernels<2>)  cell_kernels<2>;
-  template decltype(cell_kernels<3>)  cell_kernels<3>;
-  template decltype(column_kernel<2>) column_kernel<2>;
-  template decltype(column_kernel<3>) column_kernel<3>;
+  GREVILLE_INSTANTIATE_CLASS(ShapeTables);
+  GREVILLE_INSTANTIATE(cell_kernels);
+  GREVILLE_INSTANTIATE(column_kernel);
 } // namespace greville

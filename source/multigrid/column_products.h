@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_multigrid_column_products_h
-#define greville_source_multigrid_column_products_h
+#pragma once
 
 #include <greville/base/simd.h>
 #include <greville/mass/extended_unknowns.h>
@@ -162,5 +161,3 @@ namespace greville
     }
   } // namespace internal
 } // namespace greville
-
-#endif

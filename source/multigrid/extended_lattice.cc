@@ -140,6 +140,5 @@ namespace greville
 
 
 
-  template class ExtendedLattice<2>;
-  template class ExtendedLattice<3>;
+  GREVILLE_INSTANTIATE_CLASS(ExtendedLattice);
 } // namespace greville

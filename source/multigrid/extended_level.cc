@@ -27,11 +27,9 @@ namespace greville
 
 
 
-    /**
-     * Attach translations and rotations to a matrix of @p dim components as
-     * near-null space: the coefficients of a linear field are its values at the
-     * Greville points of the functions of the rows.
-     */
+    /// Attach translations and rotations to a matrix of @p dim components as
+    /// near-null space: the coefficients of a linear field are its values at
+    /// the Greville points of the functions of the rows.
     template <int dim>
     void
     set_rigid_body_modes(const Mat                        matrix,
@@ -359,6 +357,5 @@ namespace greville
 
 
 
-  template class ExtendedLevel<2>;
-  template class ExtendedLevel<3>;
+  GREVILLE_INSTANTIATE_CLASS(ExtendedLevel);
 } // namespace greville

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/multigrid/extended_mass_solver.h>
 
 #include "column_products.h"
@@ -14,9 +15,7 @@ namespace greville
 
   namespace
   {
-    /**
-     * Columns are stored in blocks of 1, 2, 4 or 8.
-     */
+    /// Columns are stored in blocks of 1, 2, 4 or 8.
     unsigned int
     width_for(const unsigned int n_columns)
     {
@@ -198,10 +197,9 @@ namespace greville
   {
     const unsigned int columns = x.size() * dim;
     const unsigned int width   = std::max(2u, width_for(columns));
-    AssertThrow(columns <= 8,
-                ExcMessage(
-                  "At most 8 components are solved for together, not " +
-                  std::to_string(columns) + "."));
+    Require(columns <= 8,
+            "At most 8 components are solved for together, not " +
+              std::to_string(columns) + ".");
     const auto &partitioner =
       mass.unknowns().unknown_layout()->partitioner(width);
     for (VectorType *vector : {&unknowns, &rows, &residual_rows})
@@ -490,6 +488,5 @@ namespace greville
 
 
 
-  template class ExtendedMassSolver<2>;
-  template class ExtendedMassSolver<3>;
+  GREVILLE_INSTANTIATE_CLASS(ExtendedMassSolver);
 } // namespace greville

@@ -101,6 +101,5 @@ namespace greville
 
 
 
-  template class ExtendedMultigrid<2>;
-  template class ExtendedMultigrid<3>;
+  GREVILLE_INSTANTIATE_CLASS(ExtendedMultigrid);
 } // namespace greville

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_extended_terms_h
-#define greville_multigrid_extended_terms_h
+#pragma once
 
 #include <greville/multigrid/lattice_unknowns.h>
 
@@ -10,10 +9,8 @@
 
 namespace greville
 {
-  /**
-   * The coarse functions of the functions of a level that depend on others (on
-   * unknowns), the rows of E P.
-   */
+  /// The coarse functions of the functions of a level that depend on others (on
+  /// unknowns), the rows of E P.
   template <int dim>
   class ExtendedTerms
   {
@@ -155,5 +152,3 @@ namespace greville
     return result;
   }
 } // namespace greville
-
-#endif

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_galerkin_product_h
-#define greville_multigrid_galerkin_product_h
+#pragma once
 
 #include "extended_terms.h"
 #include <tuple>
 
 namespace greville
 {
-  /**
-   * The sum of P_i^T B_ij P_j over the blocks of half rows B, in half rows of
-   * the coarse unknowns. P_i has the coarse functions of the function i, and of
-   * the unknowns on which i depends if it is extended. Functions that do not
-   * depend on others are inserted direction by direction.
-   */
+  /// The sum of P_i^T B_ij P_j over the blocks of half rows B, in half rows of
+  /// the coarse unknowns. P_i has the coarse functions of the function i, and
+  /// of the unknowns on which i depends if it is extended. Functions that do
+  /// not depend on others are inserted direction by direction.
   template <int dim, int nc, int n>
   class GalerkinProduct
   {
@@ -517,5 +514,3 @@ namespace greville
     float in_z[dim == 3 ? most * most * nc * most * nc : 1];
   };
 } // namespace greville
-
-#endif

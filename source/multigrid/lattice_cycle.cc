@@ -438,6 +438,5 @@ namespace greville
 
 
 
-  template class LatticeCycle<2>;
-  template class LatticeCycle<3>;
+  GREVILLE_INSTANTIATE_CLASS(LatticeCycle);
 } // namespace greville

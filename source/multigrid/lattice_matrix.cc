@@ -345,6 +345,5 @@ namespace greville
 
 
 
-  template class LatticeMatrix<2>;
-  template class LatticeMatrix<3>;
+  GREVILLE_INSTANTIATE_CLASS(LatticeMatrix);
 } // namespace greville

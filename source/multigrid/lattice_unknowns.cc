@@ -294,6 +294,5 @@ namespace greville
 
 
 
-  template class LatticeUnknowns<2>;
-  template class LatticeUnknowns<3>;
+  GREVILLE_INSTANTIATE_CLASS(LatticeUnknowns);
 } // namespace greville

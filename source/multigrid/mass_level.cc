@@ -201,6 +201,5 @@ namespace greville
 
 
 
-  template class MassLevel<2>;
-  template class MassLevel<3>;
+  GREVILLE_INSTANTIATE_CLASS(MassLevel);
 } // namespace greville

@@ -261,8 +261,6 @@ namespace greville
 
 
 
-  template class OrderTransfer<2>;
-  template class OrderTransfer<3>;
-  template decltype(add_inverse_mass<2>) add_inverse_mass<2>;
-  template decltype(add_inverse_mass<3>) add_inverse_mass<3>;
+  GREVILLE_INSTANTIATE_CLASS(OrderTransfer);
+  GREVILLE_INSTANTIATE(add_inverse_mass);
 } // namespace greville

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/linear_algebra/krylov.h>
 #include <greville/multigrid/lattice_cycle.h>
@@ -58,8 +59,7 @@ namespace greville
     , residual(levels.size())
     , correction(levels.size())
   {
-    AssertThrow(has_coarse || levels.size() == 1,
-                ExcMessage("Coarsening none has one level."));
+    Require(has_coarse || levels.size() == 1, "Coarsening none has one level.");
     for (unsigned int l = 0; l < levels.size(); ++l)
       {
         for (auto *vectors : {&x, &b, &residual, &correction})
@@ -93,12 +93,12 @@ namespace greville
         return;
       }
     const bool by_components = parameters.smoother == "chebyshev-component-ic0";
-    AssertThrow(!parameters.coarsens_lattices() || by_components ||
-                  parameters.smoother == "chebyshev-ic0",
-                ExcMessage("The coarsening <" + parameters.coarsening +
-                           "> takes the smoothers chebyshev-ic0 and "
-                           "chebyshev-component-ic0, but 'Smoother' is <" +
-                           parameters.smoother + ">."));
+    Require(!parameters.coarsens_lattices() || by_components ||
+              parameters.smoother == "chebyshev-ic0",
+            "The coarsening <" + parameters.coarsening +
+              "> takes the smoothers chebyshev-ic0 and "
+              "chebyshev-component-ic0, but 'Smoother' is <" +
+              parameters.smoother + ">.");
     coarse_preconditioner =
       name == "direct" ? levels[0]->petsc_preconditioner(
                            "-pc_type lu -pc_factor_mat_solver_type mumps")
@@ -108,10 +108,9 @@ namespace greville
                             smoother_parameters.chebyshev_range,
                             by_components,
                             parameters.coarsening == "hp"});
-    AssertThrow(coarse_preconditioner,
-                ExcMessage("The parameter 'Coarse preconditioner' is <" + name +
-                           ">, which needs entries that this operator does "
-                           "not provide."));
+    Require(coarse_preconditioner,
+            "The parameter 'Coarse preconditioner' is <" + name +
+              ">, which needs entries that this operator does not provide.");
   }
 
 
@@ -212,6 +211,5 @@ namespace greville
 
 
 
-  template class PMultigrid<2>;
-  template class PMultigrid<3>;
+  GREVILLE_INSTANTIATE_CLASS(PMultigrid);
 } // namespace greville

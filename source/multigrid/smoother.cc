@@ -54,26 +54,24 @@ namespace greville
         const bool is_option =
           word.size() > 1 && word[0] == '-' &&
           std::isalpha(static_cast<unsigned char>(word[1]));
-        AssertThrow(is_option || !is_value,
-                    ExcMessage("The parameter 'Smoother/PETSc options' is <" +
-                               petsc_options + ">, in which <" + word +
-                               "> is neither an option, which begins with a "
-                               "dash, nor the value of one."));
+        Require(is_option || !is_value,
+                "The parameter 'Smoother/PETSc options' is <" + petsc_options +
+                  ">, in which <" + word +
+                  "> is neither an option, which begins with a dash, nor the "
+                  "value of one.");
         is_value = !is_option;
       }
-    AssertThrow(n > 0,
-                ExcMessage("The parameter 'Smoother/PETSc options' is empty; "
-                           "it takes options like -pc_type bjacobi."));
+    Require(n > 0,
+            "The parameter 'Smoother/PETSc options' is empty; it takes options "
+            "like -pc_type bjacobi.");
   }
 
 
 
   namespace
   {
-    /**
-     * Return the largest eigenvalue of B A for a level A, from below, by power
-     * iterations. apply(y) computes y = B y.
-     */
+    /// Return the largest eigenvalue of B A for a level A, from below, by power
+    /// iterations. apply(y) computes y = B y.
     template <int dim, typename Apply>
     double
     largest_eigenvalue_with(const LevelOperator<dim> &level, const Apply &apply)
@@ -101,9 +99,7 @@ namespace greville
 
 
 
-    /**
-     * omega D^-1 with omega = damping / lambda_max(D^-1 M).
-     */
+    /// omega D^-1 with omega = damping / lambda_max(D^-1 M).
     template <int dim>
     class JacobiSmoother : public DiagonalPreconditioner
     {
@@ -120,11 +116,9 @@ namespace greville
 
 
 
-    /**
-     * A factorization, on several processes scaled so that two smoothing steps,
-     * 2 B - B A B, are positive definite: where domains overlap, B A may have
-     * eigenvalues above 2.
-     */
+    /// A factorization, on several processes scaled so that two smoothing
+    /// steps, 2 B - B A B, are positive definite: where domains overlap, B A
+    /// may have eigenvalues above 2.
     template <int dim>
     class ScaledFactorization : public Preconditioner
     {
@@ -302,10 +296,9 @@ namespace greville
       const auto factorization_with = [](L                         level,
                                          const CholeskyParameters &parameters) {
         auto factorization = make_factorization(level, parameters);
-        AssertThrow(factorization,
-                    ExcMessage("The parameter 'Smoother' needs a "
-                               "factorization, which this operator does not "
-                               "provide: take chebyshev or jacobi."));
+        Require(factorization,
+                "The parameter 'Smoother' needs a factorization, which this "
+                "operator does not provide: take chebyshev or jacobi.");
         return factorization;
       };
       const auto ict = [=](P p, L level, const bool) {
@@ -370,9 +363,9 @@ namespace greville
         std::find_if(list.begin(), list.end(), [&](const Entry<dim> &entry) {
           return entry.name == name;
         });
-      AssertThrow(found != list.end(),
-                  ExcMessage("The smoother <" + name + "> is none of " +
-                             smoother_names() + "."));
+      Require(found != list.end(),
+              "The smoother <" + name + "> is none of " + smoother_names() +
+                ".");
       return *found;
     }
   } // namespace
@@ -462,12 +455,8 @@ namespace greville
 
 
 
-  template decltype(add_smoother<2>)       add_smoother<2>;
-  template decltype(add_smoother<3>)       add_smoother<3>;
-  template decltype(make_by_components<2>) make_by_components<2>;
-  template decltype(make_by_components<3>) make_by_components<3>;
-  template decltype(make_factorization<2>) make_factorization<2>;
-  template decltype(make_factorization<3>) make_factorization<3>;
-  template decltype(make_smoother<2>)      make_smoother<2>;
-  template decltype(make_smoother<3>)      make_smoother<3>;
+  GREVILLE_INSTANTIATE(add_smoother);
+  GREVILLE_INSTANTIATE(make_by_components);
+  GREVILLE_INSTANTIATE(make_factorization);
+  GREVILLE_INSTANTIATE(make_smoother);
 } // namespace greville

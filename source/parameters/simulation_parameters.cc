@@ -58,7 +58,7 @@ namespace greville
     declare_section(prm, "Solver", solver);
     declare_section(prm, "p-multigrid", multigrid, smoother_names(), "");
     declare_section(prm, "Implicit solver", implicit_solver);
-    ElementTestParameters::declare_section(prm);
+    declare_section(prm, ElementTestParameters::section, element_test);
     for (auto &body : bodies)
       {
         const std::string section = "Body " + body.first;

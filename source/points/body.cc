@@ -528,36 +528,34 @@ namespace greville
     const BodyParameters &parameters = *body.parameters;
     const std::string     section    = "Body " + body.name;
     body.points.reinit(space, layout);
-    run_on_all(
-      [&]() {
-        check_geometry<dim>(parameters, section);
-        PointsOfFile<dim> file;
-        if (parameters.points_file.empty())
-          file.points = place_points<dim>(parameters, section, space);
-        else
-          file = points_of_file<dim>(parameters.points_file,
-                                     section,
-                                     body.material->density,
-                                     groups_of_file<dim>(*body.material),
-                                     layout.is_total_lagrangian(),
-                                     layout.is_axisymmetric(),
-                                     space);
-        std::vector<unsigned int> n_in_cell(space.owned_cells().size());
-        std::size_t               n_groups = 0;
-        for (const PlacedPoint<dim> &point : file.points)
-          n_groups += n_in_cell[point.cell]++ % body.points.width == 0;
-        body.points.reserve(n_groups);
-        const InitialPoints<dim> initial{
-          body, file, section, gravity, layers, table};
-        std::vector<double> values(layout.size);
-        for (std::size_t k = 0; k < file.points.size(); ++k)
-          {
-            std::fill(values.begin(), values.end(), 0.);
-            initial.write(PointRef<dim>(values.data()), file.points[k], k);
-            body.points.insert(file.points[k].cell, make_array_view(values));
-          }
-      },
-      space.communicator());
+    run_on_all(space.communicator(), [&]() {
+      check_geometry<dim>(parameters, section);
+      PointsOfFile<dim> file;
+      if (parameters.points_file.empty())
+        file.points = place_points<dim>(parameters, section, space);
+      else
+        file = points_of_file<dim>(parameters.points_file,
+                                   section,
+                                   body.material->density,
+                                   groups_of_file<dim>(*body.material),
+                                   layout.is_total_lagrangian(),
+                                   layout.is_axisymmetric(),
+                                   space);
+      std::vector<unsigned int> n_in_cell(space.owned_cells().size());
+      std::size_t               n_groups = 0;
+      for (const PlacedPoint<dim> &point : file.points)
+        n_groups += n_in_cell[point.cell]++ % body.points.width == 0;
+      body.points.reserve(n_groups);
+      const InitialPoints<dim> initial{
+        body, file, section, gravity, layers, table};
+      std::vector<double> values(layout.size);
+      for (std::size_t k = 0; k < file.points.size(); ++k)
+        {
+          std::fill(values.begin(), values.end(), 0.);
+          initial.write(PointRef<dim>(values.data()), file.points[k], k);
+          body.points.insert(file.points[k].cell, make_array_view(values));
+        }
+    });
 
     body.points.defragment();
     body.n_points = Utilities::MPI::sum<std::uint64_t>(body.points.n_points(),

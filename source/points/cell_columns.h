@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_cell_columns_h
-#define greville_source_points_cell_columns_h
+#pragma once
 
 #include "point_kernels.h"
 
@@ -25,11 +24,9 @@ namespace greville
         , h(tables.space->cell_size(0))
       {}
 
-      /**
-       * Move to a cell. Returns whether it is the next one along x; its
-       * functions are then those of the previous cell without the first column,
-       * and a new column.
-       */
+      /// Move to a cell. Returns whether it is the next one along x; its
+      /// functions are then those of the previous cell without the first
+      /// column, and a new column.
       inline __attribute__((always_inline)) bool
       go_to(const unsigned int cell)
       {
@@ -67,11 +64,9 @@ namespace greville
 
 
 
-    /**
-     * Prefetches groups some places ahead of a loop over all groups, cell by
-     * cell: kernels read only some of their numbers, in a pattern that
-     * processors do not predict.
-     */
+    /// Prefetches groups some places ahead of a loop over all groups, cell by
+    /// cell: kernels read only some of their numbers, in a pattern that
+    /// processors do not predict.
     template <int dim>
     class PrefetchedGroups
     {
@@ -123,9 +118,7 @@ namespace greville
 
 
 
-    /**
-     * @p size numbers for each column of functions of a cell.
-     */
+    /// @p size numbers for each column of functions of a cell.
     template <int n, int size, typename Number>
     class CellColumns
     {
@@ -161,11 +154,9 @@ namespace greville
 
 
 
-    /**
-     * The sums over points for functions, n_fields numbers per function, of
-     * which each lane has its part. A column is added to a buffer when it is
-     * left behind.
-     */
+    /// The sums over points for functions, n_fields numbers per function, of
+    /// which each lane has its part. A column is added to a buffer when it is
+    /// left behind.
     template <int dim, int n, int n_fields>
     class ColumnSums
     {
@@ -238,5 +229,3 @@ namespace greville
     };
   } // namespace internal
 } // namespace greville
-
-#endif

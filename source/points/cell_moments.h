@@ -1,33 +1,26 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_cell_moments_h
-#define greville_source_points_cell_moments_h
+#pragma once
 
 #include "point_kernels.h"
 #include <type_traits>
 
-/**
- * Stiffness matrices of cells with many points. To be included in sources.
- */
+/// Stiffness matrices of cells with many points. To be included in sources.
 namespace greville
 {
   namespace internal
   {
-    /**
-     * The matrix of a cell, sum_p C_iJkL(p) d_J N_a(p) d_L N_b(p), from the
-     * moments of C: in a cell, the product of derivatives is a polynomial of
-     * degree 2 (n - 1) in each direction, less one for each derivative in this
-     * direction. Per point, the moments take 486 products for n = 2 in 3D, the
-     * sum over functions 1584; the matrix is then a tensor product.
-     */
+    /// The matrix of a cell, sum_p C_iJkL(p) d_J N_a(p) d_L N_b(p), from the
+    /// moments of C: in a cell, the product of derivatives is a polynomial of
+    /// degree 2 (n - 1) in each direction, less one for each derivative in this
+    /// direction. Per point, the moments take 486 products for n = 2 in 3D, the
+    /// sum over functions 1584; the matrix is then a tensor product.
     template <int dim, int n>
     class CellMoments
     {
     public:
-      /**
-       * Add groups of points: C is at C[group] + entry(iJ, kL) * simd_width,
-       * the upper half of symmetric matrices.
-       */
+      /// Add groups of points: C is at C[group] + entry(iJ, kL) * simd_width,
+      /// the upper half of symmetric matrices.
       template <typename Entry>
       void
       add(const CellGeometry<dim, n> &geometry,
@@ -303,5 +296,3 @@ namespace greville
     };
   } // namespace internal
 } // namespace greville
-
-#endif

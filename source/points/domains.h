@@ -62,20 +62,17 @@ namespace greville::internal
 
 
 
-    /// Read the coefficients of the functions of a window, [function][field].
-    template <int dim, int n>
-    inline void
-    read_window(const WindowGeometry<dim, n> &cell,
-                const double                 *buffer,
-                double                       *u,
-                const int                     n_fields = dim)
-    {
-      for (int a = 0; a < WindowShape<dim, n>::n_functions; ++a)
-        for (int k = 0; k < n_fields; ++k)
-          u[a * n_fields + k] =
-            buffer[std::size_t(cell.functions[a]) * n_fields + k];
-    }
-  } // namespace internal
-} // namespace greville
-
-#endif
+  /// Read the coefficients of the functions of a window, [function][field].
+  template <int dim, int n>
+  inline void
+  read_window(const WindowGeometry<dim, n> &cell,
+              const double                 *buffer,
+              double                       *u,
+              const int                     n_fields = dim)
+  {
+    for (int a = 0; a < WindowShape<dim, n>::n_functions; ++a)
+      for (int k = 0; k < n_fields; ++k)
+        u[a * n_fields + k] =
+          buffer[std::size_t(cell.functions[a]) * n_fields + k];
+  }
+} // namespace greville::internal

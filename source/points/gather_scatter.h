@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_gather_scatter_h
-#define greville_source_points_gather_scatter_h
+#pragma once
 
 #include "window_shape.h"
 
@@ -18,10 +17,8 @@ namespace greville
 {
   namespace internal
   {
-    /**
-     * The distance of two fields of a function in the buffer: a vector contains
-     * two fields in 2D.
-     */
+    /// The distance of two fields of a function in the buffer: a vector
+    /// contains two fields in 2D.
     template <int dim>
     constexpr int field_stride = dim == 2 ? 2 : 4;
 
@@ -34,11 +31,9 @@ namespace greville
 
 
 
-    /**
-     * The kinds of sums, for vectors u_a of all functions a: n_vectors of
-     * values N_a u_a, and for vector number with_slopes, unless negative, also
-     * d_d N_a u_a for each direction d.
-     */
+    /// The kinds of sums, for vectors u_a of all functions a: n_vectors of
+    /// values N_a u_a, and for vector number with_slopes, unless negative, also
+    /// d_d N_a u_a for each direction d.
     template <int n_vectors_, int with_slopes_>
     struct Sums
     {
@@ -55,10 +50,9 @@ namespace greville
 
 
 
-    /**
-     * The univariate functions of a cell or of its window at a group of points;
-     * the functions of lane l that do not vanish are begin[d][l] to end[d][l].
-     */
+    /// The univariate functions of a cell or of its window at a group of
+    /// points; the functions of lane l that do not vanish are begin[d][l] to
+    /// end[d][l].
     template <int dim, int n_1d>
     struct LaneShapes
     {
@@ -102,10 +96,8 @@ namespace greville
 
 
 
-    /**
-     * Factors of the functions of a row along x: N of y and z, followed by its
-     * derivatives by y and z.
-     */
+    /// Factors of the functions of a row along x: N of y and z, followed by its
+    /// derivatives by y and z.
     template <int dim>
     struct RowFactors
     {
@@ -115,10 +107,8 @@ namespace greville
 
 
 
-    /**
-     * Call action(number of the first function of a row along x, factors) for
-     * all rows of a lane.
-     */
+    /// Call action(number of the first function of a row along x, factors) for
+    /// all rows of a lane.
     template <int dim, int n_1d, typename Kind, typename Action>
     inline __attribute__((always_inline)) void
     for_each_row(const LaneShapes<dim, n_1d> &shapes,
@@ -169,9 +159,7 @@ namespace greville
 
 
 
-    /**
-     * Call action(number of functions in a row, as a constant).
-     */
+    /// Call action(number of functions in a row, as a constant).
     template <int dim, int n_1d, typename Action>
     inline __attribute__((always_inline)) void
     with_row_length(const LaneShapes<dim, n_1d> &shapes,
@@ -273,10 +261,8 @@ namespace greville
 
 
 
-    /**
-     * Compute the sums of the first @p count points of a group: number k of
-     * vector v of Sums is in sums[4 v + k], with zeros for other lanes.
-     */
+    /// Compute the sums of the first @p count points of a group: number k of
+    /// vector v of Sums is in sums[4 v + k], with zeros for other lanes.
     template <typename Kind, int dim, int n_1d>
     __attribute__((noinline)) void
     gather(const LaneShapes<dim, n_1d> &shapes,
@@ -306,9 +292,7 @@ namespace greville
 
 
 
-    /**
-     * Add the first @p count points of a group, with numbers as in gather().
-     */
+    /// Add the first @p count points of a group, with numbers as in gather().
     template <typename Kind, int dim, int n_1d>
     __attribute__((noinline)) void
     scatter(const LaneShapes<dim, n_1d> &shapes,
@@ -335,5 +319,3 @@ namespace greville
     }
   } // namespace internal
 } // namespace greville
-
-#endif

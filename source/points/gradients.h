@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_particles_gradients_h
-#define greville_source_particles_gradients_h
+#pragma once
 
 #include "point_kernels.h"
 
@@ -21,9 +20,7 @@ namespace greville
 
 
 
-    /**
-     * Gradients of the functions of a cell at a point: [direction][function].
-     */
+    /// Gradients of the functions of a cell at a point: [direction][function].
     template <int dim, int n>
     struct Gradients
     {
@@ -97,10 +94,8 @@ namespace greville
 
 
 
-    /**
-     * Return the inverse of the deformation of a point since the initial
-     * configuration, in 2D in the plane.
-     */
+    /// Return the inverse of the deformation of a point since the initial
+    /// configuration, in 2D in the plane.
     template <int dim>
     dealii::Tensor<2, dim>
     inverse_F(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
@@ -113,11 +108,9 @@ namespace greville
 
 
 
-    /**
-     * Return the increment f = 1 + dt grad w of the deformation of a point, for
-     * a field with @p coefficients [component][function], with the gradient
-     * with respect to the position at the start of the step.
-     */
+    /// Return the increment f = 1 + dt grad w of the deformation of a point,
+    /// for a field with @p coefficients [component][function], with the
+    /// gradient with respect to the position at the start of the step.
     template <int dim, int n>
     dealii::Tensor<2, dim>
     increment_of_point(const ConstPointRef<dim> p,
@@ -137,5 +130,3 @@ namespace greville
     }
   } // namespace internal
 } // namespace greville
-
-#endif

@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_group_deformation_h
-#define greville_source_points_group_deformation_h
+#pragma once
 
 #include "group_lanes.h"
 #include "group_update.h"
 
-/**
- * Deformation of groups of points, and update of their material. To be included
- * in sources.
- */
+/// Deformation of groups of points, and update of their material. To be
+/// included in sources.
 namespace greville
 {
   namespace internal
   {
-    /**
-     * Return a bound of the square of the ratio of wave speeds in the reference
-     * configuration to those in the current one, from F^-1: the largest sum of
-     * a row of F^-1 F^-T.
-     */
+    /// Return a bound of the square of the ratio of wave speeds in the
+    /// reference configuration to those in the current one, from F^-1: the
+    /// largest sum of a row of F^-1 F^-T.
     template <int dim>
     inline Simd
     square_of_stretch(const Simd (&inverse)[dim][dim])
@@ -37,10 +32,8 @@ namespace greville
 
 
 
-    /**
-     * Set F_zz of axisymmetric points to r / radius0, and return the factor by
-     * which it grows.
-     */
+    /// Set F_zz of axisymmetric points to r / radius0, and return the factor by
+    /// which it grows.
     template <int dim>
     inline Simd
     stretch_hoop(const PointLayout<dim> &layout, double *group)
@@ -57,10 +50,8 @@ namespace greville
 
 
 
-    /**
-     * F = (1 + dt grad w) F and J. Returns the increment 1 + dt grad w, and its
-     * component zz in @p hoop.
-     */
+    /// F = (1 + dt grad w) F and J. Returns the increment 1 + dt grad w, and
+    /// its component zz in @p hoop.
     template <int dim>
     inline __attribute__((always_inline)) Simd
     deform(const PointLayout<dim> &layout,
@@ -102,11 +93,9 @@ namespace greville
 
 
 
-    /**
-     * Set the projected J of a group, and scale the increment by the root of
-     * its change over @p det. @p projected contains a J for each point, or is
-     * null.
-     */
+    /// Set the projected J of a group, and scale the increment by the root of
+    /// its change over @p det. @p projected contains a J for each point, or is
+    /// null.
     template <int dim>
     __attribute__((noinline)) void
     project(const PointLayout<dim> &layout,
@@ -154,9 +143,7 @@ namespace greville
 
 
 
-    /**
-     * Deform a group, and update its material.
-     */
+    /// Deform a group, and update its material.
     template <int dim>
     inline __attribute__((always_inline)) void
     deform_and_stress(MaterialPoints<dim>    &points,
@@ -212,5 +199,3 @@ namespace greville
     }
   } // namespace internal
 } // namespace greville
-
-#endif

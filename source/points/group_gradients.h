@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_group_gradients_h
-#define greville_source_points_group_gradients_h
+#pragma once
 
 #include "point_kernels.h"
 
-/**
- * Evaluation of fields, and sums, of a cell at groups of points. To be included
- * in sources.
- */
+/// Evaluation of fields, and sums, of a cell at groups of points. To be
+/// included in sources.
 namespace greville
 {
   namespace internal
   {
-    /**
-     * The functions of a cell at a group of points, row by row in x, for a
-     * field of @p n_components. The pairs of a component and a direction,
-     * followed by the value of the first component if @p with_value, form an
-     * array.
-     */
+    /// The functions of a cell at a group of points, row by row in x, for a
+    /// field of @p n_components. The pairs of a component and a direction,
+    /// followed by the value of the first component if @p with_value, form an
+    /// array.
     template <int dim, int n, int n_components, bool with_value>
     struct GroupGradients : ShapeValues<dim, n, Simd>
     {
@@ -27,11 +22,9 @@ namespace greville
       // The padded length for reduce_four().
       static constexpr int n_padded = (n_numbers + 3) / 4 * 4;
 
-      /**
-       * Call action(number of the row, factors of the row for derivatives in
-       * each direction); the factor for the derivative along x is also the
-       * factor for values.
-       */
+      /// Call action(number of the row, factors of the row for derivatives in
+      /// each direction); the factor for the derivative along x is also the
+      /// factor for values.
       template <typename Action>
       inline __attribute__((always_inline)) void
       for_each_row(const Action &action) const
@@ -86,10 +79,8 @@ namespace greville
         });
       }
 
-      /**
-       * Compute sums[function * n_components + i] += T_ij d_j N, and for i = 0
-       * also the entry for the value times N.
-       */
+      /// Compute sums[function * n_components + i] += T_ij d_j N, and for i = 0
+      /// also the entry for the value times N.
       inline __attribute__((always_inline)) void
       add_divergence(const Simd (&T)[n_pairs], Simd *sums) const
       {
@@ -115,5 +106,3 @@ namespace greville
     };
   } // namespace internal
 } // namespace greville
-
-#endif

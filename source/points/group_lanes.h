@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_group_lanes_h
-#define greville_source_points_group_lanes_h
+#pragma once
 
 #include <greville/materials/material_lanes.h>
 #include <greville/points/material_points.h>
@@ -51,10 +50,8 @@ namespace greville
 
 
 
-    /**
-     * Load a group into make_material_lanes(), without the stress, see
-     * load_material_point().
-     */
+    /// Load a group into make_material_lanes(), without the stress, see
+    /// load_material_point().
     template <int dim>
     inline void
     load_material_lanes(const PointLayout<dim> &layout,
@@ -120,11 +117,9 @@ namespace greville
     }
 
 
-    /**
-     * Update a group of points by its material, with make_material_lanes(). The
-     * increment of F_zz is for 2D. Returns whether all of the @p count points
-     * are valid.
-     */
+    /// Update a group of points by its material, with make_material_lanes().
+    /// The increment of F_zz is for 2D. Returns whether all of the @p count
+    /// points are valid.
     template <int dim>
     inline bool
     update_material(MaterialPoints<dim> &points,
@@ -185,5 +180,3 @@ namespace greville
     }
   } // namespace internal
 } // namespace greville
-
-#endif

@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_group_trial_h
-#define greville_source_points_group_trial_h
+#pragma once
 
 #include <greville/points/trial_step.h>
 
 #include "group_lanes.h"
 #include "point_kernels.h"
 
-/**
- * Stress of a group of points in a trial step and its derivative, from the
- * results of the material. To be included in sources.
- */
+/// Stress of a group of points in a trial step and its derivative, from the
+/// results of the material. To be included in sources.
 namespace greville
 {
   namespace internal
   {
-    /**
-     * A group of points in a trial step. Tensors are in the plane of 2D
-     * problems, followed by the entries zz of axisymmetric points.
-     */
+    /// A group of points in a trial step. Tensors are in the plane of 2D
+    /// problems, followed by the entries zz of axisymmetric points.
     template <int dim>
     struct GroupTrial
     {
@@ -44,10 +39,8 @@ namespace greville
 
 
 
-    /**
-     * Replace A by dP / df: multiply it by the map on both sides, and the pair
-     * zz by @p factor_zz. Of symmetric matrices, only the upper half is used.
-     */
+    /// Replace A by dP / df: multiply it by the map on both sides, and the pair
+    /// zz by @p factor_zz. Of symmetric matrices, only the upper half is used.
     template <int dim>
     inline __attribute__((always_inline)) void
     map_tangent(GroupTrial<dim> &trial,
@@ -172,10 +165,8 @@ namespace greville
 
 
 
-    /**
-     * Replace P at the end of the step, and its derivative, by the
-     * energy-consistent stress and its derivative, see TrialStep.
-     */
+    /// Replace P at the end of the step, and its derivative, by the
+    /// energy-consistent stress and its derivative, see TrialStep.
     template <int dim>
     inline void
     make_energy_consistent(GroupTrial<dim> &trial, const bool with_tangent)
@@ -259,5 +250,3 @@ namespace greville
     }
   } // namespace internal
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_group_update_h
-#define greville_source_points_group_update_h
+#pragma once
 
 #include <greville/points/row_sums.h>
 
@@ -9,20 +8,16 @@
 #include <cmath>
 #include <sstream>
 
-/**
- * The parts of PointTransfer::grid_to_points() that do not depend on the basis
- * functions: kick and move a group of points. group_deformation.h deforms it.
- * To be included in sources.
- */
+/// The parts of PointTransfer::grid_to_points() that do not depend on the basis
+/// functions: kick and move a group of points. group_deformation.h deforms it.
+/// To be included in sources.
 namespace greville
 {
   namespace internal
   {
-    /**
-     * A pass over points. Kick changes velocities; deform changes F, J, stress
-     * and state, and positions if PointUpdate::move. Two fields: v and a of a
-     * kick, or w and v of points that deform by another field than they move.
-     */
+    /// A pass over points. Kick changes velocities; deform changes F, J, stress
+    /// and state, and positions if PointUpdate::move. Two fields: v and a of a
+    /// kick, or w and v of points that deform by another field than they move.
     template <bool kick_, bool deform_, bool two_fields_, bool apic_>
     struct Pass
     {
@@ -99,9 +94,7 @@ namespace greville
 
 
 
-    /**
-     * Describe the error of a point of a group, if it is the first one.
-     */
+    /// Describe the error of a point of a group, if it is the first one.
     template <int dim>
     void
     report_bad_point(const MaterialPoints<dim> &points,
@@ -136,11 +129,9 @@ namespace greville
 
 
 
-    /**
-     * Add the velocities, and with APIC the affine matrices C and the diagonals
-     * D, of a group to a row, interpolated between their old values and the new
-     * ones.
-     */
+    /// Add the velocities, and with APIC the affine matrices C and the
+    /// diagonals D, of a group to a row, interpolated between their old values
+    /// and the new ones.
     template <int dim>
     __attribute__((noinline)) void
     add_motion(const PointUpdate<dim> &update,
@@ -264,5 +255,3 @@ namespace greville
     }
   } // namespace internal
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_point_kernels_h
-#define greville_source_points_point_kernels_h
+#pragma once
 
 #include <greville/base/simd.h>
 #include <greville/base/with_width.h>
@@ -9,18 +8,14 @@
 
 #include <cstring>
 
-/**
- * Common parts of the kernels for points. To be included in sources, not in
- * headers.
- */
+/// Common parts of the kernels for points. To be included in sources, not in
+/// headers.
 namespace greville
 {
   namespace internal
   {
-    /**
-     * One number of all points of a group. (Since cells have few points, wider
-     * vectors would have empty lanes.)
-     */
+    /// One number of all points of a group. (Since cells have few points, wider
+    /// vectors would have empty lanes.)
     using Simd = FixedSimd<double, MaterialPoints<2>::width>;
 
     constexpr unsigned int simd_width = Simd::size();
@@ -85,10 +80,8 @@ namespace greville
 
 
 
-    /**
-     * Values and derivatives of the univariate functions at a group of points,
-     * or at one.
-     */
+    /// Values and derivatives of the univariate functions at a group of points,
+    /// or at one.
     template <int dim, int n, typename Number = Simd>
     struct ShapeValues
     {
@@ -120,10 +113,8 @@ namespace greville
           }
       }
 
-      /**
-       * Compute the values of all functions of the cell, in lexicographic
-       * order.
-       */
+      /// Compute the values of all functions of the cell, in lexicographic
+      /// order.
       void
       multiply(Number (&values)[power(n, dim)]) const
       {
@@ -144,10 +135,8 @@ namespace greville
 
 
 
-    /**
-     * Copy a vector with its ghost entries into a buffer of @p n_fields numbers
-     * per function.
-     */
+    /// Copy a vector with its ghost entries into a buffer of @p n_fields
+    /// numbers per function.
     template <typename Buffer>
     inline void
     put_into_buffer(const VectorType  &vector,
@@ -164,10 +153,8 @@ namespace greville
 
 
 
-    /**
-     * Collective. Add up the numbers of each function in the buffers of all
-     * processes.
-     */
+    /// Collective. Add up the numbers of each function in the buffers of all
+    /// processes.
     template <typename Buffer>
     inline void
     take_from_buffer(const Buffer      &buffer,
@@ -184,9 +171,7 @@ namespace greville
 
 
 
-    /**
-     * Load @p count numbers of a group beginning at number @p first.
-     */
+    /// Load @p count numbers of a group beginning at number @p first.
     template <int count>
     inline __attribute__((always_inline)) void
     load_numbers(const double *group, const int first, Simd *values)
@@ -196,11 +181,9 @@ namespace greville
         values[k] = load(group + (first + k) * simd_width);
     }
 
-    /**
-     * Prefetch the numbers [first, last) of the group after number @p g of the
-     * cell number @p c of points.cells(): kernels read only some of its
-     * numbers, in a pattern that processors do not predict.
-     */
+    /// Prefetch the numbers [first, last) of the group after number @p g of the
+    /// cell number @p c of points.cells(): kernels read only some of its
+    /// numbers, in a pattern that processors do not predict.
     template <int dim>
     inline __attribute__((always_inline)) void
     prefetch_next(const MaterialPoints<dim> &points,
@@ -245,9 +228,8 @@ namespace greville
 
 
 
-    /**
-     * Load the positions at which the basis functions of a group are evaluated.
-     */
+    /// Load the positions at which the basis functions of a group are
+    /// evaluated.
     template <int dim>
     inline __attribute__((always_inline)) void
     load_basis_positions(const MaterialPoints<dim> &points,
@@ -325,12 +307,10 @@ namespace greville
 
 
 
-    /**
-     * Compute the inverse deformation gradients (in 2D in the plane) of a group
-     * since the initial configuration, which map gradients with respect to
-     * reference positions to gradients with respect to current ones. @p
-     * initial_F is the field of PointLayout.
-     */
+    /// Compute the inverse deformation gradients (in 2D in the plane) of a
+    /// group since the initial configuration, which map gradients with respect
+    /// to reference positions to gradients with respect to current ones.
+    /// @p initial_F is the field of PointLayout.
     template <int dim>
     inline void
     load_inverse_F(const double      *group,
@@ -363,5 +343,3 @@ namespace greville
     }
   } // namespace internal
 } // namespace greville
-
-#endif

@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_point_scatter_h
-#define greville_source_points_point_scatter_h
+#pragma once
 
 #include "cell_columns.h"
 
-/**
- * The sums of PointTransfer::points_to_grid() over groups of points, with
- * functions at the points. To be included in sources.
- */
+/// The sums of PointTransfer::points_to_grid() over groups of points, with
+/// functions at the points. To be included in sources.
 namespace greville
 {
   namespace internal
   {
-    /**
-     * The fields that points add to functions: mass and momentum, or force, or
-     * both. With APIC, the momentum varies over the functions of a point.
-     */
+    /// The fields that points add to functions: mass and momentum, or force, or
+    /// both. With APIC, the momentum varies over the functions of a point.
     template <int dim, bool momentum_, bool force_, bool apic_>
     struct AddedFields
     {
@@ -80,10 +75,8 @@ namespace greville
 
 
 
-    /**
-     * Compute the force of loads, and of the stress sigma_zz of axisymmetric
-     * points: - V sigma_zz / r, in any configuration of N.
-     */
+    /// Compute the force of loads, and of the stress sigma_zz of axisymmetric
+    /// points: - V sigma_zz / r, in any configuration of N.
     template <int dim>
     inline __attribute__((always_inline)) void
     load_force(const PointLayout<dim> &layout,
@@ -319,5 +312,3 @@ namespace greville
     };
   } // namespace internal
 } // namespace greville
-
-#endif

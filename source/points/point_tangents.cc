@@ -14,10 +14,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the number of entry (r, s), r <= s if @p symmetric, of a matrix of
-     * n pairs.
-     */
+    /// Return the number of entry (r, s), r <= s if @p symmetric, of a matrix
+    /// of n pairs.
     template <int n, bool symmetric>
     constexpr int
     entry_of(const int r, const int s)
@@ -216,10 +214,8 @@ namespace greville
 
 
 
-    /**
-     * The matrix of a cell with symmetric C, block by block of components i <=
-     * k, on vectors of functions.
-     */
+    /// The matrix of a cell with symmetric C, block by block of components i <=
+    /// k, on vectors of functions.
     template <int dim, int n, typename Number, bool with_hoop>
     class CellStiffness
     {
@@ -454,8 +450,7 @@ namespace greville
 
 
 
-  template class PointTangents<2>;
-  template class PointTangents<3>;
+  GREVILLE_INSTANTIATE_CLASS(PointTangents);
   template void
   PointTangents<2>::for_each_cell(const SpacePolynomials<2> &,
                                   const CellAction<float> &) const;

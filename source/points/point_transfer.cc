@@ -149,10 +149,8 @@ namespace greville
 
 
 
-    /**
-     * Add the products of two tables to sums: sums[k] += sum_p factors[k][p]
-     * x[p], for vectors x[p] at a distance @p stride.
-     */
+    /// Add the products of two tables to sums: sums[k] += sum_p factors[k][p]
+    /// x[p], for vectors x[p] at a distance @p stride.
     template <int n, int stride>
     inline void
     add_products(double *const (&sums)[n],
@@ -187,12 +185,10 @@ namespace greville
 
 
 
-    /**
-     * Add the mass matrices of the cells: for all pairs of functions in each
-     * direction sum_p m_p N_a N_b. Shape functions have points in the lanes.
-     * The sums have the entries of a line of the cell in the lanes, as the
-     * matrix has, so that they need not be added up over lanes.
-     */
+    /// Add the mass matrices of the cells: for all pairs of functions in each
+    /// direction sum_p m_p N_a N_b. Shape functions have points in the lanes.
+    /// The sums have the entries of a line of the cell in the lanes, as the
+    /// matrix has, so that they need not be added up over lanes.
     template <int dim, int n>
     void
     add_cells(const MaterialPoints<dim>   &points,
@@ -296,10 +292,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Call action(group, N) for all groups of points, where N(a) is the value
-     * of function a of their cell, and then finish(functions) for the cell.
-     */
+    /// Call action(group, N) for all groups of points, where N(a) is the value
+    /// of function a of their cell, and then finish(functions) for the cell.
     template <int dim, int n, typename Points, typename Action, typename Finish>
     void
     for_each_group(Points                      &points,
@@ -328,9 +322,7 @@ namespace greville
 
 
 
-    /**
-     * V0, V0 (J - 1) and V0 |J - 1| of the points, per function.
-     */
+    /// V0, V0 (J - 1) and V0 |J - 1| of the points, per function.
     template <int dim, int n>
     void
     add_volumes(const MaterialPoints<dim>   &points,
@@ -369,9 +361,7 @@ namespace greville
 
 
 
-    /**
-     * J += part (sum_a N_a w_a (J_a - 1) - (J - 1) sum_a N_a w_a).
-     */
+    /// J += part (sum_a N_a w_a (J_a - 1) - (J - 1) sum_a N_a w_a).
     template <int dim, int n>
     void
     mix(MaterialPoints<dim>         &points,
@@ -437,8 +427,6 @@ namespace greville
 
 
 
-  template decltype(describe_place<2>) describe_place<2>;
-  template decltype(describe_place<3>) describe_place<3>;
-  template class PointTransfer<2>;
-  template class PointTransfer<3>;
+  GREVILLE_INSTANTIATE(describe_place);
+  GREVILLE_INSTANTIATE_CLASS(PointTransfer);
 } // namespace greville

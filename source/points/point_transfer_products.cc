@@ -25,13 +25,10 @@ namespace greville
 
 
 
-    /**
-     * y += K x on this process, where values lie function by function and
-     * product(group, shape, u, sums) adds what a group of points has of K x for
-     * the values u of its cell. Cells that reach their neighbours by the
-     * windows
-     * @p without are left out.
-     */
+    /// y += K x on this process, where values lie function by function and
+    /// product(group, shape, u, sums) adds what a group of points has of K x
+    /// for the values u of its cell. Cells that reach their neighbours by the
+    /// windows @p without are left out.
     template <int dim, int n, bool derivatives, typename Product>
     void
     multiply_cells(const MaterialPoints<dim>   &points,
@@ -79,10 +76,8 @@ namespace greville
 
 
 
-    /**
-     * The same for the cells that reach their neighbours, whose points see
-     * windows.
-     */
+    /// The same for the cells that reach their neighbours, whose points see
+    /// windows.
     template <int dim, int n, typename Product>
     void
     multiply_windows(const MaterialPoints<dim>   &points,
@@ -118,10 +113,8 @@ namespace greville
 
 
 
-    /**
-     * The stress, times the volume, that a Stiffness gives for gradients of
-     * displacements.
-     */
+    /// The stress, times the volume, that a Stiffness gives for gradients of
+    /// displacements.
     template <int dim>
     class StiffnessStress
     {
@@ -136,11 +129,9 @@ namespace greville
           wave_modulus > 0. ? stiffness.elastic_factor / wave_modulus : 0.;
       }
 
-      /**
-       * Compute the stress for the gradient @p H, which is transformed to
-       * current positions. Axisymmetric points also have the strain u_r / r:
-       * @p hoop is u_r and then the force of its stress on values.
-       */
+      /// Compute the stress for the gradient @p H, which is transformed to
+      /// current positions. Axisymmetric points also have the strain u_r / r:
+      /// @p hoop is u_r and then the force of its stress on values.
       inline __attribute__((always_inline)) void
       evaluate(const double *group,
                Simd (&H)[dim][dim],
@@ -217,10 +208,8 @@ namespace greville
 
 
 
-    /**
-     * Call action(first value of a row of functions along x, factors of the row
-     * for derivatives in each direction) for all rows of a cell.
-     */
+    /// Call action(first value of a row of functions along x, factors of the
+    /// row for derivatives in each direction) for all rows of a cell.
     template <int dim, int n, typename Action>
     inline __attribute__((always_inline)) void
     for_each_row(const ShapeValues<dim, n> &shape, const Action &action)
@@ -367,10 +356,8 @@ namespace greville
 
 
 
-    /**
-     * Collective. y = K x or y += K x, where multiply(size, x, y) is the
-     * product on this process, of values that lie function by function.
-     */
+    /// Collective. y = K x or y += K x, where multiply(size, x, y) is the
+    /// product on this process, of values that lie function by function.
     template <int dim, typename Multiply>
     void
     multiply_fields(const SplineSpace<dim> &space,
@@ -551,6 +538,5 @@ namespace greville
 
 
 
-  template class PointTransfer<2>;
-  template class PointTransfer<3>;
+  GREVILLE_INSTANTIATE_CLASS(PointTransfer);
 } // namespace greville

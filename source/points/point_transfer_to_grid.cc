@@ -2,6 +2,8 @@
 
 #include <deal.II/base/quadrature_lib.h>
 
+#include <greville/base/errors.h>
+
 #include "point_scatter.h"
 #include "window_functions.h"
 
@@ -156,8 +158,8 @@ namespace greville
     VectorField<dim>                               *force,
     std::vector<double>                            *filled_parts)
   {
-    AssertThrow((mass == nullptr) == (momentum == nullptr),
-                ExcMessage("Mass and momentum go together."));
+    Require((mass == nullptr) == (momentum == nullptr),
+            "Mass and momentum go together.");
     if (!mass && !force)
       return;
     const unsigned int n_vector = windows ? simd_width : 0;
@@ -173,8 +175,7 @@ namespace greville
       with_order(tables.space->degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
         const bool    affine = points->layout().find("affine");
-        AssertThrow(!affine || !windows,
-                    ExcMessage("APIC does not support domains."));
+        Require(!affine || !windows, "APIC does not support domains.");
         double *const parts = filled_parts ? filled_parts->data() : nullptr;
         const auto    run   = [&](auto with_mass, auto with_force, auto apic) {
           using Fields = AddedFields<dim, with_mass, with_force, apic>;
@@ -211,10 +212,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * The Lagrange polynomials of the n Gauss points of the unit interval as
-     * polynomials of t = x - 1/2, in the layout of SplinePolynomials.
-     */
+    /// The Lagrange polynomials of the n Gauss points of the unit interval as
+    /// polynomials of t = x - 1/2, in the layout of SplinePolynomials.
     template <int n>
     std::array<double, n * n>
     lagrange_polynomials()
@@ -316,6 +315,5 @@ namespace greville
 
 
 
-  template class PointTransfer<2>;
-  template class PointTransfer<3>;
+  GREVILLE_INSTANTIATE_CLASS(PointTransfer);
 } // namespace greville

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
 #include <greville/points/volume_projection.h>
 
 #include "cell_columns.h"
@@ -139,10 +140,8 @@ namespace greville
             }
       }
 
-      /**
-       * Refer moments to the points: x_i - x is the offset of x_i minus the
-       * distance of x from the center of the cell.
-       */
+      /// Refer moments to the points: x_i - x is the offset of x_i minus the
+      /// distance of x from the center of the cell.
       static inline __attribute__((always_inline)) void
       center_moments(const CellGeometry<dim, n> &geometry,
                      const ShapeValues<dim, n>  &shape,
@@ -309,17 +308,14 @@ namespace greville
     const bool deform = update.deformation != nullptr;
     const bool same = !update.velocity || update.deformation == update.velocity;
     [[maybe_unused]] const bool is_flip = !update.apic && update.flip == 1.;
-    AssertThrow(update.velocity || !(update.move || (kick && !is_flip)),
-                ExcMessage(
-                  "Points that move, and kicks of PIC and APIC, need a "
-                  "velocity of the grid."));
+    Require(update.velocity || !(update.move || (kick && !is_flip)),
+            "Points that move, and kicks of PIC and APIC, need a velocity of "
+            "the grid.");
     AssertThrow(!update.apic || points.layout().find("affine"),
                 ExcInternalError());
-    AssertThrow(!update.apic || !windows,
-                ExcMessage("APIC does not support domains."));
-    AssertThrow(kick ? (deform ? same && update.move : !update.move) : deform,
-                ExcMessage("No pass over points has this combination of "
-                           "updates."));
+    Require(!update.apic || !windows, "APIC does not support domains.");
+    Require(kick ? (deform ? same && update.move : !update.move) : deform,
+            "No pass over points has this combination of updates.");
 
     // The field whose gradient deforms points is the first one. A kick of FLIP
     // does not use the velocity, but its place in the buffer.
@@ -381,6 +377,5 @@ namespace greville
 
 
 
-  template class PointTransfer<2>;
-  template class PointTransfer<3>;
+  GREVILLE_INSTANTIATE_CLASS(PointTransfer);
 } // namespace greville

@@ -48,10 +48,9 @@ namespace greville
         , report(report)
       {}
 
-      /**
-       * Evaluate group number @p g with the gradient H of the displacement and,
-       * in axisymmetry, the radial displacement. @p result has the positions.
-       */
+      /// Evaluate group number @p g with the gradient H of the displacement
+      /// and, in axisymmetry, the radial displacement. @p result has the
+      /// positions.
       void
       evaluate(const unsigned int g,
                const unsigned int count,
@@ -251,10 +250,8 @@ namespace greville
           }
       }
 
-      /**
-       * Write the stress and its derivative, with gradients with respect to X
-       * in total Lagrangian steps.
-       */
+      /// Write the stress and its derivative, with gradients with respect to X
+      /// in total Lagrangian steps.
       inline __attribute__((always_inline)) void
       write(GroupTrial<dim> &trial, TrialGroup<dim> &result)
       {
@@ -366,10 +363,8 @@ namespace greville
 
 
 
-    /**
-     * The functions of a cell and the displacement of the grid there, for
-     * gradients at points or as means over their domains.
-     */
+    /// The functions of a cell and the displacement of the grid there, for
+    /// gradients at points or as means over their domains.
     template <int dim, int n>
     class CellDisplacement
     {
@@ -395,10 +390,8 @@ namespace greville
           }
       }
 
-      /**
-       * Compute the gradient at a group of points, and return the component r
-       * of the displacement. Sets the positions and domains.
-       */
+      /// Compute the gradient at a group of points, and return the component r
+      /// of the displacement. Sets the positions and domains.
       inline __attribute__((always_inline)) Simd
       evaluate(const double    *group,
                TrialGroup<dim> &result,
@@ -531,6 +524,5 @@ namespace greville
 
 
 
-  template class TrialStep<2>;
-  template class TrialStep<3>;
+  GREVILLE_INSTANTIATE_CLASS(TrialStep);
 } // namespace greville

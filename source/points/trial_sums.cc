@@ -41,10 +41,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Add the forces, [function][component][lane], of a cell or its window to
-     * the @p sums of its functions, and return the sum of their squares.
-     */
+    /// Add the forces, [function][component][lane], of a cell or its window to
+    /// the @p sums of its functions, and return the sum of their squares.
     template <int dim, int n_functions>
     double
     add_sums_of_cell(const Simd         *force,
@@ -91,10 +89,8 @@ namespace greville
 
 
 
-    /**
-     * Call @p add(geometry, group, force) to add the forces of groups on the
-     * window of a cell, and return the sum of their squares.
-     */
+    /// Call @p add(geometry, group, force) to add the forces of groups on the
+    /// window of a cell, and return the sum of their squares.
     template <int dim, int n, typename Add>
     double
     add_forces_of_window(const WindowGeometry<dim, n>       &geometry,
@@ -115,9 +111,7 @@ namespace greville
 
 
 
-    /**
-     * Add @p factor T : grad N, and the pair of f_zz times N.
-     */
+    /// Add @p factor T : grad N, and the pair of f_zz times N.
     template <int dim, int n>
     void
     add_divergence(const WindowShape<dim, n>             &shape,
@@ -249,10 +243,8 @@ namespace greville
 
 
 
-    /**
-     * Return the derivative of a load on a point by the coefficients of a
-     * function.
-     */
+    /// Return the derivative of a load on a point by the coefficients of a
+    /// function.
     template <int dim, int n>
     double
     derivative(const TrialSurfacePoint<dim>     &point,
@@ -372,6 +364,5 @@ namespace greville
 
 
 
-  template class TrialSums<2>;
-  template class TrialSums<3>;
+  GREVILLE_INSTANTIATE_CLASS(TrialSums);
 } // namespace greville

@@ -17,10 +17,8 @@ namespace greville
 
 
 
-    /**
-     * Return the state of a point after a further displacement with its
-     * gradient.
-     */
+    /// Return the state of a point after a further displacement with its
+    /// gradient.
     template <int dim>
     SurfaceState<dim>
     moved_state(const SurfaceState<dim>  &begin,
@@ -183,6 +181,5 @@ namespace greville
 
 
 
-  template class TrialSurfaces<2>;
-  template class TrialSurfaces<3>;
+  GREVILLE_INSTANTIATE_CLASS(TrialSurfaces);
 } // namespace greville

@@ -45,6 +45,5 @@ namespace greville
 
 
 
-  template class WaterTable<2>;
-  template class WaterTable<3>;
+  GREVILLE_INSTANTIATE_CLASS(WaterTable);
 } // namespace greville

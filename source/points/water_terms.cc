@@ -160,6 +160,5 @@ namespace greville
 
 
 
-  template struct WaterTerms<2>;
-  template struct WaterTerms<3>;
+  GREVILLE_INSTANTIATE_CLASS(WaterTerms);
 } // namespace greville

@@ -1,26 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_window_functions_h
-#define greville_source_points_window_functions_h
+#pragma once
 
 #include "domains.h"
 #include "gather_scatter.h"
 #include <optional>
 
-/**
- * Sums in explicit steps over the functions of points with domains. To be
- * included in sources.
- */
+/// Sums in explicit steps over the functions of points with domains. To be
+/// included in sources.
 namespace greville
 {
   namespace internal
   {
-    /**
-     * The functions of the windows of a body's points, cell by cell: means over
-     * domains if the cell reaches its neighbours, and values at the points
-     * otherwise. If values are not averaged, both kinds of cells have the same
-     * sums of values.
-     */
+    /// The functions of the windows of a body's points, cell by cell: means
+    /// over domains if the cell reaches its neighbours, and values at the
+    /// points otherwise. If values are not averaged, both kinds of cells have
+    /// the same sums of values.
     template <int dim, int n>
     class WindowFunctions
     {
@@ -103,5 +98,3 @@ namespace greville
     };
   } // namespace internal
 } // namespace greville
-
-#endif

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_source_points_window_shape_h
-#define greville_source_points_window_shape_h
+#pragma once
 
 #include <greville/spline/cell_windows.h>
 
 #include "point_kernels.h"
 
-/**
- * B-splines of the windows of cells, averaged over boxes. To be included in
- * sources.
- */
+/// B-splines of the windows of cells, averaged over boxes. To be included in
+/// sources.
 namespace greville
 {
   namespace internal
@@ -64,11 +61,10 @@ namespace greville
       return any_of(value > 0.);
     }
 
-    /**
-     * Values and derivatives of the univariate functions of a window at a group
-     * of points, or at one: derivatives are averaged over domains, and values
-     * if the windows average them. Functions outside [first, last) are zero.
-     */
+    /// Values and derivatives of the univariate functions of a window at a
+    /// group of points, or at one: derivatives are averaged over domains, and
+    /// values if the windows average them. Functions outside [first, last) are
+    /// zero.
     template <int dim, int n, typename Number = Simd>
     struct WindowShape
     {
@@ -132,12 +128,10 @@ namespace greville
           }
       }
 
-      /**
-       * Call action(number, factors, begin, end) for each row of functions
-       * along x, with the number of its first function, the factors of the row
-       * for derivatives in each direction, and the range [begin, end) of the
-       * functions of the row to be used.
-       */
+      /// Call action(number, factors, begin, end) for each row of functions
+      /// along x, with the number of its first function, the factors of the row
+      /// for derivatives in each direction, and the range [begin, end) of the
+      /// functions of the row to be used.
       template <typename Action>
       void
       for_each_row(const Action &action) const
@@ -171,10 +165,8 @@ namespace greville
             }
       }
 
-      /**
-       * Compute the field with coefficients u[function * dim + i], and its
-       * gradient H_ij = d_j u_i if @p with_gradient.
-       */
+      /// Compute the field with coefficients u[function * dim + i], and its
+      /// gradient H_ij = d_j u_i if @p with_gradient.
       template <bool with_gradient>
       void
       evaluate_field(const double *u,
@@ -268,10 +260,8 @@ namespace greville
       bool   averages_values;
 
     private:
-      /**
-       * Add @p weight times the means of polynomials and their derivatives over
-       * [begin, end].
-       */
+      /// Add @p weight times the means of polynomials and their derivatives
+      /// over [begin, end].
       template <bool with_slopes>
       static inline __attribute__((always_inline)) void
       add_means(const double *polynomials,
@@ -320,5 +310,3 @@ namespace greville
     };
   } // namespace internal
 } // namespace greville
-
-#endif

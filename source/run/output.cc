@@ -35,10 +35,8 @@ namespace greville
     class PatchesOut
     {
     public:
-      /**
-       * Return the patches of this process as a piece of a file, even without
-       * patches.
-       */
+      /// Return the patches of this process as a piece of a file, even without
+      /// patches.
       std::string
       piece() const
       {
@@ -47,10 +45,8 @@ namespace greville
         return out.str();
       }
 
-      /**
-       * Append as many pieces as needed. Without patches append none, because
-       * ParaView might take the fields of the whole file from it.
-       */
+      /// Append as many pieces as needed. Without patches append none, because
+      /// ParaView might take the fields of the whole file from it.
       void
       append_pieces(std::vector<std::string> &pieces) const
       {
@@ -393,7 +389,7 @@ namespace greville
       }
     // write_vtu_in_parallel() of deal.II needs all patches in memory, and
     // leaves processes waiting if another one cannot write.
-    run_on_all([&]() { data.append_pieces(file->pieces); }, comm);
+    run_on_all(comm, [&]() { data.append_pieces(file->pieces); });
     if (file->pieces.empty())
       file->empty_piece = data.piece();
     if (!holds)
@@ -437,19 +433,15 @@ namespace greville
     DataOutBase::write_vtu_footer(footer);
     if (process + 1 == processes)
       file.pieces.push_back(footer.str());
-    run_on_first(
-      [&]() {
-        create_folder(directory + "/" + file_folder, "Output/Directory");
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      create_folder(directory + "/" + file_folder, "Output/Directory");
+    });
     write_together(directory + "/" + path, file.pieces, comm);
     written.emplace_back(file.time, path);
-    run_on_first(
-      [&]() {
-        write_atomically(directory + "/" + series_name,
-                         text_of_pvd(times_and_names));
-      },
-      comm);
+    run_on_first(comm, [&]() {
+      write_atomically(directory + "/" + series_name,
+                       text_of_pvd(times_and_names));
+    });
   }
 
 

@@ -87,15 +87,6 @@ namespace greville
 
 
   template <int dim>
-  bool
-  SimulationRun<dim>::wants(const std::string &field) const
-  {
-    return contains(parameters.output.fields, field);
-  }
-
-
-
-  template <int dim>
   GridFields<dim>
   SimulationRun<dim>::grid_fields(Simulation<dim> &part) const
   {

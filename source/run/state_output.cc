@@ -123,8 +123,7 @@ namespace greville
 
   GREVILLE_INSTANTIATE(name_of_part);
 
-  template decltype(first_body_of_part<2>) first_body_of_part<2>;
-  template decltype(first_body_of_part<3>) first_body_of_part<3>;
+  GREVILLE_INSTANTIATE(first_body_of_part);
 
   GREVILLE_INSTANTIATE(write_bodies);
 } // namespace greville

@@ -15,9 +15,9 @@ namespace greville
                               const std::string &coarsening)
   {
     const auto names = Utilities::split_string_list(coarsenings(), '|');
-    AssertThrow(std::count(names.begin(), names.end(), coarsening) == 1,
-                ExcMessage("The coarsening <" + coarsening + "> is none of " +
-                           coarsenings() + "."));
+    Require(std::count(names.begin(), names.end(), coarsening) == 1,
+            "The coarsening <" + coarsening + "> is none of " + coarsenings() +
+              ".");
     if (coarsening == "none" || coarsening == "lattice" || coarsening == "hp")
       return {degree};
     const unsigned int step =

@@ -58,6 +58,5 @@ namespace greville
 
 
 
-  template class KickedNumbers<2>;
-  template class KickedNumbers<3>;
+  GREVILLE_INSTANTIATE_CLASS(KickedNumbers);
 } // namespace greville

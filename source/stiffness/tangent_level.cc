@@ -173,6 +173,5 @@ namespace greville
 
 
 
-  template class TangentLevel<2>;
-  template class TangentLevel<3>;
+  GREVILLE_INSTANTIATE_CLASS(TangentLevel);
 } // namespace greville

@@ -193,6 +193,5 @@ namespace greville
 
 
 
-  template class TangentSystem<2>;
-  template class TangentSystem<3>;
+  GREVILLE_INSTANTIATE_CLASS(TangentSystem);
 } // namespace greville

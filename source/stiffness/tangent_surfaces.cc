@@ -89,10 +89,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Call @p action(cell, points) for the cells of surfaces, with the values
-     * of points given one after another.
-     */
+    /// Call @p action(cell, points) for the cells of surfaces, with the values
+    /// of points given one after another.
     template <int dim, typename Value, typename SetValue, typename Action>
     void
     for_each_cell(const std::vector<const MaterialPoints<dim> *> &surfaces,
@@ -194,6 +192,5 @@ namespace greville
 
 
 
-  template class TangentSurfaces<2>;
-  template class TangentSurfaces<3>;
+  GREVILLE_INSTANTIATE_CLASS(TangentSurfaces);
 } // namespace greville

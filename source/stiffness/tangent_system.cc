@@ -87,10 +87,8 @@ namespace greville
 
   namespace
   {
-    /**
-     * Return the sums of the compression and shear moduli, A_iiii and A_ijij,
-     * times the volumes.
-     */
+    /// Return the sums of the compression and shear moduli, A_iiii and A_ijij,
+    /// times the volumes.
     template <int dim>
     std::array<double, 2>
     sum_moduli(const std::vector<TrialGroup<dim>> &groups)
@@ -106,12 +104,10 @@ namespace greville
 
 
 
-    /**
-     * Append the derivative of V P of a group by the logarithm of J hat, for an
-     * isotropic expansion, 1 / dim in each direction (1 / 3 in axisymmetry),
-     * without the dependence of f on it. A share of it remains in the
-     * derivative by f, a full matrix of @p n_used pairs.
-     */
+    /// Append the derivative of V P of a group by the logarithm of J hat, for
+    /// an isotropic expansion, 1 / dim in each direction (1 / 3 in
+    /// axisymmetry), without the dependence of f on it. A share of it remains
+    /// in the derivative by f, a full matrix of @p n_used pairs.
     template <int dim>
     void
     take_volume_stiffness(const int           n_used,
@@ -142,10 +138,8 @@ namespace greville
 
 
 
-    /**
-     * Return the share of the volumetric stiffness that makes it not much
-     * larger than the shear stiffness.
-     */
+    /// Return the share of the volumetric stiffness that makes it not much
+    /// larger than the shear stiffness.
     double
     share_of_volume_stiffness(const Moduli &moduli)
     {
@@ -576,6 +570,5 @@ namespace greville
 
 
 
-  template class TangentSystem<2>;
-  template class TangentSystem<3>;
+  GREVILLE_INSTANTIATE_CLASS(TangentSystem);
 } // namespace greville

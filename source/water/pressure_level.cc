@@ -79,6 +79,5 @@ namespace greville
 
 
 
-  template class PressureLevel<2>;
-  template class PressureLevel<3>;
+  GREVILLE_INSTANTIATE_CLASS(PressureLevel);
 } // namespace greville

@@ -31,11 +31,9 @@ namespace greville
 
 
 
-  /**
-   * Collective. Write a file of the texts of all processes, in the order of
-   * the processes, which write at the same time. Throws
-   * dealii::ExcMessage on all of them if it cannot be written.
-   */
+  /// Collective. Write a file of the texts of all processes, in the order of
+  /// the processes, which write at the same time. Throws dealii::ExcMessage on
+  /// all of them if it cannot be written.
   void
   write_together(const std::string              &file,
                  const std::vector<std::string> &own,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_linear_algebra_incomplete_cholesky_h
-#define greville_linear_algebra_incomplete_cholesky_h
+#pragma once
 
 #include <greville/linear_algebra/upper_triangle.h>
 
@@ -9,24 +8,18 @@
 
 namespace greville
 {
-  /**
-   * Parameters of an IncompleteCholesky factorization.
-   */
+  /// Parameters of an IncompleteCholesky factorization.
   struct CholeskyParameters
   {
     /// Added to the unit diagonal of the scaled matrix.
     double shift = 0.;
-    /**
-     * Entries of the factor of the scaled matrix below this value are dropped;
-     * 0: IC(0), which keeps the entries that the matrix has.
-     */
+    /// Entries of the factor of the scaled matrix below this value are dropped;
+    /// 0: IC(0), which keeps the entries that the matrix has.
     double drop_tolerance = 0.;
   };
 
-  /**
-   * Return the parameters of ICT for a mass matrix of B-splines of a @p degree
-   * with which a step needs the least time (doc/developer/multigrid.md).
-   */
+  /// Return the parameters of ICT for a mass matrix of B-splines of a @p degree
+  /// with which a step needs the least time (doc/developer/multigrid.md).
   inline CholeskyParameters
   ict_parameters(const unsigned int degree)
   {
@@ -75,10 +68,8 @@ namespace greville
   class IncompleteCholesky
   {
   public:
-    /**
-     * Factorize the matrix. Throws dealii::ExcMessage if the diagonal is not
-     * positive or no shift helps.
-     */
+    /// Factorize the matrix. Throws dealii::ExcMessage if the diagonal is not
+    /// positive or no shift helps.
     void
     factorize(const UpperTriangle      &matrix,
               const CholeskyParameters &parameters = CholeskyParameters())
@@ -92,11 +83,9 @@ namespace greville
               const CholeskyParameters &parameters,
               const unsigned int        n_columns);
 
-    /**
-     * Return the Schur complement of the last rows of a matrix, numbered from
-     * 0 on, which has the eliminated columns. Its diagonal contains the shift
-     * and is positive. Fixed rows have a diagonal entry only, the unit().
-     */
+    /// Return the Schur complement of the last rows of a matrix, numbered from
+    /// 0 on, which has the eliminated columns. Its diagonal contains the shift
+    /// and is positive. Fixed rows have a diagonal entry only, the unit().
     UpperTriangle
     complement(const UpperTriangle              &last_rows,
                const std::vector<unsigned char> &is_fixed) const;
@@ -133,10 +122,8 @@ namespace greville
     void
     solve(double *x, const unsigned int width) const;
 
-    /**
-     * Solve in place, in single precision: the entries should be of order 1.
-     * The solution is multiplied by unit().
-     */
+    /// Solve in place, in single precision: the entries should be of order 1.
+    /// The solution is multiplied by unit().
     void
     solve(float *x, const unsigned int width) const
     {
@@ -161,17 +148,13 @@ namespace greville
     }
 
   private:
-    /**
-     * Return an estimate from below of the largest eigenvalue of the
-     * preconditioned matrix.
-     */
+    /// Return an estimate from below of the largest eigenvalue of the
+    /// preconditioned matrix.
     double
     largest_eigenvalue(const UpperTriangle &matrix) const;
 
-    /**
-     * Factorize the matrix, scaled by @p scaling from both sides, with
-     * used_shift. Returns false if a pivot is far below zero.
-     */
+    /// Factorize the matrix, scaled by @p scaling from both sides, with
+    /// used_shift. Returns false if a pivot is far below zero.
     bool
     factorize_columns(const UpperTriangle       &matrix,
                       const std::vector<double> &scaling,
@@ -193,5 +176,3 @@ namespace greville
     mutable std::vector<float> single;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_linear_algebra_interleaved_layout_h
-#define greville_linear_algebra_interleaved_layout_h
+#pragma once
 
 #include <deal.II/base/partitioner.h>
 
@@ -10,21 +9,17 @@
 
 namespace greville
 {
-  /**
-   * The unknowns that a process owns, and the unknowns of others that it stores
-   * (ghosts). Vectors have several values per unknown, their *width*: value c
-   * of local unknown u is entry u * width + c. Owned unknowns come first, then
-   * ghosts in the order of their global numbers.
-   */
+  /// The unknowns that a process owns, and the unknowns of others that it
+  /// stores (ghosts). Vectors have several values per unknown, their *width*:
+  /// value c of local unknown u is entry u * width + c. Owned unknowns come
+  /// first, then ghosts in the order of their global numbers.
   class InterleavedLayout
   {
   public:
     InterleavedLayout() = default;
 
-    /**
-     * Collective. Owned unknowns have the global numbers from @p first to
-     * @p first + @p n_owned; @p ghosts ascend.
-     */
+    /// Collective. Owned unknowns have the global numbers from @p first to
+    /// @p first + @p n_owned; @p ghosts ascend.
     InterleavedLayout(
       const dealii::types::global_dof_index               first,
       const dealii::types::global_dof_index               n_owned,
@@ -61,9 +56,7 @@ namespace greville
       return comm;
     }
 
-    /**
-     * Collective at the first call for a width.
-     */
+    /// Collective at the first call for a width.
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
     partitioner(const unsigned int width) const;
 
@@ -77,5 +70,3 @@ namespace greville
         partitioners;
   };
 } // namespace greville
-
-#endif

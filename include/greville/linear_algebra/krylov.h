@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_linear_algebra_krylov_h
-#define greville_linear_algebra_krylov_h
+#pragma once
 
 #include <deal.II/lac/solver_control.h>
 
@@ -12,14 +11,12 @@
 
 namespace greville
 {
-  /**
-   * Collective. Let @p run(control) run a Krylov method of deal.II for the
-   * right-hand side b, until the norm of the residual is below the tolerance
-   * times the norm of b. If the method does not converge, the result says so;
-   * nothing is thrown. The reduction in the result is computed by the method
-   * itself; the true residual may differ by round-off. If b = 0, nothing runs,
-   * so x must be zero.
-   */
+  /// Collective. Let @p run(control) run a Krylov method of deal.II for the
+  /// right-hand side b, until the norm of the residual is below the tolerance
+  /// times the norm of b. If the method does not converge, the result says so;
+  /// nothing is thrown. The reduction in the result is computed by the method
+  /// itself; the true residual may differ by round-off. If b = 0, nothing runs,
+  /// so x must be zero.
   SolveResult
   run_krylov(const SolverParameters                             &parameters,
              const VectorType                                   &b,
@@ -28,13 +25,11 @@ namespace greville
   /// A function dst = A src, or the application of a preconditioner to src.
   using Product = std::function<void(VectorType &dst, const VectorType &src)>;
 
-  /**
-   * Collective. Solve A x = b from x = 0 with a @p preconditioner, like
-   * run_krylov(): by conjugate gradients, or, if @p n_basis_vectors is not
-   * zero, by FGMRES with this number of basis vectors between restarts.
-   * Conjugate gradients that meet a direction d with d^T A d <= 0 stop, and
-   * FGMRES continues.
-   */
+  /// Collective. Solve A x = b from x = 0 with a @p preconditioner, like
+  /// run_krylov(): by conjugate gradients, or, if @p n_basis_vectors is not
+  /// zero, by FGMRES with this number of basis vectors between restarts.
+  /// Conjugate gradients that meet a direction d with d^T A d <= 0 stop, and
+  /// FGMRES continues.
   SolveResult
   solve_krylov(const SolverParameters &parameters,
                const Product          &A,
@@ -43,12 +38,8 @@ namespace greville
                const VectorType       &b,
                const unsigned int      n_basis_vectors = 0);
 
-  /**
-   * Return the reason why a method that ended with this reduction has not
-   * converged.
-   */
+  /// Return the reason why a method that ended with this reduction has not
+  /// converged.
   std::string
   reason_of_failure(const unsigned int iterations, const double reduction);
 } // namespace greville
-
-#endif

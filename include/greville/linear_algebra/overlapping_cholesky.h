@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_linear_algebra_overlapping_cholesky_h
-#define greville_linear_algebra_overlapping_cholesky_h
+#pragma once
 
 #include <deal.II/lac/la_parallel_vector.h>
 
@@ -50,14 +49,12 @@ namespace greville
   class OverlappingCholesky
   {
   public:
-    /**
-     * Collective. @p matrix has the entries of this process between the
-     * unknowns of @p layout. The owned unknowns have @p positions in a lattice.
-     * Apart from few entries, the matrix couples unknowns whose positions
-     * differ by at most @p reach; the overlap has @p n_layers of this size.
-     * Throws ErrorOnAll if IncompleteCholesky::factorize() throws on any
-     * process.
-     */
+    /// Collective. @p matrix has the entries of this process between the
+    /// unknowns of @p layout. The owned unknowns have @p positions in a
+    /// lattice. Apart from few entries, the matrix couples unknowns whose
+    /// positions differ by at most @p reach; the overlap has @p n_layers of
+    /// this size. Throws ErrorOnAll if IncompleteCholesky::factorize() throws
+    /// on any process.
     void
     factorize(const UpperTriangle                            &matrix,
               const std::shared_ptr<const InterleavedLayout> &layout,
@@ -67,10 +64,8 @@ namespace greville
               const CholeskyParameters                       &parameters,
               const RowVariants &variants = RowVariants());
 
-    /**
-     * Collective. Solve in place for the owned unknowns, @p width columns, the
-     * components of fields one after another.
-     */
+    /// Collective. Solve in place for the owned unknowns, @p width columns, the
+    /// components of fields one after another.
     void
     solve(double *x, const unsigned int width) const;
 
@@ -136,5 +131,3 @@ namespace greville
     mutable Vectors<float>     floats;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_linear_algebra_petsc_preconditioner_h
-#define greville_linear_algebra_petsc_preconditioner_h
+#pragma once
 
 #include <greville/base/petsc.h>
 #include <greville/linear_algebra/preconditioner.h>
@@ -13,18 +12,14 @@
 
 namespace greville
 {
-  /**
-   * Any preconditioner of PETSc, described by PETSc's options without prefix,
-   * as in "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilu", or ILUT, see
-   * register_petsc_ilut().
-   */
+  /// Any preconditioner of PETSc, described by PETSc's options without prefix,
+  /// as in "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilu", or ILUT, see
+  /// register_petsc_ilut().
   class PetscPreconditioner : public Preconditioner
   {
   public:
-    /**
-     * Collective. Throws dealii::ExcMessage if PETSc does not use one of the
-     * options or cannot make the preconditioner.
-     */
+    /// Collective. Throws dealii::ExcMessage if PETSc does not use one of the
+    /// options or cannot make the preconditioner.
     PetscPreconditioner(const Mat matrix, const std::string &options);
 
     void
@@ -38,5 +33,3 @@ namespace greville
     PetscVectorView            view_dst, view_src;
   };
 } // namespace greville
-
-#endif

@@ -1,30 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_linear_algebra_preconditioner_h
-#define greville_linear_algebra_preconditioner_h
+#pragma once
 
 #include <greville/base/compatibility.h>
 
 namespace greville
 {
-  /**
-   * An approximate inverse S of a matrix A, to be used as the smoother
-   * x += S (b - A x) or inside a Krylov method.
-   */
+  /// An approximate inverse S of a matrix A, to be used as the smoother x += S
+  /// (b - A x) or inside a Krylov method.
   class Preconditioner
   {
   public:
     virtual ~Preconditioner() = default;
 
-    /**
-     * dst = S src.
-     */
+    /// dst = S src.
     virtual void
     vmult(VectorType &dst, const VectorType &src) const = 0;
 
-    /**
-     * dst = S^T src. The default is for symmetric S.
-     */
+    /// dst = S^T src. The default is for symmetric S.
     virtual void
     Tvmult(VectorType &dst, const VectorType &src) const
     {
@@ -34,10 +27,8 @@ namespace greville
 
 
 
-  /**
-   * S = D^-1 for a diagonal matrix D: Jacobi's method if used in conjugate
-   * gradients.
-   */
+  /// S = D^-1 for a diagonal matrix D: Jacobi's method if used in conjugate
+  /// gradients.
   class DiagonalPreconditioner : public Preconditioner
   {
   public:
@@ -60,5 +51,3 @@ namespace greville
     VectorType inverse_diagonal;
   };
 } // namespace greville
-
-#endif

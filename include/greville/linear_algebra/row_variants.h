@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_linear_algebra_row_variants_h
-#define greville_linear_algebra_row_variants_h
+#pragma once
 
 #include <greville/linear_algebra/upper_triangle.h>
 
@@ -9,11 +8,9 @@
 
 namespace greville
 {
-  /**
-   * Matrices of the components of a field that are the same but for a few rows,
-   * because some unknowns are constrained in some components only. Variant 0 is
-   * a matrix that is given elsewhere.
-   */
+  /// Matrices of the components of a field that are the same but for a few
+  /// rows, because some unknowns are constrained in some components only.
+  /// Variant 0 is a matrix that is given elsewhere.
   struct RowVariants
   {
     /// The variant of each component; empty if all have variant 0.
@@ -31,5 +28,3 @@ namespace greville
     std::vector<unsigned char> fixed;
   };
 } // namespace greville
-
-#endif

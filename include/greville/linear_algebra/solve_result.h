@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_linear_algebra_solve_result_h
-#define greville_linear_algebra_solve_result_h
+#pragma once
 
 #include <deal.II/base/parameter_acceptor.h>
 
@@ -38,20 +37,14 @@ namespace greville
   /// The outcome of a solve.
   struct SolveResult
   {
-    /**
-     * The number of iterations; empty for solvers that do not iterate to a
-     * tolerance.
-     */
+    /// The number of iterations; empty for solvers that do not iterate to a
+    /// tolerance.
     std::optional<unsigned int> iterations;
     bool                        converged = false;
-    /**
-     * The Euclidean norm of b - M x relative to the norm of b, computed at the
-     * end.
-     */
+    /// The Euclidean norm of b - M x relative to the norm of b, computed at the
+    /// end.
     double reduction = 0.;
     /// The reason why the solver did not converge; empty if it did.
     std::string reason;
   };
 } // namespace greville
-
-#endif

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_linear_algebra_upper_triangle_h
-#define greville_linear_algebra_upper_triangle_h
+#pragma once
 
 #include <cstddef>
 #include <vector>
 
 namespace greville
 {
-  /**
-   * The upper triangle of a symmetric matrix, by rows: the columns of each row
-   * begin with the diagonal and ascend. These rows are also the columns of the
-   * lower triangle.
-   */
+  /// The upper triangle of a symmetric matrix, by rows: the columns of each row
+  /// begin with the diagonal and ascend. These rows are also the columns of the
+  /// lower triangle.
   struct UpperTriangle
   {
     std::vector<std::size_t>  row_begin = {0};
@@ -33,5 +30,3 @@ namespace greville
   };
 
 } // namespace greville
-
-#endif

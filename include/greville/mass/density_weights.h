@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_mass_density_weights_h
-#define greville_mass_density_weights_h
+#pragma once
 
 #include <deal.II/base/aligned_vector.h>
 #include <deal.II/base/function.h>
@@ -32,12 +31,10 @@ namespace greville
   public:
     DensityWeights() = default;
 
-    /**
-     * Collective. Evaluate @p density at @p n_points_1d Gauss points per
-     * direction in the owned cells of @p space. Throws dealii::ExcMessage if
-     * the density is negative or not finite, with the point and the value, and
-     * if it is zero everywhere.
-     */
+    /// Collective. Evaluate @p density at @p n_points_1d Gauss points per
+    /// direction in the owned cells of @p space. Throws dealii::ExcMessage if
+    /// the density is negative or not finite, with the point and the value, and
+    /// if it is zero everywhere.
     DensityWeights(const SplineSpace<dim>      &space,
                    const unsigned int           n_points_1d,
                    const dealii::Function<dim> &density);
@@ -46,10 +43,8 @@ namespace greville
     DensityWeights(const SplineSpace<dim> &space,
                    const unsigned int      n_points_1d);
 
-    /**
-     * Return the weights of owned cell number @p cell: the weight of point q is
-     * at q * CellBatches::width().
-     */
+    /// Return the weights of owned cell number @p cell: the weight of point q
+    /// is at q * CellBatches::width().
     double *
     at_cell(const unsigned int cell)
     {
@@ -88,11 +83,9 @@ namespace greville
       return cell_batches;
     }
 
-    /**
-     * Return the weights of a batch, n_points() x CellBatches::width(), points
-     * in lexicographic order. Weights of lanes without a cell of their own are
-     * zero.
-     */
+    /// Return the weights of a batch, n_points() x CellBatches::width(), points
+    /// in lexicographic order. Weights of lanes without a cell of their own are
+    /// zero.
     const double *
     operator[](const std::size_t batch) const
     {
@@ -110,5 +103,3 @@ namespace greville
     dealii::AlignedVector<double> values;
   };
 } // namespace greville
-
-#endif

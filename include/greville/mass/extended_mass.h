@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_mass_extended_mass_h
-#define greville_mass_extended_mass_h
+#pragma once
 
 #include <greville/linear_algebra/row_variants.h>
 #include <greville/mass/extended_unknowns.h>
@@ -36,16 +35,12 @@ namespace greville
     ExtendedMass &
     operator=(const ExtendedMass &) = delete;
 
-    /**
-     * The space is kept by reference.
-     */
+    /// The space is kept by reference.
     void
     reinit(const SplineSpace<dim> &space);
 
-    /**
-     * Set up another matrix with the unknowns of @p other, which must outlive
-     * it: calls on these unknowns affect both matrices.
-     */
+    /// Set up another matrix with the unknowns of @p other, which must outlive
+    /// it: calls on these unknowns affect both matrices.
     void
     reinit(const ExtendedMass &other);
 
@@ -75,18 +70,14 @@ namespace greville
       return points_mass;
     }
 
-    /**
-     * Collective. Set M to zero. The extension, kept by reference, must belong
-     * to the points to be added; @p changed says whether it differs from the
-     * last call.
-     */
+    /// Collective. Set M to zero. The extension, kept by reference, must belong
+    /// to the points to be added; @p changed says whether it differs from the
+    /// last call.
     void
     begin(const Extension<dim> &extension, const bool changed);
 
-    /**
-     * Set M to zero, for a matrix with the unknowns of another one, whose
-     * begin() has been called before.
-     */
+    /// Set M to zero, for a matrix with the unknowns of another one, whose
+    /// begin() has been called before.
     void
     begin(const bool changed);
 
@@ -94,11 +85,9 @@ namespace greville
     void
     finish();
 
-    /**
-     * Compute y = A x for @p width columns; constrained entries give and get
-     * zero. Ghost entries of x are updated. In single precision, y = A / unit x
-     * with the unit of StencilMatrix::make_single().
-     */
+    /// Compute y = A x for @p width columns; constrained entries give and get
+    /// zero. Ghost entries of x are updated. In single precision, y = A / unit
+    /// x with the unit of StencilMatrix::make_single().
     template <typename Number>
     void
     vmult(VectorOf<Number>  &y,
@@ -113,49 +102,40 @@ namespace greville
                                    });
     }
 
-    /**
-     * Subtract from @p rows the contribution E^T M~ (E h) of the constrained
-     * coefficients h of the fields, which need not be zero.
-     */
+    /// Subtract from @p rows the contribution E^T M~ (E h) of the constrained
+    /// coefficients h of the fields, which need not be zero.
     void
     subtract_constrained(VectorType                            &rows,
                          const std::vector<VectorField<dim> *> &fields,
                          const unsigned int                     width) const;
 
-    /**
-     * rows = E^T M~ field, component by component, at the functions of the
-     * owned unknowns, without what rows of constrained functions give, as rows
-     * of A are; zero elsewhere.
-     */
+    /// rows = E^T M~ field, component by component, at the functions of the
+    /// owned unknowns, without what rows of constrained functions give, as rows
+    /// of A are; zero elsewhere.
     void
     multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
 
-    /**
-     * Compute rows = M~ field at the constrained functions, including extended
-     * ones; zero elsewhere.
-     */
+    /// Compute rows = M~ field at the constrained functions, including extended
+    /// ones; zero elsewhere.
     void
     multiply_constrained_rows(VectorField<dim>       &rows,
                               const VectorField<dim> &field) const;
 
-    /**
-     * Collective. Compute rows = M~ field - b at the constrained functions;
-     * zero elsewhere. The rows include the contribution E^T of functions that
-     * are not constrained but depend on constrained unknowns: if A solves for
-     * the field, the sum of the rows is the sum of all entries of M~ field - b.
-     */
+    /// Collective. Compute rows = M~ field - b at the constrained functions;
+    /// zero elsewhere. The rows include the contribution E^T of functions that
+    /// are not constrained but depend on constrained unknowns: if A solves for
+    /// the field, the sum of the rows is the sum of all entries of M~ field -
+    /// b.
     void
     constrained_rows(VectorField<dim>       &rows,
                      const VectorField<dim> &field,
                      const VectorField<dim> &b) const;
 
-    /**
-     * Return the entries that this process contributes to A between its
-     * unknowns. Unknowns that are constrained in all @p components (bits) have
-     * a diagonal entry only; unknowns constrained in some components are kept.
-     * On one process, the result is A without the entries of M~ beyond
-     * @p reach, see StencilMatrix::for_each_entry().
-     */
+    /// Return the entries that this process contributes to A between its
+    /// unknowns. Unknowns that are constrained in all @p components (bits) have
+    /// a diagonal entry only; unknowns constrained in some components are kept.
+    /// On one process, the result is A without the entries of M~ beyond
+    /// @p reach, see StencilMatrix::for_each_entry().
     UpperTriangle
     local_entries(const unsigned int components, const int reach) const;
 
@@ -163,20 +143,16 @@ namespace greville
     UpperTriangle
     local_entries(const unsigned int components) const;
 
-    /**
-     * Collective. Return the rows of A that differ between components, because
-     * unknowns, or extended functions that depend on them, are constrained in
-     * some components only. Variant 0 has the local_entries() of all
-     * components.
-     */
+    /// Collective. Return the rows of A that differ between components, because
+    /// unknowns, or extended functions that depend on them, are constrained in
+    /// some components only. Variant 0 has the local_entries() of all
+    /// components.
     RowVariants
     row_variants(const int reach) const;
 
-    /**
-     * Collective. Approximate the diagonal of E^T M~ E. Entries of unknowns on
-     * which no extended function depends are exact, other entries are
-     * incomplete.
-     */
+    /// Collective. Approximate the diagonal of E^T M~ E. Entries of unknowns on
+    /// which no extended function depends are exact, other entries are
+    /// incomplete.
     void
     approximate_diagonal(VectorType &diagonal) const;
 
@@ -195,5 +171,3 @@ namespace greville
     std::shared_ptr<ExtendedUnknowns<dim>> E;
   };
 } // namespace greville
-
-#endif

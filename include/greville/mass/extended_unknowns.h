@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_mass_extended_unknowns_h
-#define greville_mass_extended_unknowns_h
+#pragma once
 
 #include <greville/base/vector_field.h>
 #include <greville/linear_algebra/interleaved_layout.h>
@@ -86,11 +85,9 @@ namespace greville
     const std::shared_ptr<const InterleavedLayout> &
     unknown_layout() const;
 
-    /**
-     * Compute y = E^T B E x for @p width columns and a matrix B between the
-     * places, given as @p product(y, x), which computes y = B x. Constrained
-     * entries give and get zero. Ghost entries of x are updated.
-     */
+    /// Compute y = E^T B E x for @p width columns and a matrix B between the
+    /// places, given as @p product(y, x), which computes y = B x. Constrained
+    /// entries give and get zero. Ghost entries of x are updated.
     template <typename Number>
     void
     multiply(
@@ -109,11 +106,10 @@ namespace greville
     void
     for_each_image_of_unknown(const Visit &visit) const;
 
-    /**
-     * Copy the entries at unconstrained unknowns from a vector of levels, which
-     * has @p width interleaved components of all owned functions, to a vector
-     * of unknowns; write() copies them back and sets all other entries to zero.
-     */
+    /// Copy the entries at unconstrained unknowns from a vector of levels,
+    /// which has @p width interleaved components of all owned functions, to a
+    /// vector of unknowns; write() copies them back and sets all other entries
+    /// to zero.
     void
     read(VectorType        &unknowns,
          const VectorType  &x,
@@ -153,12 +149,10 @@ namespace greville
                  VectorType                            &x,
                  const unsigned int                     width) const;
 
-    /**
-     * Collective. Set the coefficients of extended functions to their values by
-     * E. The sum of the coefficients times @p weights, the lumped mass, is
-     * conserved: changes of extended functions are subtracted from the
-     * functions on which they depend.
-     */
+    /// Collective. Set the coefficients of extended functions to their values
+    /// by E. The sum of the coefficients times @p weights, the lumped mass, is
+    /// conserved: changes of extended functions are subtracted from the
+    /// functions on which they depend.
     void
     extend(VectorField<dim> &field, const VectorType &weights) const;
 
@@ -269,11 +263,9 @@ namespace greville
     bool
     choose_unknowns();
 
-    /**
-     * Collective. Append the unknowns of other processes: functions of owned
-     * cells, and others, without places, that occur in E. Sets the layout
-     * unless numbers stay, and returns those of ghosts by position.
-     */
+    /// Collective. Append the unknowns of other processes: functions of owned
+    /// cells, and others, without places, that occur in E. Sets the layout
+    /// unless numbers stay, and returns those of ghosts by position.
     std::map<std::uint64_t, unsigned int>
     number_ghost_unknowns(const std::vector<std::uint64_t> &positions_in_E,
                           const bool                        owned_changed);
@@ -296,5 +288,3 @@ namespace greville
 } // namespace greville
 
 #include <greville/mass/extended_unknowns.templates.h>
-
-#endif

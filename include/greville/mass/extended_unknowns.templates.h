@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_mass_extended_unknowns_templates_h
-#define greville_mass_extended_unknowns_templates_h
+#pragma once
 
 #include <greville/base/with_width.h>
 #include <greville/mass/extended_unknowns.h>
@@ -120,9 +119,7 @@ namespace greville
 
   namespace internal
   {
-    /**
-     * to[c] += factor * from[c].
-     */
+    /// to[c] += factor * from[c].
     template <int width, typename Number>
     inline void
     add(Number *to, const Number factor, const Number *from)
@@ -260,5 +257,3 @@ namespace greville
     x.zero_out_ghost_values();
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_mass_fmpm_h
-#define greville_mass_fmpm_h
+#pragma once
 
 #include <greville/base/compatibility.h>
 
@@ -63,5 +62,3 @@ namespace greville
     return product;
   }
 } // namespace greville
-
-#endif

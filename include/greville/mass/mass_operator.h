@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_mass_mass_operator_h
-#define greville_mass_mass_operator_h
+#pragma once
 
 #include <greville/mass/density_weights.h>
 
@@ -26,60 +25,46 @@ namespace greville
   public:
     CrossMassOperator() = default;
 
-    /**
-     * The spaces and the weights are kept by reference.
-     */
+    /// The spaces and the weights are kept by reference.
     CrossMassOperator(const SplineSpace<dim>    &rows,
                       const SplineSpace<dim>    &columns,
                       const DensityWeights<dim> &weights);
 
-    /**
-     * @p dst = P @p src. Vectors are made by SplineSpace::initialize_vector().
-     */
+    /// @p dst = P @p src. Vectors are made by SplineSpace::initialize_vector().
     void
     vmult(VectorType &dst, const VectorType &src) const
     {
       apply(*rows, *columns, dst, src);
     }
 
-    /**
-     * @p dst = @f$ P^T @f$ @p src.
-     */
+    /// @p dst = @f$ P^T @f$ @p src.
     void
     Tvmult(VectorType &dst, const VectorType &src) const
     {
       apply(*columns, *rows, dst, src);
     }
 
-    /**
-     * Compute @f$ \sum_q w_q N_i^\text{rows}(x_q) @f$, the row sums by the
-     * partition of unity.
-     */
+    /// Compute @f$ \sum_q w_q N_i^\text{rows}(x_q) @f$, the row sums by the
+    /// partition of unity.
     void
     row_sums(VectorType &dst) const
     {
       integrate(dst, dealii::Functions::ConstantFunction<dim>(1.));
     }
 
-    /**
-     * Compute @f$ \sum_q w_q N_i^\text{rows}(x_q)^2 @f$, the diagonal for equal
-     * spaces.
-     */
+    /// Compute @f$ \sum_q w_q N_i^\text{rows}(x_q)^2 @f$, the diagonal for
+    /// equal spaces.
     void
     diagonal(VectorType &dst) const;
 
-    /**
-     * Compute @f$ \sum_q w_q f(x_q) N_i^\text{rows}(x_q) @f$ for a function @p
-     * f.
-     */
+    /// Compute @f$ \sum_q w_q f(x_q) N_i^\text{rows}(x_q) @f$ for a function
+    /// @p f.
     void
     integrate(VectorType &dst, const dealii::Function<dim> &f) const;
 
-    /**
-     * Return the square roots of @f$ \sum_q w_q (u(x_q) - f(x_q))^2 @f$ and
-     * @f$ \sum_q w_q f(x_q)^2 @f$ for the spline u of the rows' space with
-     * @p coefficients.
-     */
+    /// Return the square roots of @f$ \sum_q w_q (u(x_q) - f(x_q))^2 @f$ and
+    /// @f$ \sum_q w_q f(x_q)^2 @f$ for the spline u of the rows' space with
+    /// @p coefficients.
     std::pair<double, double>
     difference(const VectorType            &coefficients,
                const dealii::Function<dim> &f) const;
@@ -99,22 +84,18 @@ namespace greville
 
 
 
-  /**
-   * The consistent mass matrix
-   * @f$ M_{ij} = \sum_q w_q N_i(x_q) N_j(x_q) @f$, matrix-free (see
-   * CrossMassOperator). Coefficients whose functions have no mass in their
-   * support are *inactive*: instead of a zero row and column, M has its largest
-   * diagonal entry there, so that a right-hand side of zero gives zero.
-   */
+  /// The consistent mass matrix @f$ M_{ij} = \sum_q w_q N_i(x_q) N_j(x_q) @f$,
+  /// matrix-free (see CrossMassOperator). Coefficients whose functions have no
+  /// mass in their support are *inactive*: instead of a zero row and column, M
+  /// has its largest diagonal entry there, so that a right-hand side of zero
+  /// gives zero.
   template <int dim>
   class MassOperator
   {
   public:
     MassOperator() = default;
 
-    /**
-     * Collective. Space and weights are kept by reference.
-     */
+    /// Collective. Space and weights are kept by reference.
     MassOperator(const SplineSpace<dim>    &space,
                  const DensityWeights<dim> &weights);
 
@@ -158,13 +139,9 @@ namespace greville
 
 
 
-  /**
-   * Collective. Replace zeros of @p diagonal, up to the round-off of weights of
-   * both signs, by its largest entry. Returns this entry and the local numbers
-   * of the replaced entries.
-   */
+  /// Collective. Replace zeros of @p diagonal, up to the round-off of weights
+  /// of both signs, by its largest entry. Returns this entry and the local
+  /// numbers of the replaced entries.
   std::pair<double, std::vector<unsigned int>>
   fill_inactive(VectorType &diagonal);
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_mass_stencil_matrix_h
-#define greville_mass_stencil_matrix_h
+#pragma once
 
 #include <deal.II/lac/full_matrix.h>
 
@@ -29,17 +28,13 @@ namespace greville
   class StencilMatrix : public StencilPlaces<dim>
   {
   public:
-    /**
-     * The space is kept by reference.
-     */
+    /// The space is kept by reference.
     void
     reinit(const SplineSpace<dim> &space);
 
-    /**
-     * The entries of the functions of a line of a cell: x = 0, 1, ..., with a
-     * line at distance number k = dy + dz (p + 1), for the distances dx = 0,
-     * ..., p in x, are begin[k * stride + x * (p + 1) + dx].
-     */
+    /// The entries of the functions of a line of a cell: x = 0, 1, ..., with a
+    /// line at distance number k = dy + dz (p + 1), for the distances dx = 0,
+    /// ..., p in x, are begin[k * stride + x * (p + 1) + dx].
     struct CellLine
     {
       double     *begin;
@@ -51,46 +46,34 @@ namespace greville
     void
     find_lines(const unsigned int cell, CellLine *lines) const;
 
-    /**
-     * Set the matrix to zero and allocate the rows of these functions (local
-     * numbers) and of their images: the functions of all cells that will be
-     * added.
-     */
+    /// Set the matrix to zero and allocate the rows of these functions (local
+    /// numbers) and of their images: the functions of all cells that will be
+    /// added.
     void
     set_rows(const std::vector<unsigned int> &functions);
 
-    /**
-     * Set the rows to zero.
-     */
+    /// Set the rows to zero.
     void
     clear();
 
-    /**
-     * Add the mass matrix of an owned cell. With the pairs (a, b), a <= b, of
-     * its functions in one direction, numbered (0, 0), (0, 1), ..., (1, 1),
-     * ..., @p sums contains @f$ \sum_p m_p N_a(x_p) N_b(x_p) @f$ for all
-     * combinations of pairs of the directions, x fastest.
-     */
+    /// Add the mass matrix of an owned cell. With the pairs (a, b), a <= b, of
+    /// its functions in one direction, numbered (0, 0), (0, 1), ..., (1, 1),
+    /// ..., @p sums contains @f$ \sum_p m_p N_a(x_p) N_b(x_p) @f$ for all
+    /// combinations of pairs of the directions, x fastest.
     void
     add_cell(const unsigned int cell, const double *sums);
 
-    /**
-     * Add a symmetric @p matrix of the (p + 1)^dim functions of an owned cell,
-     * of which the entries (a, b), a <= b, are read.
-     */
+    /// Add a symmetric @p matrix of the (p + 1)^dim functions of an owned cell,
+    /// of which the entries (a, b), a <= b, are read.
     void
     add_cell(const unsigned int cell, const dealii::FullMatrix<double> &matrix);
 
-    /**
-     * Remove the entries that couple the function at @p place with others and
-     * add them to both diagonal entries, which keeps all row sums.
-     */
+    /// Remove the entries that couple the function at @p place with others and
+    /// add them to both diagonal entries, which keeps all row sums.
     void
     decouple(const unsigned int place);
 
-    /**
-     * Add all entries of the rows to the diagonal, and set the others to zero.
-     */
+    /// Add all entries of the rows to the diagonal, and set the others to zero.
     void
     lump();
 
@@ -104,10 +87,8 @@ namespace greville
       return values[first_entry(place)];
     }
 
-    /**
-     * Call visit(j, M_ij) for all places j of row @p i with @f$ |i_d - j_d|
-     * \le @f$ @p reach, ascending.
-     */
+    /// Call visit(j, M_ij) for all places j of row @p i with @f$ |i_d - j_d|
+    /// \le @f$ @p reach, ascending.
     template <typename Visit>
     void
     for_each_entry(const unsigned int i,
@@ -134,19 +115,15 @@ namespace greville
     void
     add_row(const unsigned int i, const double *stencil);
 
-    /**
-     * Compute y = M x for @p width (1, 2, 3, 4 or 8) interleaved vectors, which
-     * must be zero at all places without a row. If @p width is 3, up to three
-     * numbers behind the stencil of a row are read and written without being
-     * changed.
-     */
+    /// Compute y = M x for @p width (1, 2, 3, 4 or 8) interleaved vectors,
+    /// which must be zero at all places without a row. If @p width is 3, up to
+    /// three numbers behind the stencil of a row are read and written without
+    /// being changed.
     void
     vmult(double *y, const double *x, const unsigned int width) const;
 
-    /**
-     * Copy the entries divided by @p unit in single precision, for products y =
-     * M / unit x of 2, 4 or 8 vectors.
-     */
+    /// Copy the entries divided by @p unit in single precision, for products y
+    /// = M / unit x of 2, 4 or 8 vectors.
     void
     make_single(const double unit);
 
@@ -224,10 +201,8 @@ namespace greville
 
 
 
-  /**
-   * Add the mass matrix of weights at Gauss points. All functions of cells with
-   * mass must have a row.
-   */
+  /// Add the mass matrix of weights at Gauss points. All functions of cells
+  /// with mass must have a row.
   template <int dim>
   void
   add_mass_matrix(StencilMatrix<dim>        &matrix,
@@ -235,5 +210,3 @@ namespace greville
 } // namespace greville
 
 #include <greville/mass/stencil_matrix.templates.h>
-
-#endif

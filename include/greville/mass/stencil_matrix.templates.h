@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_mass_stencil_matrix_templates_h
-#define greville_mass_stencil_matrix_templates_h
+#pragma once
 
 #include <greville/mass/stencil_matrix.h>
 
@@ -99,5 +98,3 @@ namespace greville
                        });
   }
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_mass_stencil_places_h
-#define greville_mass_stencil_places_h
+#pragma once
 
 #include <greville/base/zeroed_array.h>
 #include <greville/spline/spline_space.h>
@@ -29,9 +28,7 @@ namespace greville
   class StencilPlaces
   {
   public:
-    /**
-     * The space is kept by reference.
-     */
+    /// The space is kept by reference.
     void
     reinit(const SplineSpace<dim> &space);
 
@@ -48,20 +45,16 @@ namespace greville
       return n_places;
     }
 
-    /**
-     * Return the place of a function with a local number. Places ascend with
-     * the lexicographic position.
-     */
+    /// Return the place of a function with a local number. Places ascend with
+    /// the lexicographic position.
     unsigned int
     place(const unsigned int function) const
     {
       return place_of[function];
     }
 
-    /**
-     * Return the place of function (@p x, @p line) of an owned cell: x and the
-     * number of the line among its (p + 1)^(dim - 1) lines.
-     */
+    /// Return the place of function (@p x, @p line) of an owned cell: x and the
+    /// number of the line among its (p + 1)^(dim - 1) lines.
     unsigned int
     cell_place(const unsigned int cell,
                const unsigned int x,
@@ -85,9 +78,7 @@ namespace greville
     void
     set_rows(const std::vector<unsigned int> &functions);
 
-    /**
-     * Call visit(i) for all places with a row, ascending.
-     */
+    /// Call visit(i) for all places with a row, ascending.
     template <typename Visit>
     void
     for_each_row(const Visit &visit) const
@@ -97,10 +88,9 @@ namespace greville
           visit(i);
     }
 
-    /**
-     * Call visit(begin, end, distance) for all segments; distance(k) is the
-     * distance to the place with the same x in line number k of the neighbours.
-     */
+    /// Call visit(begin, end, distance) for all segments; distance(k) is the
+    /// distance to the place with the same x in line number k of the
+    /// neighbours.
     template <typename Visit>
     void
     for_each_segment(const Visit &visit) const
@@ -140,12 +130,11 @@ namespace greville
       return place_of[spline_space->cell_functions(cell)[0]];
     }
 
-    /**
-     * Call visit(j, low_line, low, k) for the lines up to the distance @p reach
-     * from the place @p i, or for those with later places and the own one: j is
-     * the place with the same x, @p low the place with this x in the line
-     * low_line with the smaller indices of both, and k = |dy| + |dz| (p + 1).
-     */
+    /// Call visit(j, low_line, low, k) for the lines up to the distance
+    /// @p reach from the place @p i, or for those with later places and the own
+    /// one: j is the place with the same x, @p low the place with this x in the
+    /// line low_line with the smaller indices of both, and k = |dy| + |dz| (p +
+    /// 1).
     template <bool upper, typename Visit>
     void
     for_each_line(const unsigned int i,
@@ -220,5 +209,3 @@ namespace greville
         }
   }
 } // namespace greville
-
-#endif

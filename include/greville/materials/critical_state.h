@@ -264,10 +264,8 @@ namespace greville
       return -elastic.attraction * std::expm1(log_pressure);
     }
 
-    /**
-     * Return the state of the point in a lane; a state of zeros becomes the
-     * state of a stress-free point.
-     */
+    /// Return the state of the point in a lane; a state of zeros becomes the
+    /// state of a stress-free point.
     State
     state_of(const MaterialLanes &points, const unsigned int lane) const
     {

@@ -89,20 +89,16 @@ namespace greville
 
 
 
-  /**
-   * A MaterialTangent of several points: D_ijkl is at [entry][3 k + l], with
-   * the entries ij = xx, yy, zz, xy, xz, yz.
-   */
+  /// A MaterialTangent of several points: D_ijkl is at [entry][3 k + l], with
+  /// the entries ij = xx, yy, zz, xy, xz, yz.
   using TangentLanes = std::array<std::array<Lanes, 9>, 6>;
 
 
 
-  /**
-   * A Material that updates as many points at once as Lanes hold: a law
-   * implements update_lanes() and, for implicit steps, tangent_lanes(), which
-   * kernels call with their groups of points, and energies() or
-   * strain_energy().
-   */
+  /// A Material that updates as many points at once as Lanes hold: a law
+  /// implements update_lanes() and, for implicit steps, tangent_lanes(), which
+  /// kernels call with their groups of points, and energies() or
+  /// strain_energy().
   class LanesMaterial : public Material
   {
   public:
@@ -128,11 +124,9 @@ namespace greville
         }
     }
 
-    /**
-     * Compute the derivatives of the stresses that update_lanes() returns, as
-     * tangents(); columns with k or l >= @p dim are not set. The default uses
-     * central differences.
-     */
+    /// Compute the derivatives of the stresses that update_lanes() returns, as
+    /// tangents(); columns with k or l >= @p dim are not set. The default uses
+    /// central differences.
     virtual void
     tangent_lanes(const MaterialLanes &points,
                   TangentLanes        &D,
@@ -200,9 +194,7 @@ namespace greville
 
 
 
-  /**
-   * Return the change of an entry of b if l_kl = 1: (l b + b l^T)_ij.
-   */
+  /// Return the change of an entry of b if l_kl = 1: (l b + b l^T)_ij.
   inline __attribute__((always_inline)) Lanes
   change_of_left_cauchy_green(const std::array<Lanes, 6> &b,
                               const unsigned int          entry,
@@ -220,10 +212,8 @@ namespace greville
 
 
 
-  /**
-   * Return b - 1 for the left Cauchy-Green tensor b = F F^T: xx, yy, zz, xy,
-   * xz, yz.
-   */
+  /// Return b - 1 for the left Cauchy-Green tensor b = F F^T: xx, yy, zz, xy,
+  /// xz, yz.
   inline __attribute__((always_inline)) std::array<Lanes, 6>
   left_cauchy_green_less_one(const std::array<Lanes, 9> &F)
   {

@@ -127,10 +127,8 @@ namespace greville
                          (eta * flow.square + zeta * flow.rate * flow.rate);
     }
 
-    /**
-     * With df = l f: d(d)_ij / d l_kl = (delta_ik f_lj + delta_jk f_li) / (2
-     * dt).
-     */
+    /// With df = l f: d(d)_ij / d l_kl = (delta_ik f_lj + delta_jk f_li) / (2
+    /// dt).
     void
     tangent_lanes(const MaterialLanes &points,
                   TangentLanes        &D,

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_extended_lattice_h
-#define greville_multigrid_extended_lattice_h
+#pragma once
 
 #include <greville/mass/extended_mass.h>
 #include <greville/multigrid/lattice_level.h>
 
 namespace greville
 {
-  /**
-   * The finest level of a LatticeCycle: a scalar matrix E^T B E. Derived
-   * classes have more components with the same unknowns.
-   */
+  /// The finest level of a LatticeCycle: a scalar matrix E^T B E. Derived
+  /// classes have more components with the same unknowns.
   template <int dim>
   class ExtendedLattice : public LatticeLevel<dim>
   {
@@ -20,11 +17,9 @@ namespace greville
     using typename LatticeLevel<dim>::Position;
     using typename LatticeLevel<dim>::Terms;
 
-    /**
-     * The arguments are kept by reference. Bit c of @p constrained[f]
-     * constrains component c of local function f. The entries are of the order
-     * of @p unit.
-     */
+    /// The arguments are kept by reference. Bit c of @p constrained[f]
+    /// constrains component c of local function f. The entries are of the order
+    /// of @p unit.
     ExtendedLattice(const ExtendedMass<dim>          &matrix,
                     const Extension<dim>             &extension,
                     const std::vector<unsigned char> &constrained,
@@ -116,5 +111,3 @@ namespace greville
     mutable VectorType                source, result;
   };
 } // namespace greville
-
-#endif

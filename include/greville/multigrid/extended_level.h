@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_extended_level_h
-#define greville_multigrid_extended_level_h
+#pragma once
 
 #include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/mass/extended_mass.h>
@@ -26,12 +25,10 @@ namespace greville
   class ExtendedLevel : public LevelOperator<dim>
   {
   public:
-    /**
-     * Collective. The space is kept by reference. Bit c of @p constrained[f]
-     * constrains component c of local function f; an empty vector constrains
-     * nothing. The transfer uses weights at @p n_weights Gauss points per
-     * direction.
-     */
+    /// Collective. The space is kept by reference. Bit c of @p constrained[f]
+    /// constrains component c of local function f; an empty vector constrains
+    /// nothing. The transfer uses weights at @p n_weights Gauss points per
+    /// direction.
     ExtendedLevel(const SplineSpace<dim>           &space,
                   const unsigned int                n_components,
                   const std::vector<unsigned char> &constrained,
@@ -127,34 +124,26 @@ namespace greville
     }
 
   protected:
-    /**
-     * Collective. Begin with points at new positions, whose @p filling is kept
-     * by reference; @p changed says whether it differs from the last call. The
-     * mass and its weights must then be filled.
-     */
+    /// Collective. Begin with points at new positions, whose @p filling is kept
+    /// by reference; @p changed says whether it differs from the last call. The
+    /// mass and its weights must then be filled.
     void
     begin_level(const CellFilling<dim> &filling, const bool changed);
 
-    /**
-     * Collective. Compute the diagonal from the contributions of the unknowns
-     * of this process, in the layout of result.
-     */
+    /// Collective. Compute the diagonal from the contributions of the unknowns
+    /// of this process, in the layout of result.
     void
     set_diagonal();
 
-    /**
-     * Collective. Compute dst = A src with the @p product(result, source) of
-     * vectors of unknowns.
-     */
+    /// Collective. Compute dst = A src with the @p product(result, source) of
+    /// vectors of unknowns.
     void
     multiply_unknowns(VectorType                  &dst,
                       const VectorType            &src,
                       const std::function<void()> &product) const;
 
-    /**
-     * Return the scalar matrix, with the unknowns of the mass, whose factors
-     * represent the given components (bits).
-     */
+    /// Return the scalar matrix, with the unknowns of the mass, whose factors
+    /// represent the given components (bits).
     virtual const ExtendedMass<dim> &
     diagonal_block(const unsigned int components) const = 0;
 
@@ -196,5 +185,3 @@ namespace greville
     mutable std::vector<double> work;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_extended_mass_solver_h
-#define greville_multigrid_extended_mass_solver_h
+#pragma once
 
 #include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/linear_algebra/solve_result.h>
@@ -12,10 +11,8 @@
 
 namespace greville
 {
-  /**
-   * A function z = B r with a preconditioner B, for the first @p n_columns
-   * columns of vectors of unknowns with @p width columns.
-   */
+  /// A function z = B r with a preconditioner B, for the first @p n_columns
+  /// columns of vectors of unknowns with @p width columns.
   using ColumnPreconditioner =
     std::function<void(VectorType        &z,
                        const VectorType  &r,
@@ -50,32 +47,26 @@ namespace greville
   class ExtendedMassSolver
   {
   public:
-    /**
-     * Parameters and mass are kept by reference. The @p first_tolerance is for
-     * solves without a guess, whose errors would stay in the guesses of a
-     * uniform motion. If no @p preconditioner is given, this class factorizes
-     * the matrix.
-     */
+    /// Parameters and mass are kept by reference. The @p first_tolerance is for
+    /// solves without a guess, whose errors would stay in the guesses of a
+    /// uniform motion. If no @p preconditioner is given, this class factorizes
+    /// the matrix.
     ExtendedMassSolver(ExtendedMass<dim>          &mass,
                        const SolverParameters     &parameters,
                        const ColumnPreconditioner &preconditioner  = {},
                        const double                first_tolerance = 1.);
 
-    /**
-     * Collective. Update after a change of the mass. With the lumped mass,
-     * which is kept by reference, not every solve ends by a residual of double
-     * precision.
-     */
+    /// Collective. Update after a change of the mass. With the lumped mass,
+    /// which is kept by reference, not every solve ends by a residual of double
+    /// precision.
     void
     update(const double total_mass, const VectorType *lumped_mass = nullptr);
 
-    /**
-     * Collective. Solve A x = E^T b for pairs (x, b) of fields. On entry, x
-     * contains initial guesses and the values of constrained coefficients.
-     * Iterations end when the residual of each field k is below the tolerance
-     * times the larger of its right-hand side and @p shares[k] times the first
-     * right-hand side.
-     */
+    /// Collective. Solve A x = E^T b for pairs (x, b) of fields. On entry, x
+    /// contains initial guesses and the values of constrained coefficients.
+    /// Iterations end when the residual of each field k is below the tolerance
+    /// times the larger of its right-hand side and @p shares[k] times the first
+    /// right-hand side.
     SolveResult
     solve(const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &b,
@@ -104,10 +95,8 @@ namespace greville
     void
     prepare();
 
-    /**
-     * Compute z = the preconditioner of A / unit times r, for @p width columns
-     * in blocks of dim.
-     */
+    /// Compute z = the preconditioner of A / unit times r, for @p width columns
+    /// in blocks of dim.
     void
     precondition(VectorOf<float>       &z,
                  const VectorOf<float> &r,
@@ -139,13 +128,11 @@ namespace greville
             const std::vector<double> &shares,
             const unsigned int         max_iterations) const;
 
-    /**
-     * Add to @p x a solution of A e = @p residual in single precision, with
-     * norms of fields below @p goal times the @p target. @p sums are those of
-     * the residual; the sums of its columns are updated. Counts the iterations
-     * in @p k. Returns the largest ratio of a norm to its target that the
-     * iteration has reached.
-     */
+    /// Add to @p x a solution of A e = @p residual in single precision, with
+    /// norms of fields below @p goal times the @p target. @p sums are those of
+    /// the residual; the sums of its columns are updated. Counts the iterations
+    /// in @p k. Returns the largest ratio of a norm to its target that the
+    /// iteration has reached.
     template <int width>
     double
     correct(VectorType          &x,
@@ -195,5 +182,3 @@ namespace greville
     mutable unsigned int excess_iterations = 0; // of all solves since
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_half_stencil_h
-#define greville_multigrid_half_stencil_h
+#pragma once
 
 #include <greville/base/simd.h>
 
@@ -10,15 +9,12 @@
 
 namespace greville
 {
-  /**
-   * The memory of a row of a symmetric matrix of blocks of @p nc x @p nc
-   * numbers, for functions of a lattice with @f$ |i_d - j_d| \le p = n - 1 @f$
-   * in each direction d: the half of its stencil with j >= i in lexicographic
-   * order, with one half of the block on the diagonal. Entry (c, d) of the
-   * block at x in line number k, counted from the own line, is
-   * row[(k * nc + c) * line_size + x * nc + d]; blocks with j < i in the own
-   * line are zero.
-   */
+  /// The memory of a row of a symmetric matrix of blocks of @p nc x @p nc
+  /// numbers, for functions of a lattice with @f$ |i_d - j_d| \le p = n - 1 @f$
+  /// in each direction d: the half of its stencil with j >= i in lexicographic
+  /// order, with one half of the block on the diagonal. Entry (c, d) of the
+  /// block at x in line number k, counted from the own line, is row[(k * nc +
+  /// c) * line_size + x * nc + d]; blocks with j < i in the own line are zero.
   template <int dim, int nc, int n, typename Number>
   struct HalfStencil
   {
@@ -36,10 +32,8 @@ namespace greville
     static constexpr int line_size = n_vectors * width;
     static constexpr int row_size  = n_lines * nc * line_size;
 
-    /**
-     * Add the products of a row: y_i += B_ij x_j, y_j += B_ij^T x_i. Line
-     * number k begins p functions before x_i + distances[k].
-     */
+    /// Add the products of a row: y_i += B_ij x_j, y_j += B_ij^T x_i. Line
+    /// number k begins p functions before x_i + distances[k].
     static void
     multiply(const Number         *row,
              const Number         *x_i,
@@ -79,5 +73,3 @@ namespace greville
     }
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_lattice_box_h
-#define greville_multigrid_lattice_box_h
+#pragma once
 
 #include <greville/multigrid/nested_knots.h>
 
@@ -93,5 +92,3 @@ namespace greville
             }
   }
 } // namespace greville
-
-#endif

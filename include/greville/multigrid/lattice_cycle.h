@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_lattice_cycle_h
-#define greville_multigrid_lattice_cycle_h
+#pragma once
 
 #include <deal.II/lac/lapack_full_matrix.h>
 
@@ -114,5 +113,3 @@ namespace greville
     mutable dealii::Vector<double>               direct_values;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_lattice_level_h
-#define greville_multigrid_lattice_level_h
+#pragma once
 
 #include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/multigrid/half_stencil.h>
@@ -14,11 +13,10 @@ namespace greville
   /// A vector of unknowns in single precision, with interleaved components.
   using SingleVector = VectorOf<float>;
 
-  /**
-   * A symmetric operator on splines, some of whose functions are *unknowns*, as
-   * a level of LatticeCycle. Functions have positions in a lattice, wrapped in
-   * periodic directions. The operator is the sum of the rows of all processes.
-   */
+  /// A symmetric operator on splines, some of whose functions are *unknowns*,
+  /// as a level of LatticeCycle. Functions have positions in a lattice, wrapped
+  /// in periodic directions. The operator is the sum of the rows of all
+  /// processes.
   template <int dim>
   class LatticeLevel
   {
@@ -94,5 +92,3 @@ namespace greville
               const bool                by_components) const = 0;
   };
 } // namespace greville
-
-#endif

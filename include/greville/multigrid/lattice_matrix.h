@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_lattice_matrix_h
-#define greville_multigrid_lattice_matrix_h
+#pragma once
 
 #include <greville/base/petsc.h>
 #include <greville/multigrid/lattice_unknowns.h>
 
 namespace greville
 {
-  /**
-   * The Galerkin product @f$ P^T A P @f$ of a level on the lattice of twice the
-   * size. Splines are nested, so that rows keep the size of a HalfStencil;
-   * extended functions of the finer level add a few blocks beyond it, which are
-   * listed.
-   */
+  /// The Galerkin product @f$ P^T A P @f$ of a level on the lattice of twice
+  /// the size. Splines are nested, so that rows keep the size of a HalfStencil;
+  /// extended functions of the finer level add a few blocks beyond it, which
+  /// are listed.
   template <int dim>
   class LatticeMatrix : public LatticeLevel<dim>
   {
@@ -22,10 +19,8 @@ namespace greville
     using Position = typename LatticeLevel<dim>::Position;
     using FarBlock = typename LatticeLevel<dim>::FarBlock;
 
-    /**
-     * Collective. @p fine is used by this call only. Without @p coarsen, the
-     * product is that of the same lattice, E^T B E.
-     */
+    /// Collective. @p fine is used by this call only. Without @p coarsen, the
+    /// product is that of the same lattice, E^T B E.
     explicit LatticeMatrix(const LatticeLevel<dim> &fine,
                            const bool               coarsen = true);
 
@@ -40,11 +35,9 @@ namespace greville
       return places;
     }
 
-    /**
-     * Collective. Return @f$ Q^T A Q @f$, row by row, with @p n columns in Q.
-     * rows_of_Q(u, c, add) calls add(j, w) for the entries w of the row of
-     * component c of local unknown u, which is not constrained.
-     */
+    /// Collective. Return @f$ Q^T A Q @f$, row by row, with @p n columns in Q.
+    /// rows_of_Q(u, c, add) calls add(j, w) for the entries w of the row of
+    /// component c of local unknown u, which is not constrained.
     using AddEntry = std::function<void(unsigned int column, double weight)>;
     using Rows     = std::function<void(const unsigned int unknown,
                                     const unsigned int component,
@@ -145,5 +138,3 @@ namespace greville
     mutable std::vector<float> place_x, place_y;
   };
 } // namespace greville
-
-#endif

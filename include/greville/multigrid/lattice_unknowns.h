@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_lattice_unknowns_h
-#define greville_multigrid_lattice_unknowns_h
+#pragma once
 
 #include <greville/multigrid/lattice_box.h>
 #include <greville/multigrid/lattice_level.h>
@@ -10,13 +9,11 @@
 
 namespace greville
 {
-  /**
-   * The unknowns on the lattice of twice the size below a level, and the knot
-   * insertion P from them, which is multilinear for order 1. They are all
-   * coarse functions from which a component of an unknown of the finer level is
-   * interpolated. Components from which a constrained one is interpolated are
-   * constrained.
-   */
+  /// The unknowns on the lattice of twice the size below a level, and the knot
+  /// insertion P from them, which is multilinear for order 1. They are all
+  /// coarse functions from which a component of an unknown of the finer level
+  /// is interpolated. Components from which a constrained one is interpolated
+  /// are constrained.
   template <int dim>
   class LatticeUnknowns
   {
@@ -233,5 +230,3 @@ namespace greville
     std::vector<Weight>      transfer;
   };
 } // namespace greville
-
-#endif

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_level_operator_h
-#define greville_multigrid_level_operator_h
+#pragma once
 
+#include <greville/base/errors.h>
 #include <greville/base/petsc.h>
 #include <greville/linear_algebra/incomplete_cholesky.h>
 #include <greville/linear_algebra/preconditioner.h>
@@ -52,10 +52,8 @@ namespace greville
       vmult(dst, src);
     }
 
-    /**
-     * Compute dst = A src for smoothers and cycles, possibly with entries in
-     * single precision, which halves the memory traffic.
-     */
+    /// Compute dst = A src for smoothers and cycles, possibly with entries in
+    /// single precision, which halves the memory traffic.
     virtual void
     vmult_in_cycle(VectorType &dst, const VectorType &src) const
     {
@@ -70,28 +68,23 @@ namespace greville
     virtual const std::vector<unsigned int> &
     inactive() const = 0;
 
-    /**
-     * Return the entries of one component, for smoothers that work on them: the
-     * entries of A if it has one component, otherwise a matrix that represents
-     * all diagonal blocks (MPIAIJ). Numbers are global numbers of the space.
-     */
+    /// Return the entries of one component, for smoothers that work on them:
+    /// the entries of A if it has one component, otherwise a matrix that
+    /// represents all diagonal blocks (MPIAIJ). Numbers are global numbers of
+    /// the space.
     virtual Mat
     matrix() const
     {
-      AssertThrow(false,
-                  dealii::ExcMessage(
-                    "The parameter 'Smoother' needs the "
-                    "entries of one component, which this "
-                    "operator does not provide: take "
-                    "chebyshev-ic0, chebyshev, ic0 or jacobi."));
+      Require(false,
+              "The parameter 'Smoother' needs the entries of one component, "
+              "which this operator does not provide: take chebyshev-ic0, "
+              "chebyshev, ic0 or jacobi.");
       return nullptr;
     }
 
-    /**
-     * Collective. Compute @f$ x \leftarrow E x @f$, all coefficients of a
-     * spline, for one @p component, from the active ones. Inactive functions
-     * get zero unless they depend on others.
-     */
+    /// Collective. Compute @f$ x \leftarrow E x @f$, all coefficients of a
+    /// spline, for one @p component, from the active ones. Inactive functions
+    /// get zero unless they depend on others.
     virtual void
     distribute(VectorType &x, const unsigned int /*component*/ = 0) const
     {
@@ -99,10 +92,8 @@ namespace greville
         x.local_element(i) = 0.;
     }
 
-    /**
-     * Collective. Compute @f$ x \leftarrow E^T x @f$, with zeros at inactive
-     * functions.
-     */
+    /// Collective. Compute @f$ x \leftarrow E^T x @f$, with zeros at inactive
+    /// functions.
     virtual void
     condense(VectorType &x, const unsigned int /*component*/ = 0) const
     {
@@ -110,12 +101,10 @@ namespace greville
         x.local_element(i) = 0.;
     }
 
-    /**
-     * Return incomplete factorizations of the diagonal blocks of the
-     * components, or one of their mean for all components, for smoothers: a
-     * symmetric positive definite B with dst = B src for all components. Null
-     * if there is none.
-     */
+    /// Return incomplete factorizations of the diagonal blocks of the
+    /// components, or one of their mean for all components, for smoothers: a
+    /// symmetric positive definite B with dst = B src for all components. Null
+    /// if there is none.
     virtual std::unique_ptr<Preconditioner>
     factorization(const CholeskyParameters & /*parameters*/,
                   const bool /*by_components*/) const
@@ -123,44 +112,36 @@ namespace greville
       return nullptr;
     }
 
-    /**
-     * Collective. Replace x by a symmetric approximation of @f$ M^{-1} x @f$
-     * with the mass matrix M of the points of the transfer, for all components.
-     */
+    /// Collective. Replace x by a symmetric approximation of @f$ M^{-1} x @f$
+    /// with the mass matrix M of the points of the transfer, for all
+    /// components.
     virtual void
     apply_inverse_mass(VectorType & /*x*/) const
     {
-      AssertThrow(false,
-                  dealii::ExcMessage(
-                    "The parameter 'Prolongation' is <ic0-l2>, which is for "
-                    "implicit steps: mass matrices take lumped-l2."));
+      Require(false,
+              "The parameter 'Prolongation' is <ic0-l2>, which is for implicit "
+              "steps: mass matrices take lumped-l2.");
     }
 
-    /**
-     * Collective. Return a preconditioner of PETSc for the entries of all
-     * components, described by PETSc's options; null if the operator has no
-     * entries.
-     */
+    /// Collective. Return a preconditioner of PETSc for the entries of all
+    /// components, described by PETSc's options; null if the operator has no
+    /// entries.
     virtual std::unique_ptr<Preconditioner>
     petsc_preconditioner(const std::string & /*options*/) const
     {
       return nullptr;
     }
 
-    /**
-     * Collective. Return a LatticeCycle for the operator, which is kept by
-     * reference; null if the operator has no entries.
-     */
+    /// Collective. Return a LatticeCycle for the operator, which is kept by
+    /// reference; null if the operator has no entries.
     virtual std::unique_ptr<Preconditioner>
     lattice_preconditioner(const LatticeCycleParameters & /*parameters*/) const
     {
       return nullptr;
     }
 
-    /**
-     * Return the points and weights for the L2 products of a transfer; null for
-     * the volume.
-     */
+    /// Return the points and weights for the L2 products of a transfer; null
+    /// for the volume.
     virtual const DensityWeights<dim> *
     transfer_weights() const
     {
@@ -170,9 +151,7 @@ namespace greville
 
 
 
-  /**
-   * Collective. Make a vector of the operator.
-   */
+  /// Collective. Make a vector of the operator.
   template <int dim>
   void
   initialize_vector(VectorType &vector, const LevelOperator<dim> &level)
@@ -190,11 +169,9 @@ namespace greville
     vector.reinit(owned, space.communicator());
   }
 
-  /**
-   * Apply @p action(to, from, c), which works on one component c, to all @p n
-   * components of interleaved vectors. The vectors @p to and @p from have the
-   * layouts of one component; they are not used for n = 1.
-   */
+  /// Apply @p action(to, from, c), which works on one component c, to all @p n
+  /// components of interleaved vectors. The vectors @p to and @p from have the
+  /// layouts of one component; they are not used for n = 1.
   template <typename Action>
   void
   apply_by_components(const unsigned int n,
@@ -219,5 +196,3 @@ namespace greville
       }
   }
 } // namespace greville
-
-#endif

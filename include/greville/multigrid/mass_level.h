@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_mass_level_h
-#define greville_multigrid_mass_level_h
+#pragma once
 
 #include <greville/linear_algebra/overlapping_cholesky.h>
 #include <greville/mass/extended_mass.h>
@@ -12,27 +11,21 @@
 
 namespace greville
 {
-  /**
-   * The mass matrix of one order of the hierarchy, discretized from the
-   * weights: a MassOperator or, with extended B-splines, an ExtendedMass.
-   */
+  /// The mass matrix of one order of the hierarchy, discretized from the
+  /// weights: a MassOperator or, with extended B-splines, an ExtendedMass.
   template <int dim>
   class MassLevel : public LevelOperator<dim>
   {
   public:
-    /**
-     * Collective. Evaluates @p density at p + 1 Gauss points per direction;
-     * assemble() builds the operators. The space is kept by reference.
-     */
+    /// Collective. Evaluates @p density at p + 1 Gauss points per direction;
+    /// assemble() builds the operators. The space is kept by reference.
     MassLevel(const SplineSpace<dim>      &space,
               const dealii::Function<dim> &density)
       : spline_space(&space)
       , density_weights(space, space.degree() + 1, density)
     {}
 
-    /**
-     * As above with @p weights, which the caller fills before assemble().
-     */
+    /// As above with @p weights, which the caller fills before assemble().
     MassLevel(const SplineSpace<dim> &space, DensityWeights<dim> weights)
       : spline_space(&space)
       , density_weights(std::move(weights))
@@ -50,10 +43,8 @@ namespace greville
       return density_weights;
     }
 
-    /**
-     * Use extended B-splines from the next assemble() on. Local functions that
-     * are @p constrained (not zero) are left out of the columns of E.
-     */
+    /// Use extended B-splines from the next assemble() on. Local functions that
+    /// are @p constrained (not zero) are left out of the columns of E.
     void
     extend(Extension<dim>             extension,
            std::vector<unsigned char> constrained = {})
@@ -62,16 +53,12 @@ namespace greville
       constrained_functions = std::move(constrained);
     }
 
-    /**
-     * Collective. Build the operators. Without extended B-splines,
-     * factorization() is available only if @p with_entries.
-     */
+    /// Collective. Build the operators. Without extended B-splines,
+    /// factorization() is available only if @p with_entries.
     void
     assemble(const bool with_entries = true);
 
-    /**
-     * Free the operators.
-     */
+    /// Free the operators.
     void
     clear()
     {
@@ -108,10 +95,8 @@ namespace greville
       return is_extended() ? extended_inactive : mass().inactive();
     }
 
-    /**
-     * Return the row sums (the lumped mass), with the diagonal of inactive
-     * coefficients. With extended B-splines they can be negative.
-     */
+    /// Return the row sums (the lumped mass), with the diagonal of inactive
+    /// coefficients. With extended B-splines they can be negative.
     VectorType
     lumped() const;
 
@@ -127,10 +112,8 @@ namespace greville
     void
     condense(VectorType &x, const unsigned int component = 0) const override;
 
-    /**
-     * Return IC(0) or ICT, one for all components. ICT leaves out the same
-     * entries as ExtendedMassSolver.
-     */
+    /// Return IC(0) or ICT, one for all components. ICT leaves out the same
+    /// entries as ExtendedMassSolver.
     std::unique_ptr<Preconditioner>
     factorization(const CholeskyParameters &parameters,
                   const bool) const override;
@@ -171,5 +154,3 @@ namespace greville
     mutable VectorType        unknown_source, unknown_result;
   };
 } // namespace greville
-
-#endif

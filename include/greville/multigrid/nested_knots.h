@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_nested_knots_h
-#define greville_multigrid_nested_knots_h
+#pragma once
 
 #include <utility>
 #include <vector>
 
 namespace greville
 {
-  /**
-   * The knots of B-splines of order p in one direction of a lattice and of
-   * coarser lattices: integers, the breakpoints between its cells. Knots at the
-   * ends are repeated, or the direction is periodic. Function i has the knots
-   * number i - p to i + 1.
-   */
+  /// The knots of B-splines of order p in one direction of a lattice and of
+  /// coarser lattices: integers, the breakpoints between its cells. Knots at
+  /// the ends are repeated, or the direction is periodic. Function i has the
+  /// knots number i - p to i + 1.
   class NestedKnots
   {
   public:
@@ -81,5 +78,3 @@ namespace greville
     std::vector<int> breakpoints;
   };
 } // namespace greville
-
-#endif

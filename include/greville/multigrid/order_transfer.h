@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_order_transfer_h
-#define greville_multigrid_order_transfer_h
+#pragma once
 
 #include <deal.II/multigrid/mg_base.h>
 
@@ -13,19 +12,15 @@
 
 namespace greville
 {
-  /**
-   * A function that makes an approximation of the inverse of the mass matrix of
-   * a level with the weight of the transfer, which is the weight of the level,
-   * or 1 if @p unit_weight. It is applied in place.
-   */
+  /// A function that makes an approximation of the inverse of the mass matrix
+  /// of a level with the weight of the transfer, which is the weight of the
+  /// level, or 1 if @p unit_weight. It is applied in place.
   template <int dim>
   using MakeInverseMass = std::function<std::unique_ptr<Preconditioner>(
     const LevelOperator<dim> &level, const bool unit_weight)>;
 
-  /**
-   * Add a name to the lists of OrderTransfer, before parameters are read, for
-   * both dimensions.
-   */
+  /// Add a name to the lists of OrderTransfer, before parameters are read, for
+  /// both dimensions.
   template <int dim>
   void
   add_inverse_mass(const std::string &name, const MakeInverseMass<dim> &make);
@@ -79,9 +74,7 @@ namespace greville
       return "density|unit";
     }
 
-    /**
-     * Collective. @p levels are kept by reference.
-     */
+    /// Collective. @p levels are kept by reference.
     OrderTransfer(const std::vector<const LevelOperator<dim> *> &levels,
                   const std::string                             &prolongation,
                   const std::string                             &restriction,
@@ -152,5 +145,3 @@ namespace greville
     std::vector<std::unique_ptr<Preconditioner>> inverses;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_p_multigrid_h
-#define greville_multigrid_p_multigrid_h
+#pragma once
 
 #include <greville/multigrid/order_transfer.h>
 #include <greville/multigrid/smoother.h>
@@ -11,12 +10,10 @@ namespace greville
 {
   struct PMultigridParameters
   {
-    /**
-     * Declare the parameters. @p smoothers and @p coarse_preconditioners are
-     * the names to choose from, separated by '|'; if the latter is empty, there
-     * is no choice. All other values come from the code, or from
-     * declare_levels() in benchmarks.
-     */
+    /// Declare the parameters. @p smoothers and @p coarse_preconditioners are
+    /// the names to choose from, separated by '|'; if the latter is empty,
+    /// there is no choice. All other values come from the code, or from
+    /// declare_levels() in benchmarks.
     void
     declare(dealii::ParameterHandler &prm,
             const std::string        &smoothers,
@@ -86,11 +83,9 @@ namespace greville
   public:
     using Levels = std::vector<const LevelOperator<dim> *>;
 
-    /**
-     * Collective. @p levels are kept by reference, from the coarsest to the
-     * finest. @p coarse_tolerance is the relative tolerance on level 0. For
-     * coarsening = "none" there is one level.
-     */
+    /// Collective. @p levels are kept by reference, from the coarsest to the
+    /// finest. @p coarse_tolerance is the relative tolerance on level 0. For
+    /// coarsening = "none" there is one level.
     PMultigrid(const Levels               &levels,
                const PMultigridParameters &parameters,
                const SmootherParameters   &smoother_parameters,
@@ -108,19 +103,15 @@ namespace greville
       F
     };
 
-    /**
-     * Improve x[level] for the right-hand side b[level], beginning with zero if
-     * @p from_zero.
-     */
+    /// Improve x[level] for the right-hand side b[level], beginning with zero
+    /// if @p from_zero.
     void
     cycle(const unsigned int level,
           const Cycle        type,
           const bool         from_zero) const;
 
-    /**
-     * Do @p n_steps steps x += S (b - A x), the first one from x = 0 if @p
-     * from_zero, with S^T if @p transpose.
-     */
+    /// Do @p n_steps steps x += S (b - A x), the first one from x = 0 if
+    /// @p from_zero, with S^T if @p transpose.
     void
     smooth(const unsigned int level,
            const unsigned int n_steps,
@@ -152,5 +143,3 @@ namespace greville
     mutable std::vector<VectorType>              x, b, residual, correction;
   };
 } // namespace greville
-
-#endif

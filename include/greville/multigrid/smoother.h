@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_multigrid_smoother_h
-#define greville_multigrid_smoother_h
+#pragma once
 
 #include <deal.II/base/parameter_handler.h>
 
@@ -20,10 +19,8 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /**
-     * Throw dealii::ExcMessage for invalid parameters that patterns cannot
-     * detect.
-     */
+    /// Throw dealii::ExcMessage for invalid parameters that patterns cannot
+    /// detect.
     void
     check() const;
 
@@ -70,12 +67,10 @@ namespace greville
                                                   const LevelOperator<dim> &,
                                                   const bool symmetric)>;
 
-  /**
-   * Add a smoother to the list, in place of one with the same name, for both
-   * dimensions, before parameters are read. @p needs_matrix is true if it works
-   * on LevelOperator::matrix(), @p by_components if it takes vectors of one
-   * component only.
-   */
+  /// Add a smoother to the list, in place of one with the same name, for both
+  /// dimensions, before parameters are read. @p needs_matrix is true if it
+  /// works on LevelOperator::matrix(), @p by_components if it takes vectors of
+  /// one component only.
   template <int dim>
   void
   add_smoother(const std::string       &name,
@@ -83,10 +78,8 @@ namespace greville
                const bool               by_components,
                const MakeSmoother<dim> &make);
 
-  /**
-   * Return a preconditioner that applies a @p smoother of one component to all
-   * components, one by one.
-   */
+  /// Return a preconditioner that applies a @p smoother of one component to all
+  /// components, one by one.
   template <int dim>
   std::unique_ptr<Preconditioner>
   make_by_components(std::unique_ptr<Preconditioner> smoother,
@@ -95,21 +88,17 @@ namespace greville
   bool
   smoother_needs_matrix(const std::string &name);
 
-  /**
-   * Collective. Return LevelOperator::factorization() for all components,
-   * scaled so that two smoothing steps are positive definite on several
-   * processes, too; null if there is none.
-   */
+  /// Collective. Return LevelOperator::factorization() for all components,
+  /// scaled so that two smoothing steps are positive definite on several
+  /// processes, too; null if there is none.
   template <int dim>
   std::unique_ptr<Preconditioner>
   make_factorization(const LevelOperator<dim> &level,
                      const CholeskyParameters &parameters);
 
-  /**
-   * Collective. Make a smoother for @p level, which is kept by reference. @p
-   * symmetric asks for a symmetric one if there is a choice. Throws
-   * dealii::ExcMessage for an unknown name or a factorization that fails.
-   */
+  /// Collective. Make a smoother for @p level, which is kept by reference.
+  /// @p symmetric asks for a symmetric one if there is a choice. Throws
+  /// dealii::ExcMessage for an unknown name or a factorization that fails.
   template <int dim>
   std::unique_ptr<Preconditioner>
   make_smoother(const std::string        &name,
@@ -117,5 +106,3 @@ namespace greville
                 const LevelOperator<dim> &level,
                 const bool                symmetric);
 } // namespace greville
-
-#endif

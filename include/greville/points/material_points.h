@@ -157,9 +157,7 @@ namespace greville
     void
     reserve(const std::size_t n_groups);
 
-    /**
-     * Add a point with layout().size numbers to a cell.
-     */
+    /// Add a point with layout().size numbers to a cell.
     void
     insert(const unsigned int                     cell,
            const dealii::ArrayView<const double> &values);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_point_tangents_h
-#define greville_points_point_tangents_h
+#pragma once
 
 #include <deal.II/base/aligned_vector.h>
 
@@ -42,10 +41,8 @@ namespace greville
     void
     reinit(const SplineSpace<dim> &space);
 
-    /**
-     * Remove all points. The points added afterwards are all @p symmetric or
-     * all stored in full, and all @p axisymmetric or none.
-     */
+    /// Remove all points. The points added afterwards are all @p symmetric or
+    /// all stored in full, and all @p axisymmetric or none.
     void
     clear(const bool symmetric, const bool axisymmetric);
 
@@ -74,11 +71,9 @@ namespace greville
       return (dim + (symmetric ? n * (n + 1) / 2 : n * n)) * n_lanes;
     }
 
-    /**
-     * Add the points of an owned cell, and return the numbers of its first
-     * group, which the caller sets to x and C, [number][lane]. Lanes without a
-     * point have zero C, and a position in the cell.
-     */
+    /// Add the points of an owned cell, and return the numbers of its first
+    /// group, which the caller sets to x and C, [number][lane]. Lanes without a
+    /// point have zero C, and a position in the cell.
     double *
     add_cell(const unsigned int cell, const unsigned int n_points);
 
@@ -86,28 +81,22 @@ namespace greville
     void
     multiply(const double *C, const Lanes *H, Lanes *T) const;
 
-    /**
-     * Compute y += K x for vectors on the places of a matrix on the space, with
-     * dim components each.
-     */
+    /// Compute y += K x for vectors on the places of a matrix on the space,
+    /// with dim components each.
     void
     add_product(double                   *y,
                 const double             *x,
                 const StencilMatrix<dim> &stencil) const;
 
-    /**
-     * A function called by for_each_cell() with a cell's matrix, in the layout
-     * of BlockStencil::add_cell().
-     */
+    /// A function called by for_each_cell() with a cell's matrix, in the layout
+    /// of BlockStencil::add_cell().
     template <typename Number>
     using CellAction = std::function<void(const unsigned int cell,
                                           const Number      *values,
                                           const unsigned int stride)>;
 
-    /**
-     * Call @p action for all cells, some of them several times, with a matrix
-     * on the space of the @p tables, in double or single precision.
-     */
+    /// Call @p action for all cells, some of them several times, with a matrix
+    /// on the space of the @p tables, in double or single precision.
     template <typename Number>
     void
     for_each_cell(const SpacePolynomials<dim> &tables,
@@ -135,5 +124,3 @@ namespace greville
     dealii::AlignedVector<double> numbers;
   };
 } // namespace greville
-
-#endif

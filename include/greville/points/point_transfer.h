@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_point_transfer_h
-#define greville_points_point_transfer_h
+#pragma once
 
 #include <deal.II/base/aligned_vector.h>
 
@@ -15,11 +14,9 @@
 
 namespace greville
 {
-  /**
-   * Return the position of a point for messages: "at (0.1, 0.2) m, in the cell
-   * (3, 4)", with the lexicographic index of the owned cell number @p cell, and
-   * a @p word for "in".
-   */
+  /// Return the position of a point for messages: "at (0.1, 0.2) m, in the cell
+  /// (3, 4)", with the lexicographic index of the owned cell number @p cell,
+  /// and a @p word for "in".
   template <int dim>
   std::string
   describe_place(const SplineSpace<dim>   &space,
@@ -29,12 +26,10 @@ namespace greville
 
 
 
-  /**
-   * Two isotropic tensors that map a gradient to a stress: the elasticity,
-   * which follows the state of a point (lambda and G of the stress-free state
-   * are multiplied by the wave modulus of the point over lambda + 2 G, and by
-   * @p elastic_factor), and the viscosity, which is the same in any state.
-   */
+  /// Two isotropic tensors that map a gradient to a stress: the elasticity,
+  /// which follows the state of a point (lambda and G of the stress-free state
+  /// are multiplied by the wave modulus of the point over lambda + 2 G, and by
+  /// @p elastic_factor), and the viscosity, which is the same in any state.
   struct Stiffness
   {
     double lambda         = 0.;
@@ -73,19 +68,16 @@ namespace greville
   class PointTransfer
   {
   public:
-    /**
-     * The space and the windows of its cells are kept by reference. Windows are
-     * null if gradients are evaluated at points.
-     */
+    /// The space and the windows of its cells are kept by reference. Windows
+    /// are null if gradients are evaluated at points.
     void
     reinit(const SplineSpace<dim> &space,
            const CellWindows<dim> *windows = nullptr);
 
-    /**
-     * Collective. Overwrite each vector that is given with the sums over all @p
-     * bodies, which must be on cells of the space. Mass and momentum must be
-     * given together. If @p filled_parts is given, it is set as by filling().
-     */
+    /// Collective. Overwrite each vector that is given with the sums over all
+    /// @p bodies, which must be on cells of the space. Mass and momentum must
+    /// be given together. If @p filled_parts is given, it is set as by
+    /// filling().
     void
     points_to_grid(const std::vector<const MaterialPoints<dim> *> &bodies,
                    VectorType                                     *mass,
@@ -106,38 +98,30 @@ namespace greville
     PointReport
     grid_to_points(MaterialPoints<dim> &points, const PointUpdate<dim> &update);
 
-    /**
-     * Fill the weights, with n points per direction, from the masses of the
-     * points: exact for mass matrices of order (n - 1) / 2.
-     */
+    /// Fill the weights, with n points per direction, from the masses of the
+    /// points: exact for mass matrices of order (n - 1) / 2.
     void
     mass_weights(const std::vector<const MaterialPoints<dim> *> &bodies,
                  DensityWeights<dim>                            &weights) const;
 
-    /**
-     * Add sum_p m_p N_i(x_p) N_j(x_p), the contribution of this process' points
-     * to the mass matrix.
-     */
+    /// Add sum_p m_p N_i(x_p) N_j(x_p), the contribution of this process'
+    /// points to the mass matrix.
     void
     add_mass_matrix(const std::vector<const MaterialPoints<dim> *> &bodies,
                     StencilMatrix<dim> &matrix) const;
 
-    /**
-     * Compute the fraction of each owned cell that points fill, for
-     * CellFilling: the sum of their volumes over the volume of the cell. A
-     * point counts with V0 if it is compressed and with at most 1.5 V0 if it is
-     * expanded, so that a stretched body remains filled but spray is not taken
-     * for a body. In total Lagrangian steps it counts with V0.
-     */
+    /// Compute the fraction of each owned cell that points fill, for
+    /// CellFilling: the sum of their volumes over the volume of the cell. A
+    /// point counts with V0 if it is compressed and with at most 1.5 V0 if it
+    /// is expanded, so that a stretched body remains filled but spray is not
+    /// taken for a body. In total Lagrangian steps it counts with V0.
     void
     filling(const std::vector<const MaterialPoints<dim> *> &bodies,
             std::vector<double>                            &result) const;
 
-    /**
-     * Collective. Add k_i = sum_p V_p (lambda div u 1 + 2 G sym grad u)
-     * grad N_i at x_p, with lambda and G of the @p stiffness of @p points. @p k
-     * is overwritten if @p overwrite.
-     */
+    /// Collective. Add k_i = sum_p V_p (lambda div u 1 + 2 G sym grad u) grad
+    /// N_i at x_p, with lambda and G of the @p stiffness of @p points. @p k is
+    /// overwritten if @p overwrite.
     void
     add_stiffness(const MaterialPoints<dim> &points,
                   const Stiffness           &stiffness,
@@ -145,10 +129,8 @@ namespace greville
                   VectorField<dim>          &k,
                   const bool                 overwrite);
 
-    /**
-     * Collective. Compute y = M x with the mass matrix M_ij = sum_p m_p
-     * N_i(x_p) N_j(x_p) of all @p bodies.
-     */
+    /// Collective. Compute y = M x with the mass matrix M_ij = sum_p m_p
+    /// N_i(x_p) N_j(x_p) of all @p bodies.
     void
     multiply_mass(const std::vector<const MaterialPoints<dim> *> &bodies,
                   const VectorField<dim>                         &x,
@@ -169,18 +151,14 @@ namespace greville
     void
     share_volume(MaterialPoints<dim> &points, const double part);
 
-    /**
-     * Return the diagonal of D_p = sum_i N_i (xi_i - x)(xi_i - x)^T for a point
-     * @p x of owned cell number @p cell, m^2.
-     */
+    /// Return the diagonal of D_p = sum_i N_i (xi_i - x)(xi_i - x)^T for a
+    /// point @p x of owned cell number @p cell, m^2.
     dealii::Tensor<1, dim>
     spread(const unsigned int cell, const dealii::Point<dim> &x) const;
 
   private:
-    /**
-     * Collective. Read a field into the buffer of windows, if there are any,
-     * and return another buffer with zeros.
-     */
+    /// Collective. Read a field into the buffer of windows, if there are any,
+    /// and return another buffer with zeros.
     std::vector<double>
     read_windows(const CellWindows<dim> *used_windows,
                  const VectorField<dim> &field);
@@ -189,10 +167,8 @@ namespace greville
     void
     resize_numbers(const unsigned int stride);
 
-    /**
-     * Collective. Copy a vector to number @p k of each function, or add these
-     * numbers up into it.
-     */
+    /// Collective. Copy a vector to number @p k of each function, or add these
+    /// numbers up into it.
     void
     read_number(const VectorType &vector, const unsigned int k);
 
@@ -206,5 +182,3 @@ namespace greville
     unsigned int                  numbers_stride = 0;
   };
 } // namespace greville
-
-#endif

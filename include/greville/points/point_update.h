@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_point_update_h
-#define greville_points_point_update_h
+#pragma once
 
 #include <greville/base/vector_field.h>
 #include <greville/materials/material.h>
@@ -30,10 +29,8 @@ namespace greville
   {
     /// Grid acceleration a; if given, points are kicked by it.
     const VectorField<dim> *acceleration = nullptr;
-    /**
-     * Grid velocity v: points are moved by it if @p move. In a kick, PIC and
-     * APIC points take it over.
-     */
+    /// Grid velocity v: points are moved by it if @p move. In a kick, PIC and
+    /// APIC points take it over.
     const VectorField<dim> *velocity = nullptr;
     /// Grid velocity w; if given, its gradient deforms the points.
     const VectorField<dim> *deformation = nullptr;
@@ -54,27 +51,21 @@ namespace greville
     const Material *material = nullptr;
     /// Material::strength_reduction() at the end of the step.
     double strength_reduction = 1.;
-    /**
-     * The row that a kick sums up, or null: points as they are before the kick,
-     * with velocities interpolated by the fraction row_fraction between those
-     * before and after the kick.
-     */
+    /// The row that a kick sums up, or null: points as they are before the
+    /// kick, with velocities interpolated by the fraction row_fraction between
+    /// those before and after the kick.
     RowSums<dim> *row          = nullptr;
     double        row_fraction = 0.;
   };
 
 
 
-  /**
-   * Sums and extremes over updated points, which indicate whether a step was
-   * sound.
-   */
+  /// Sums and extremes over updated points, which indicate whether a step was
+  /// sound.
   struct PointSums
   {
-    /**
-     * For moved points: mass (kg; 2D: kg / m), momentum, and the largest
-     * fraction of a cell crossed in a direction.
-     */
+    /// For moved points: mass (kg; 2D: kg / m), momentum, and the largest
+    /// fraction of a cell crossed in a direction.
     double                mass     = 0.;
     std::array<double, 3> momentum = {};
     double                crossed  = 0.;
@@ -105,12 +96,9 @@ namespace greville
     PointSums sums;
     /// Cells that at least one point has left.
     std::vector<unsigned int> left_cells;
-    /**
-     * The first point with J <= 0 or NaN in stress or position: id, and reason.
-     */
+    /// The first point with J <= 0 or NaN in stress or position: id, and
+    /// reason.
     std::int64_t bad_point = -1;
     std::string  bad_reason;
   };
 } // namespace greville
-
-#endif

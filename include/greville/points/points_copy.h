@@ -32,12 +32,7 @@ namespace greville
 
     /// Return the bytes on this process.
     std::size_t
-    memory_consumption() const
-    {
-      return (cells.capacity() + counts.capacity()) * sizeof(unsigned int) +
-             exact.capacity() * sizeof(double) +
-             rounded.capacity() * sizeof(float);
-    }
+    memory_consumption() const;
 
   private:
     /// Consecutive points with the same numbers.

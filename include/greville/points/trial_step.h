@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_trial_step_h
-#define greville_points_trial_step_h
+#pragma once
 
 #include <greville/materials/lanes.h>
 #include <greville/points/trial_surface.h>
@@ -16,19 +15,15 @@ namespace greville
   {
     /// The stress at the end of the step.
     end,
-    /**
-     * A mean stress whose work is the change of the energy of the points, see
-     * TrialStep.
-     */
+    /// A mean stress whose work is the change of the energy of the points, see
+    /// TrialStep.
     energy_consistent
   };
 
 
 
-  /**
-   * Up to four points of a cell in a trial step, in the configuration at its
-   * begin. Lanes without a point have zeros, except for positions and domains.
-   */
+  /// Up to four points of a cell in a trial step, in the configuration at its
+  /// begin. Lanes without a point have zeros, except for positions and domains.
   template <int dim>
   struct TrialGroup
   {
@@ -40,29 +35,21 @@ namespace greville
 
     /// The position at which basis functions are evaluated, m.
     Lanes x[dim];
-    /**
-     * The first Piola-Kirchhoff stress relative to the begin, times the volume
-     * at the begin: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per
-     * radian).
-     */
+    /// The first Piola-Kirchhoff stress relative to the begin, times the volume
+    /// at the begin: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per
+    /// radian).
     Pairs stress;
-    /**
-     * If requested: V dP / df in PointTangents, and the sums over i and j of V
-     * dP_ij / df_ij, in the axes of the end, over their number, for i = j
-     * (compression) and for other pairs (shear).
-     */
+    /// If requested: V dP / df in PointTangents, and the sums over i and j of V
+    /// dP_ij / df_ij, in the axes of the end, over their number, for i = j
+    /// (compression) and for other pairs (shear).
     double *tangent;
     Lanes   compression, shear;
-    /**
-     * For points with projected volumes: the change of f in an isotropic
-     * expansion of 1 in each direction, and the dual vector, whose products
-     * with changes of f are the traces of displacement gradients.
-     */
+    /// For points with projected volumes: the change of f in an isotropic
+    /// expansion of 1 in each direction, and the dual vector, whose products
+    /// with changes of f are the traces of displacement gradients.
     Pairs expansion, dual;
-    /**
-     * Half of the edges of the domain over which gradients are averaged in
-     * cells that reach their neighbours (CellWindows), m.
-     */
+    /// Half of the edges of the domain over which gradients are averaged in
+    /// cells that reach their neighbours (CellWindows), m.
     Lanes domain[dim];
   };
 
@@ -115,20 +102,17 @@ namespace greville
   class TrialStep
   {
   public:
-    /**
-     * The space and its windows, null if there are none, are kept by reference.
-     */
+    /// The space and its windows, null if there are none, are kept by
+    /// reference.
     void
     reinit(const SplineSpace<dim> &space,
            const CellWindows<dim> *windows = nullptr);
 
-    /**
-     * Evaluate the points of one body in a step of length @p dt that ends at @p
-     * time (s) with the displacement @p u (m) and a @p strength_reduction (see
-     * Material::strength_reduction()), and pass them cell by cell to @p action,
-     * which may change them. Their derivatives are added to @p tangents, unless
-     * null. @p J_hat is null without a projection.
-     */
+    /// Evaluate the points of one body in a step of length @p dt that ends at
+    /// @p time (s) with the displacement @p u (m) and a @p strength_reduction
+    /// (see Material::strength_reduction()), and pass them cell by cell to
+    /// @p action, which may change them. Their derivatives are added to
+    /// @p tangents, unless null. @p J_hat is null without a projection.
     using Action = std::function<void(const unsigned int            cell,
                                       std::vector<TrialGroup<dim>> &groups)>;
 
@@ -152,47 +136,36 @@ namespace greville
 
 
 
-  /**
-   * Sums over TrialGroup of cells, and over the points of surfaces, on a space
-   * of any order on the same mesh.
-   */
+  /// Sums over TrialGroup of cells, and over the points of surfaces, on a space
+  /// of any order on the same mesh.
   template <int dim>
   class TrialSums
   {
   public:
-    /**
-     * The space and its windows, null if there are none, are kept by reference.
-     */
+    /// The space and its windows, null if there are none, are kept by
+    /// reference.
     void
     reinit(const SplineSpace<dim> &space,
            const CellWindows<dim> *windows = nullptr);
 
-    /**
-     * Set the force to zero.
-     */
+    /// Set the force to zero.
     void
     clear();
 
-    /**
-     * Add V_n P grad N.
-     */
+    /// Add V_n P grad N.
     void
     add_force(const unsigned int                  cell,
               const std::vector<TrialGroup<dim>> &groups);
 
-    /**
-     * Add dA load N.
-     */
+    /// Add dA load N.
     void
     add_force(const unsigned int                         cell,
               const std::vector<TrialSurfacePoint<dim>> &points);
 
-    /**
-     * Add the terms that PointTangents omit in a cell that reaches its
-     * neighbours: the product of a field with the derivative of the force with
-     * means over domains, less the product with gradients at points. @p u is
-     * the buffer of CellWindows::read().
-     */
+    /// Add the terms that PointTangents omit in a cell that reaches its
+    /// neighbours: the product of a field with the derivative of the force with
+    /// means over domains, less the product with gradients at points. @p u is
+    /// the buffer of CellWindows::read().
     void
     add_change(const unsigned int                  cell,
                const std::vector<TrialGroup<dim>> &groups,
@@ -210,19 +183,15 @@ namespace greville
     void
     take_force(VectorField<dim> &force) const;
 
-    /**
-     * Return the contribution of surface loads to the stiffness, minus their
-     * derivative: the symmetric part of the matrix of a cell, in the layout of
-     * BlockStencil::add_cell() with a stride of n.
-     */
+    /// Return the contribution of surface loads to the stiffness, minus their
+    /// derivative: the symmetric part of the matrix of a cell, in the layout of
+    /// BlockStencil::add_cell() with a stride of n.
     const float *
     stiffness(const unsigned int                         cell,
               const std::vector<TrialSurfacePoint<dim>> &points);
 
-    /**
-     * Add the full contribution times a vector on the places of a matrix on the
-     * space, with dim components each.
-     */
+    /// Add the full contribution times a vector on the places of a matrix on
+    /// the space, with dim components each.
     void
     add_product(double                                    *y,
                 const double                              *x,
@@ -238,5 +207,3 @@ namespace greville
     double                  square = 0.;
   };
 } // namespace greville
-
-#endif

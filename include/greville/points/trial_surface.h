@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_points_trial_surface_h
-#define greville_points_trial_surface_h
+#pragma once
 
 #include <greville/points/point_transfer.h>
 #include <greville/points/surface.h>
@@ -20,21 +19,17 @@ namespace greville
     double area;
     /// Force per initial area, Pa, or per mass.
     dealii::Tensor<1, dim> load;
-    /**
-     * The derivatives of the load by the displacement, [i][k], and by the
-     * gradient of the displacement with respect to x, [i][k][L], if requested.
-     */
+    /// The derivatives of the load by the displacement, [i][k], and by the
+    /// gradient of the displacement with respect to x, [i][k][L], if requested.
     dealii::Tensor<2, dim> by_displacement;
     dealii::Tensor<3, dim> by_gradient;
   };
 
 
 
-  /**
-   * A surface and the force per initial area on its points; or the points of a
-   * body, which have a mass in place of the area and no normal, and the force
-   * per mass, which depends on their position and velocity only.
-   */
+  /// A surface and the force per initial area on its points; or the points of a
+  /// body, which have a mass in place of the area and no normal, and the force
+  /// per mass, which depends on their position and velocity only.
   template <int dim>
   struct LoadedSurface
   {
@@ -46,10 +41,8 @@ namespace greville
 
 
 
-  /**
-   * The motion of a surface in a trial step with the displacement u: its state
-   * after the given share of the step, with the velocity v + v_by_u u.
-   */
+  /// The motion of a surface in a trial step with the displacement u: its state
+  /// after the given share of the step, with the velocity v + v_by_u u.
   template <int dim>
   struct SurfaceMotion
   {
@@ -60,24 +53,19 @@ namespace greville
 
 
 
-  /**
-   * Loads on surfaces, and on points of bodies, moved by a displacement u of
-   * the grid. The derivatives are central differences, which are exact up to
-   * round-off for loads that are quadratic in F, x and v, such as pressure.
-   */
+  /// Loads on surfaces, and on points of bodies, moved by a displacement u of
+  /// the grid. The derivatives are central differences, which are exact up to
+  /// round-off for loads that are quadratic in F, x and v, such as pressure.
   template <int dim>
   class TrialSurfaces
   {
   public:
-    /**
-     * The space is kept by reference.
-     */
+    /// The space is kept by reference.
     void
     reinit(const SplineSpace<dim> &space);
 
-    /**
-     * Evaluate the points of a surface and pass them cell by cell to @p action.
-     */
+    /// Evaluate the points of a surface and pass them cell by cell to
+    /// @p action.
     using Action =
       std::function<void(const unsigned int                         cell,
                          const std::vector<TrialSurfacePoint<dim>> &points)>;
@@ -94,5 +82,3 @@ namespace greville
     std::vector<double>   buffer;
   };
 } // namespace greville
-
-#endif

@@ -54,10 +54,8 @@ namespace greville
     FieldOutput(const std::string      &directory,
                 const OutputParameters &parameters);
 
-    /**
-     * Collective. Write the points with the fields that the parameters name,
-     * see point_fields(), or of @p n bodies only.
-     */
+    /// Collective. Write the points with the fields that the parameters name,
+    /// see point_fields(), or of @p n bodies only.
     void
     write_points(const double         time,
                  const BodyList<dim> &bodies,
@@ -96,10 +94,8 @@ namespace greville
                      const dealii::BoundingBox<dim> &region,
                      const MPI_Comm                  comm);
 
-    /**
-     * From now on hold the text of files in memory. Calls for the same name add
-     * to the same file.
-     */
+    /// From now on hold the text of files in memory. Calls for the same name
+    /// add to the same file.
     void
     hold()
     {
@@ -117,10 +113,8 @@ namespace greville
       holds = false;
     }
 
-    /**
-     * Return a line for each file so far: name, time and file, separated by
-     * tabs.
-     */
+    /// Return a line for each file so far: name, time and file, separated by
+    /// tabs.
     std::string
     record() const;
 
@@ -144,10 +138,8 @@ namespace greville
       std::vector<std::string> pieces;
     };
 
-    /**
-     * Collective. Write the @p data of all processes as the next file of
-     * @p name, or hold it.
-     */
+    /// Collective. Write the @p data of all processes as the next file of
+    /// @p name, or hold it.
     template <typename DataOutType>
     void
     write_next(const std::string &name,

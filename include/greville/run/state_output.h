@@ -14,20 +14,16 @@ namespace greville
   name_of_part(const CoupledSimulations<dim> &simulations,
                const unsigned int             part);
 
-  /**
-   * Return the number of the first body of a part in
-   * CoupledSimulations::bodies().
-   */
+  /// Return the number of the first body of a part in
+  /// CoupledSimulations::bodies().
   template <int dim>
   unsigned int
   first_body_of_part(const CoupledSimulations<dim> &simulations,
                      const unsigned int             part);
 
-  /**
-   * Collective. Write the points of a part, the surfaces that carry loads or
-   * are in contact, and with the first part the rigid bodies. The @p output
-   * must hold its files, because parts share one for their points.
-   */
+  /// Collective. Write the points of a part, the surfaces that carry loads or
+  /// are in contact, and with the first part the rigid bodies. The @p output
+  /// must hold its files, because parts share one for their points.
   template <int dim>
   void
   write_bodies(FieldOutput<dim>              &output,

@@ -37,12 +37,10 @@ namespace greville
         spaces.emplace_back(triangulation, order, on_parents);
     }
 
-    /**
-     * Return the names of coarsenings, separated by '|' for a
-     * Patterns::Selection. "one by one": p, p-1, ..., 1; "by two": p, p-2, ...,
-     * 1 (the last step may be by one); "direct": p, 1; "none", "lattice", "hp":
-     * p alone.
-     */
+    /// Return the names of coarsenings, separated by '|' for a
+    /// Patterns::Selection. "one by one": p, p-1, ..., 1; "by two": p, p-2,
+    /// ..., 1 (the last step may be by one); "direct": p, 1; "none", "lattice",
+    /// "hp": p alone.
     static std::string
     coarsenings()
     {

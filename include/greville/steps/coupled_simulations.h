@@ -169,11 +169,9 @@ namespace greville
     void
     show_finished(const std::function<void()> &show);
 
-    /**
-     * Collective. Request the row of the current state of all parts from the
-     * next step, see Simulation; @p watch and @p show also get the number of
-     * the part.
-     */
+    /// Collective. Request the row of the current state of all parts from the
+    /// next step, see Simulation; @p watch and @p show also get the number of
+    /// the part.
     void
     ask_for_row(const std::function<void(const unsigned int part,
                                          const double       weight,

@@ -47,11 +47,9 @@ namespace greville
     /// points and grid.
     std::function<void()> show;
 
-    /**
-     * Return the part of a kick's work that is done until t_n. With its impulse
-     * I, @p before is I v(n - 1/2), and @p after is I v(n + 1/2); unit: J (2D:
-     * J / m).
-     */
+    /// Return the part of a kick's work that is done until t_n. With its
+    /// impulse I, @p before is I v(n - 1/2), and @p after is I v(n + 1/2);
+    /// unit: J (2D: J / m).
     double
     part_of_work(const double before, const double after) const
     {
@@ -62,10 +60,8 @@ namespace greville
 
 
 
-  /**
-   * A copy of the numbers of points that a kick changes: velocities, and the
-   * fields behind the history variables.
-   */
+  /// A copy of the numbers of points that a kick changes: velocities, and the
+  /// fields behind the history variables.
   template <int dim>
   class KickedNumbers
   {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_stiffness_block_stencil_h
-#define greville_stiffness_block_stencil_h
+#pragma once
 
 #include <greville/mass/stencil_matrix.h>
 #include <greville/multigrid/half_stencil.h>
@@ -33,12 +32,10 @@ namespace greville
     void
     clear();
 
-    /**
-     * Add the matrix of an owned cell with n = (p + 1)^dim functions, numbered
-     * as in SplineSpace::cell_functions(). Blocks of components i <= k are
-     * stored in the order (0, 0), (0, 1), ..., (1, 1), ...: entry (a, i; b, k)
-     * of function a and function b is values[(block * n + a) * stride + b].
-     */
+    /// Add the matrix of an owned cell with n = (p + 1)^dim functions, numbered
+    /// as in SplineSpace::cell_functions(). Blocks of components i <= k are
+    /// stored in the order (0, 0), (0, 1), ..., (1, 1), ...: entry (a, i; b, k)
+    /// of function a and function b is values[(block * n + a) * stride + b].
     void
     add_cell(const unsigned int cell,
              const Number      *values,
@@ -49,26 +46,20 @@ namespace greville
     void
     copy(const BlockStencil<dim, Other> &other);
 
-    /**
-     * Add @p factor times a scalar matrix on the same places to all diagonal
-     * blocks.
-     */
+    /// Add @p factor times a scalar matrix on the same places to all diagonal
+    /// blocks.
     void
     add(const double factor, const StencilMatrix<dim> &scalar);
 
-    /**
-     * Set a scalar matrix to the diagonal block of a component, or to the mean
-     * of the blocks of several @p components (bits), which it then represents.
-     */
+    /// Set a scalar matrix to the diagonal block of a component, or to the mean
+    /// of the blocks of several @p components (bits), which it then represents.
     void
     diagonal_block(StencilMatrix<dim> &scalar,
                    const unsigned int  components) const;
 
-    /**
-     * Compute y = B x; x must be zero at all places without a row. Some numbers
-     * behind the stencil of a row are read and written without being changed;
-     * they must be finite.
-     */
+    /// Compute y = B x; x must be zero at all places without a row. Some
+    /// numbers behind the stencil of a row are read and written without being
+    /// changed; they must be finite.
     void
     vmult(double *y, const double *x) const;
 
@@ -90,10 +81,8 @@ namespace greville
       return 2. * row(place)[first_of_line + c * line_size + c];
     }
 
-    /**
-     * Call visit(j, block) for all places j >= i of row @p i with a block that
-     * is not zero, block[c * dim + d].
-     */
+    /// Call visit(j, block) for all places j >= i of row @p i with a block that
+    /// is not zero, block[c * dim + d].
     template <typename Visit>
     void
     for_each_block(const unsigned int i, const Visit &visit) const;
@@ -112,11 +101,9 @@ namespace greville
     void
     multiply_rows(Number *y, const Number *x) const;
 
-    /**
-     * Return the first entry of component c in line number @p k of the
-     * neighbours of a row, counted from its own line: (2 p + 1) * dim entries,
-     * [x][d].
-     */
+    /// Return the first entry of component c in line number @p k of the
+    /// neighbours of a row, counted from its own line: (2 p + 1) * dim entries,
+    /// [x][d].
     std::size_t
     line(const unsigned int k, const unsigned int c) const
     {
@@ -172,5 +159,3 @@ namespace greville
     });
   }
 } // namespace greville
-
-#endif

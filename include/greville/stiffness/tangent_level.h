@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_stiffness_tangent_level_h
-#define greville_stiffness_tangent_level_h
+#pragma once
 
 #include <greville/multigrid/extended_level.h>
 #include <greville/stiffness/block_stencil.h>
@@ -23,16 +22,12 @@ namespace greville
   class TangentLevel : public ExtendedLevel<dim>
   {
   public:
-    /**
-     * Collective. See ExtendedLevel.
-     */
+    /// Collective. See ExtendedLevel.
     TangentLevel(const SplineSpace<dim>           &space,
                  const std::vector<unsigned char> &constrained = {});
 
-    /**
-     * Collective. See ExtendedLevel::begin_level(). Afterwards, fill mass() and
-     * call finish_mass().
-     */
+    /// Collective. See ExtendedLevel::begin_level(). Afterwards, fill mass()
+    /// and call finish_mass().
     void
     begin(const CellFilling<dim> &filling, const bool changed);
 
@@ -63,17 +58,13 @@ namespace greville
       return blocks;
     }
 
-    /**
-     * Collective. Add @p mass_factor (1/s^2) times the mass, which completes
-     * the tangent.
-     */
+    /// Collective. Add @p mass_factor (1/s^2) times the mass, which completes
+    /// the tangent.
     void
     finish_tangent(const double mass_factor);
 
-    /**
-     * Let vmult() compute E^T B E in double precision with the products y = B x
-     * of vectors on the places of mass().
-     */
+    /// Let vmult() compute E^T B E in double precision with the products y = B
+    /// x of vectors on the places of mass().
     void
     set_product(const std::function<void(double *y, const double *x)> &product)
     {
@@ -122,5 +113,3 @@ namespace greville
     mutable ExtendedMass<dim> block;
   };
 } // namespace greville
-
-#endif

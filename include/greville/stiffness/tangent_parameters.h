@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_stiffness_tangent_parameters_h
-#define greville_stiffness_tangent_parameters_h
+#pragma once
 
 #include <greville/multigrid/p_multigrid.h>
 
@@ -51,5 +50,3 @@ namespace greville
     SmootherParameters   smoother;
   };
 } // namespace greville
-
-#endif

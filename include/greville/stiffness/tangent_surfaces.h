@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_stiffness_tangent_surfaces_h
-#define greville_stiffness_tangent_surfaces_h
+#pragma once
 
 #include <greville/points/trial_step.h>
 #include <greville/spline/order_hierarchy.h>
@@ -12,11 +11,9 @@
 
 namespace greville
 {
-  /**
-   * The contribution of surface forces to a TangentSystem: forces on the grid,
-   * and their stiffness, which is applied point by point and whose symmetric
-   * part is assembled for preconditioners.
-   */
+  /// The contribution of surface forces to a TangentSystem: forces on the grid,
+  /// and their stiffness, which is applied point by point and whose symmetric
+  /// part is assembled for preconditioners.
   template <int dim>
   class TangentSurfaces
   {
@@ -29,11 +26,9 @@ namespace greville
     void
     reinit(const OrderHierarchy<dim> &orders);
 
-    /**
-     * Collective. Add the force of loads on @p surfaces for the displacement @p
-     * u, and their stiffness if @p with_stiffness. Returns whether all
-     * derivatives are symmetric; true without stiffness.
-     */
+    /// Collective. Add the force of loads on @p surfaces for the displacement
+    /// @p u, and their stiffness if @p with_stiffness. Returns whether all
+    /// derivatives are symmetric; true without stiffness.
     bool
     add(const std::vector<LoadedSurface<dim>> &surfaces,
         const VectorField<dim>                &u,
@@ -41,29 +36,23 @@ namespace greville
         const bool                             with_stiffness,
         VectorField<dim>                      &force);
 
-    /**
-     * Collective. Call @p action(p, state) for the points of a surface, moved
-     * by the displacement @p u, in the order of MaterialPoints::for_each().
-     */
+    /// Collective. Call @p action(p, state) for the points of a surface, moved
+    /// by the displacement @p u, in the order of MaterialPoints::for_each().
     void
     move(const MaterialPoints<dim> &points,
          const VectorField<dim>    &u,
          const SurfaceMotion<dim>  &motion,
          const Action              &action);
 
-    /**
-     * Collective. Add to the grid the forces on the points of all @p surfaces,
-     * one surface after another, N (2D: N / m).
-     */
+    /// Collective. Add to the grid the forces on the points of all @p surfaces,
+    /// one surface after another, N (2D: N / m).
     void
     spread(const std::vector<const MaterialPoints<dim> *> &surfaces,
            const std::vector<dealii::Tensor<1, dim>>      &forces,
            VectorField<dim>                               &result);
 
-    /**
-     * Collective. Add the stiffness of these points against displacements, N /
-     * m (2D: N / m^2).
-     */
+    /// Collective. Add the stiffness of these points against displacements, N /
+    /// m (2D: N / m^2).
     void
     add_stiffness(const std::vector<const MaterialPoints<dim> *> &surfaces,
                   const std::vector<dealii::Tensor<2, dim>>      &stiffness);
@@ -76,10 +65,8 @@ namespace greville
       scale_of_points = 0.;
     }
 
-    /**
-     * Add the stiffness to a level, with the @p number counted from the
-     * coarsest one.
-     */
+    /// Add the stiffness to a level, with the @p number counted from the
+    /// coarsest one.
     void
     assemble(TangentLevel<dim> &level, const unsigned int number);
 
@@ -87,11 +74,9 @@ namespace greville
     void
     add_product(double *y, const double *x, const StencilMatrix<dim> &stencil);
 
-    /**
-     * Return the Euclidean norm of the cell contributions to the stiffness of
-     * displacement-dependent forces, N / m, for the last add() and
-     * add_stiffness().
-     */
+    /// Return the Euclidean norm of the cell contributions to the stiffness of
+    /// displacement-dependent forces, N / m, for the last add() and
+    /// add_stiffness().
     double
     stiffness_scale() const
     {
@@ -108,5 +93,3 @@ namespace greville
     double   scale_of_loads = 0., scale_of_points = 0.;
   };
 } // namespace greville
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_stiffness_tangent_system_h
-#define greville_stiffness_tangent_system_h
+#pragma once
 
 #include <greville/linear_algebra/solve_result.h>
 #include <greville/points/point_tangents.h>
@@ -43,19 +42,15 @@ namespace greville
   class TangentSystem
   {
   public:
-    /**
-     * A function that returns the constrained components (bits) of the local
-     * functions of a space. An empty function constrains nothing.
-     */
+    /// A function that returns the constrained components (bits) of the local
+    /// functions of a space. An empty function constrains nothing.
     using ConstrainedFunctions =
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space)>;
 
-    /**
-     * Collective. Orders, parameters, the @p projection and the @p windows,
-     * both of which may be null, are kept by reference. Cells are well-filled
-     * from the fraction @p filling on, see CellFilling. If @p lump, the row
-     * sums of the mass are used.
-     */
+    /// Collective. Orders, parameters, the @p projection and the @p windows,
+    /// both of which may be null, are kept by reference. Cells are well-filled
+    /// from the fraction @p filling on, see CellFilling. If @p lump, the row
+    /// sums of the mass are used.
     TangentSystem(const OrderHierarchy<dim>  &orders,
                   const ConstrainedFunctions &constrained,
                   const TangentParameters    &parameters,
@@ -87,21 +82,19 @@ namespace greville
       return *levels.back();
     }
 
-    /**
-     * Collective. Update the extension and the mass after the points have
-     * moved, with the outer hosts of CellFilling if @p is_static. Functions are
-     * extended also to cells that contain only points of loaded @p surfaces.
-     */
+    /// Collective. Update the extension and the mass after the points have
+    /// moved, with the outer hosts of CellFilling if @p is_static. Functions
+    /// are extended also to cells that contain only points of loaded
+    /// @p surfaces.
     void
     set_points(const std::vector<TrialBody<dim>> &bodies,
                const std::vector<Surface<dim>>   &surfaces  = {},
                const bool                         is_static = false);
 
-    /**
-     * Collective. Compute the internal force for the displacement @p u in a
-     * step of length @p dt (s), and the stiffness if @p with_stiffness. Returns
-     * a message about a failed point of this process, or an empty text.
-     */
+    /// Collective. Compute the internal force for the displacement @p u in a
+    /// step of length @p dt (s), and the stiffness if @p with_stiffness.
+    /// Returns a message about a failed point of this process, or an empty
+    /// text.
     std::string
     evaluate(const std::vector<TrialBody<dim>> &bodies,
              const VectorField<dim>            &u,
@@ -110,10 +103,8 @@ namespace greville
              const bool                         with_stiffness,
              VectorField<dim>                  &force);
 
-    /**
-     * Return the surface forces and their stiffness, which adds to the
-     * stiffness of the last evaluate().
-     */
+    /// Return the surface forces and their stiffness, which adds to the
+    /// stiffness of the last evaluate().
     TangentSurfaces<dim> &
     surfaces()
     {
@@ -126,45 +117,35 @@ namespace greville
       return of_surfaces;
     }
 
-    /**
-     * Collective. Return the Euclidean norm of the cell contributions to the
-     * last internal force, which for the most part balance each other.
-     */
+    /// Collective. Return the Euclidean norm of the cell contributions to the
+    /// last internal force, which for the most part balance each other.
     double
     force_scale() const;
 
-    /**
-     * Return the norm of these contributions for a displacement gradient of
-     * one, with the moduli of the last evaluate() with stiffness: the unit of
-     * round-off of internal forces.
-     */
+    /// Return the norm of these contributions for a displacement gradient of
+    /// one, with the moduli of the last evaluate() with stiffness: the unit of
+    /// round-off of internal forces.
     double
     stiffness_scale() const
     {
       return force_of_strain;
     }
 
-    /**
-     * Collective. Build the operator with a mass factor (1/s^2), and its
-     * preconditioner, from the stiffness of the last evaluate(). Throws
-     * ErrorOnAll if no preconditioner can be built.
-     */
+    /// Collective. Build the operator with a mass factor (1/s^2), and its
+    /// preconditioner, from the stiffness of the last evaluate(). Throws
+    /// ErrorOnAll if no preconditioner can be built.
     void
     set_operator(const double mass_factor, const bool is_symmetric);
 
-    /**
-     * Collective. Build the operators of all levels, from the coarsest to the
-     * finest, from the stiffness of the last evaluate() and a mass factor
-     * (1/s^2). They serve a custom preconditioner, in place of set_operator()
-     * and solve().
-     */
+    /// Collective. Build the operators of all levels, from the coarsest to the
+    /// finest, from the stiffness of the last evaluate() and a mass factor
+    /// (1/s^2). They serve a custom preconditioner, in place of set_operator()
+    /// and solve().
     typename PMultigrid<dim>::Levels
     make_levels(const double mass_factor);
 
-    /**
-     * Let smoothers that are chosen automatically treat each component
-     * separately.
-     */
+    /// Let smoothers that are chosen automatically treat each component
+    /// separately.
     void
     smooth_components()
     {
@@ -182,11 +163,9 @@ namespace greville
       return set_ups;
     }
 
-    /**
-     * Collective. Compute rows = E^T (force + M~ field), with zeros at
-     * constrained functions; @p field may be null. Vectors have the layout of
-     * LevelOperator.
-     */
+    /// Collective. Compute rows = E^T (force + M~ field), with zeros at
+    /// constrained functions; @p field may be null. Vectors have the layout of
+    /// LevelOperator.
     void restrict(VectorType             &rows,
                   const VectorField<dim> &force,
                   const VectorField<dim> *field) const;
@@ -195,10 +174,8 @@ namespace greville
     void
     extend(VectorField<dim> &field, const VectorType &x) const;
 
-    /**
-     * Read the coefficients of the unknowns in a field, with zeros at
-     * constrained ones.
-     */
+    /// Read the coefficients of the unknowns in a field, with zeros at
+    /// constrained ones.
     void
     read(VectorType &x, const VectorField<dim> &field) const;
 
@@ -206,17 +183,13 @@ namespace greville
     void
     multiply(VectorType &dst, const VectorType &src);
 
-    /**
-     * Collective. Solve A x = b until the residual is @p tolerance times its
-     * value for x = 0. Throws ErrorOnAll like set_operator().
-     */
+    /// Collective. Solve A x = b until the residual is @p tolerance times its
+    /// value for x = 0. Throws ErrorOnAll like set_operator().
     SolveResult
     solve(VectorType &x, const VectorType &b, const double tolerance);
 
-    /**
-     * Collective. Solve coupled systems by a method @p run(n) of at most n
-     * iterations. Set-ups are reused as long as they pay.
-     */
+    /// Collective. Solve coupled systems by a method @p run(n) of at most n
+    /// iterations. Set-ups are reused as long as they pay.
     static SolveResult
     solve_together(
       const std::vector<TangentSystem *> &systems,
@@ -237,10 +210,8 @@ namespace greville
       return parameters.takes_cg(symmetric) && !projection;
     }
 
-    /**
-     * Return the number of basis vectors of FGMRES between two restarts; 0 for
-     * conjugate gradients.
-     */
+    /// Return the number of basis vectors of FGMRES between two restarts; 0 for
+    /// conjugate gradients.
     unsigned int
     n_basis_vectors() const
     {
@@ -250,10 +221,8 @@ namespace greville
       return projection ? parameters.max_iterations : 30;
     }
 
-    /**
-     * Collective. Compute the velocity with M~ v = momentum; @p velocity
-     * supplies the constrained coefficients.
-     */
+    /// Collective. Compute the velocity with M~ v = momentum; @p velocity
+    /// supplies the constrained coefficients.
     SolveResult
     solve_mass(VectorField<dim> &velocity, const VectorField<dim> &momentum);
 
@@ -265,10 +234,8 @@ namespace greville
     bool
     needs_levels(const double mass_factor) const;
 
-    /**
-     * Return whether the set-up of the last operator suits an operator with
-     * this mass factor.
-     */
+    /// Return whether the set-up of the last operator suits an operator with
+    /// this mass factor.
     bool
     is_reusable(const double mass_factor) const;
 
@@ -291,10 +258,8 @@ namespace greville
     void
     multiply_at_places(double *y, const double *x);
 
-    /**
-     * Collective. Build the preconditioner of the operator; it is the smoother
-     * alone if coarse levels cannot be built or do not pay.
-     */
+    /// Collective. Build the preconditioner of the operator; it is the smoother
+    /// alone if coarse levels cannot be built or do not pay.
     void
     set_up();
 
@@ -352,5 +317,3 @@ namespace greville
     bool                is_first = true;
   };
 } // namespace greville
-
-#endif

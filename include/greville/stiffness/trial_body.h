@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#ifndef greville_stiffness_trial_body_h
-#define greville_stiffness_trial_body_h
+#pragma once
 
 #include <greville/materials/material.h>
 #include <greville/points/material_points.h>
@@ -23,5 +22,3 @@ namespace greville
     double time = 0.;
   };
 } // namespace greville
-
-#endif
