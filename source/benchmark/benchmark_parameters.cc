@@ -20,9 +20,7 @@ namespace greville
             {"Cycles", "V|W|F", cycles},
             {"Restrictions", OrderTransfer<2>::restrictions(), restrictions},
             {"Prolongations", OrderTransfer<2>::prolongations(), prolongations},
-            {"Coarsenings",
-             OrderHierarchy<2>::coarsenings(),
-             coarsenings}};
+            {"Coarsenings", OrderHierarchy<2>::coarsenings(), coarsenings}};
   }
 
 

@@ -28,14 +28,16 @@ namespace greville
       "Krylov method, preconditioned by p-multigrid: cg for symmetric "
       "tangents, fgmres for all tangents. auto: cg if all materials have "
       "symmetric tangents. Unit: none.");
-    prm.declare_entry(
-      "Levels",
-      multigrid.coarsening,
-      Patterns::Selection("lattice|hp|orders"),
-      "The levels of the cycle: splines of the order of the grid on lattices of "
-      "1, 2, 4, ... times the cell size (lattice), the same with order 1 on the "
-      "coarsest lattice (hp), or the order of the grid and order 1 on the grid, "
-      "and lattices of order 1 (orders). Unit: none.");
+    prm.declare_entry("Levels",
+                      multigrid.coarsening,
+                      Patterns::Selection("lattice|hp|orders"),
+                      "The levels of the cycle: splines of the order of the "
+                      "grid on lattices of "
+                      "1, 2, 4, ... times the cell size (lattice), the same "
+                      "with order 1 on the "
+                      "coarsest lattice (hp), or the order of the grid and "
+                      "order 1 on the grid, "
+                      "and lattices of order 1 (orders). Unit: none.");
     prm.add_action("Levels", [this](const std::string &value) {
       multigrid.coarsening = value == "orders" ? "direct" : value;
     });
