@@ -52,7 +52,7 @@ namespace greville
                const VectorType       &b,
                const unsigned int      n_basis_vectors)
   {
-    struct NegativeCurvature
+    struct NotPositive
     {};
     struct Operator
     {
@@ -60,9 +60,9 @@ namespace greville
       vmult(VectorType &dst, const VectorType &src) const
       {
         product(dst, src);
-        // Directions of conjugate gradients are not zero.
+        // Directions and residuals of conjugate gradients are not zero.
         if (must_be_positive && dst * src <= 0.)
-          throw NegativeCurvature();
+          throw NotPositive();
       }
 
       const Product &product;
@@ -73,21 +73,21 @@ namespace greville
     unsigned int n_of_cg  = 0;
     const auto   run      = [&](SolverControl &control) {
       using Fgmres = SolverFGMRES<VectorType>;
-      const Operator matrix{A, takes_cg}, inverse{preconditioner, false};
+      const Operator matrix{A, takes_cg}, inverse{preconditioner, takes_cg};
       if (takes_cg)
         try
           {
             SolverCG<VectorType>(control).solve(matrix, x, b, inverse);
             return;
           }
-        catch (const NegativeCurvature &)
+        catch (const NotPositive &)
           {
             n_of_cg = control.last_step();
           }
       constexpr unsigned int n_after_cg = 50;
       Fgmres(control,
              fgmres_data<Fgmres>(takes_cg ? n_after_cg : n_basis_vectors))
-        .solve(Operator{A, false}, x, b, inverse);
+        .solve(Operator{A, false}, x, b, Operator{preconditioner, false});
     };
     SolveResult result = run_krylov(parameters, b, run);
     *result.iterations += n_of_cg;

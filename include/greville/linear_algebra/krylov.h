@@ -28,7 +28,8 @@ namespace greville
   /// Collective. Solve A x = b from x = 0 with a @p preconditioner, like
   /// run_krylov(): by conjugate gradients, or, if @p n_basis_vectors is not
   /// zero, by FGMRES with this number of basis vectors between restarts.
-  /// Conjugate gradients that meet a direction d with d^T A d <= 0 stop, and
+  /// Conjugate gradients that meet d^T A d <= 0 or r^T B r <= 0, with the
+  /// preconditioner B, stop, and
   /// FGMRES continues.
   SolveResult
   solve_krylov(const SolverParameters &parameters,
