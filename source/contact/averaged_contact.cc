@@ -128,7 +128,8 @@ namespace greville
         for (unsigned int side = 0; side < 2; ++side)
           key.inverse_weights[side] =
             sum.weight[side] > 0. ? 1. / sum.weight[side] : 0.;
-        key.stiffness        = w * (result.stiffness + result.coupling);
+        key.symmetric        = w * result.stiffness;
+        key.stiffness        = key.symmetric + w * result.coupling;
         key.by_pore_pressure = w * result.by_pore_pressure;
         tangent_keys.push_back(key);
         return result;

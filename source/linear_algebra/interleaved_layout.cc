@@ -34,4 +34,68 @@ namespace greville
       std::make_shared<const Utilities::MPI::Partitioner>(owned, others, comm);
     return result;
   }
+
+
+
+  JoinedLayout::JoinedLayout(
+    const std::vector<const InterleavedLayout *> &parts)
+  {
+    using Number        = types::global_dof_index;
+    const MPI_Comm comm = parts.front()->communicator();
+    // The first own unknowns and their number, of all parts on each process.
+    std::vector<std::pair<Number, Number>> own;
+    for (const InterleavedLayout *part : parts)
+      own.emplace_back(part->n_owned() > 0 ? part->global_number(0) : 0,
+                       part->n_owned());
+    const auto of_processes = Utilities::MPI::all_gather(comm, own);
+
+    struct Ghost
+    {
+      Number       number;
+      unsigned int part, local;
+    };
+    std::vector<Ghost> ghosts;
+    for (unsigned int k = 0; k < parts.size(); ++k)
+      {
+        unsigned int g     = parts[k]->n_owned();
+        Number       begin = 0;
+        for (const auto &of_process : of_processes)
+          {
+            const auto &[first, n] = of_process[k];
+            Number before          = begin;
+            for (unsigned int j = 0; j < k; ++j)
+              before += of_process[j].second;
+            for (; g < parts[k]->n_local() && n > 0 &&
+                   parts[k]->global_number(g) < first + n;
+                 ++g)
+              ghosts.push_back(
+                {before + (parts[k]->global_number(g) - first), k, g});
+            for (const auto &of_part : of_process)
+              begin += of_part.second;
+          }
+      }
+    std::sort(ghosts.begin(), ghosts.end(), [](const Ghost &a, const Ghost &b) {
+      return a.number < b.number;
+    });
+    unsigned int        n_owned = 0;
+    std::vector<Number> ghost_numbers;
+    for (const InterleavedLayout *part : parts)
+      {
+        numbers.emplace_back(part->n_local());
+        for (unsigned int u = 0; u < part->n_owned(); ++u)
+          numbers.back()[u] = n_owned++;
+      }
+    for (const Ghost &ghost : ghosts)
+      {
+        numbers[ghost.part][ghost.local] = n_owned + ghost_numbers.size();
+        ghost_numbers.push_back(ghost.number);
+      }
+    Number first = 0;
+    for (unsigned int process = 0;
+         process < Utilities::MPI::this_mpi_process(comm);
+         ++process)
+      for (const auto &of_part : of_processes[process])
+        first += of_part.second;
+    layout = InterleavedLayout(first, n_owned, ghost_numbers, comm);
+  }
 } // namespace greville

@@ -15,24 +15,24 @@ namespace greville
 
   void
   OverlappingCholesky::factorize(
-    const UpperTriangle                            &matrix,
-    const std::shared_ptr<const InterleavedLayout> &layout,
-    const std::vector<std::array<int, 3>>          &positions,
-    const int                                       reach,
-    const unsigned int                              n_layers,
-    const CholeskyParameters                       &parameters,
-    const RowVariants                              &variants)
+    const UpperTriangle                   &matrix,
+    const InterleavedLayout               &layout,
+    const std::vector<std::array<int, 3>> &positions,
+    const int                              reach,
+    const unsigned int                     n_layers,
+    const CholeskyParameters              &parameters,
+    const RowVariants                     &variants)
   {
-    AssertThrow(matrix.size() == layout->n_local(),
-                ExcDimensionMismatch(matrix.size(), layout->n_local()));
-    AssertThrow(positions.size() == layout->n_owned(),
-                ExcDimensionMismatch(positions.size(), layout->n_owned()));
-    n_owned              = layout->n_owned();
+    AssertThrow(matrix.size() == layout.n_local(),
+                ExcDimensionMismatch(matrix.size(), layout.n_local()));
+    AssertThrow(positions.size() == layout.n_owned(),
+                ExcDimensionMismatch(positions.size(), layout.n_owned()));
+    n_owned              = layout.n_owned();
     variant_of_component = variants.of_component;
     last_rows.clear();
     last_rows.resize(variants.matrices.empty() ? 0
                                                : variants.matrices.size() + 1);
-    is_parallel = Utilities::MPI::n_mpi_processes(layout->communicator()) > 1;
+    is_parallel = Utilities::MPI::n_mpi_processes(layout.communicator()) > 1;
     has_domain  = is_parallel || !last_rows.empty();
     if (!has_domain)
       {
@@ -40,12 +40,12 @@ namespace greville
         return;
       }
     internal::OverlappingDomain rows(
-      matrix, *layout, positions, n_layers, variants);
+      matrix, layout, positions, n_layers, variants);
     order  = rows.order;
-    domain = InterleavedLayout(n_owned > 0 ? layout->global_number(0) : 0,
+    domain = InterleavedLayout(n_owned > 0 ? layout.global_number(0) : 0,
                                n_owned,
                                rows.ghosts(),
-                               layout->communicator());
+                               layout.communicator());
     for (auto &vector : doubles)
       vector.reinit(0);
     for (auto &vector : floats)

@@ -124,18 +124,10 @@ namespace greville
 
 
   template <int dim>
-  std::vector<OverlappingCholesky>
-  ExtendedLattice<dim>::factorize(const CholeskyParameters &parameters,
-                                  const bool) const
+  std::vector<UpperTriangle>
+  ExtendedLattice<dim>::diagonal_blocks(const bool) const
   {
-    std::vector<OverlappingCholesky> result(1);
-    result[0].factorize(matrix.local_entries(1),
-                        matrix.unknowns().unknown_layout(),
-                        matrix.unknowns().unknown_positions(),
-                        matrix.matrix().space().degree(),
-                        2,
-                        parameters);
-    return result;
+    return {matrix.local_entries(1)};
   }
 
 

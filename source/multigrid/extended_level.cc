@@ -219,17 +219,16 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedLevel<dim>::factorize(const ExtendedMass<dim>  &matrix,
+  ExtendedLevel<dim>::factorize(const UpperTriangle      &matrix,
                                 const CholeskyParameters &parameters,
-                                const unsigned int        of_components,
                                 OverlappingCholesky      &factors) const
   {
     // Tangents couple more unknowns than masses: a layer alone would double
     // the iterations on four processes in 3D.
     constexpr unsigned int n_layers = 2;
-    factors.factorize(matrix.local_entries(of_components),
-                      matrix.unknowns().unknown_layout(),
-                      matrix.unknowns().unknown_positions(),
+    factors.factorize(matrix,
+                      *extended_mass.unknowns().unknown_layout(),
+                      extended_mass.unknowns().unknown_positions(),
                       spline_space.degree(),
                       n_layers,
                       parameters);
@@ -302,21 +301,38 @@ namespace greville
 
 
   template <int dim>
+  UpperTriangle
+  ExtendedLevel<dim>::local_block(const unsigned int c,
+                                  const bool         by_components) const
+  {
+    const unsigned int of_components =
+      by_components ? 1u << c : all_components(components);
+    return diagonal_block(of_components).local_entries(of_components);
+  }
+
+
+
+  template <int dim>
   std::vector<OverlappingCholesky>
   ExtendedLevel<dim>::factorize(const CholeskyParameters &parameters,
                                 const bool                by_components) const
   {
     std::vector<OverlappingCholesky> factors(by_components ? components : 1);
     for (unsigned int c = 0; c < factors.size(); ++c)
-      {
-        const unsigned int of_components =
-          factors.size() > 1 ? 1u << c : all_components(components);
-        factorize(diagonal_block(of_components),
-                  parameters,
-                  of_components,
-                  factors[c]);
-      }
+      factorize(local_block(c, by_components), parameters, factors[c]);
     return factors;
+  }
+
+
+
+  template <int dim>
+  std::vector<UpperTriangle>
+  ExtendedLevel<dim>::diagonal_blocks(const bool by_components) const
+  {
+    std::vector<UpperTriangle> result;
+    for (unsigned int c = 0; c < (by_components ? components : 1); ++c)
+      result.push_back(local_block(c, by_components));
+    return result;
   }
 
 
@@ -328,7 +344,9 @@ namespace greville
     if (!mass_factors)
       {
         auto factors = std::make_unique<OverlappingCholesky>();
-        factorize(extended_mass, {}, all_components(components), *factors);
+        factorize(extended_mass.local_entries(all_components(components)),
+                  {},
+                  *factors);
         mass_factors = std::move(factors);
       }
     solve(*mass_factors, x, x, 0, components);

@@ -63,7 +63,7 @@ namespace greville
     const unsigned int degree = mass.matrix().space().degree();
     const int          reach  = std::max(1, int(degree) - 1);
     factors.factorize(mass.local_entries((1u << dim) - 1, reach),
-                      mass.unknowns().unknown_layout(),
+                      *mass.unknowns().unknown_layout(),
                       mass.unknowns().unknown_positions(),
                       reach,
                       1,

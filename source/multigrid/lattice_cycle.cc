@@ -14,9 +14,11 @@ namespace greville
 
   namespace
   {
-    // Lattices become coarser until a matrix has so few rows. A matrix of more
-    // than the second number of rows is smoothed, not factorized.
-    constexpr unsigned int small_size = 250, largest_direct_size = 1200;
+    // Lattices become coarser until a part has so few rows.
+    constexpr unsigned int small_size = 250;
+
+    // More than any number of functions in a direction.
+    constexpr int far_away = 1 << 24;
 
     unsigned int
     width_of_factors(const unsigned int n_components)
@@ -24,24 +26,49 @@ namespace greville
       return n_components == 3 ? 4 : n_components;
     }
 
-    template <int dim>
-    std::uint64_t
-    n_rows(const LatticeLevel<dim> &level)
+    // Operations on all parts of a vector.
+    using Blocks = std::vector<SingleVector>;
+
+    void
+    set_zero(Blocks &x)
     {
-      return Utilities::MPI::sum(std::uint64_t(level.layout().n_owned()) *
-                                   level.n_components(),
-                                 level.layout().communicator());
+      for (SingleVector &part : x)
+        part = 0.f;
     }
 
-    /// Return the number of functions of order 1 of a lattice.
-    template <typename Lattice>
-    std::uint64_t
-    n_functions_of_order_1(const Lattice &lattice)
+    /// Compute x = a x + b y.
+    void
+    sadd(Blocks &x, const double a, const double b, const Blocks &y)
     {
-      std::uint64_t result = 1;
-      for (const NestedKnots &direction : lattice)
-        if (direction.degree() > 0)
-          result *= direction.n_cells() + !direction.is_periodic();
+      for (unsigned int part = 0; part < x.size(); ++part)
+        if (a == 0.)
+          x[part].equ(float(b), y[part]);
+        else
+          x[part].sadd(float(a), float(b), y[part]);
+    }
+
+    void
+    add(Blocks &x, const double b, const Blocks &y)
+    {
+      for (unsigned int part = 0; part < x.size(); ++part)
+        x[part].add(float(b), y[part]);
+    }
+
+    double
+    dot(const Blocks &x, const Blocks &y)
+    {
+      double sum = 0.;
+      for (unsigned int part = 0; part < x.size(); ++part)
+        sum += double(x[part] * y[part]);
+      return sum;
+    }
+
+    template <int dim>
+    typename LatticeCycle<dim>::Parts
+    one_part(std::unique_ptr<ExtendedLattice<dim>> part)
+    {
+      typename LatticeCycle<dim>::Parts result;
+      result.push_back(std::move(part));
       return result;
     }
   } // namespace
@@ -51,24 +78,50 @@ namespace greville
   template <int dim>
   LatticeCycle<dim>::LatticeCycle(std::unique_ptr<ExtendedLattice<dim>> finest,
                                   const LatticeCycleParameters &parameters)
-    : finest(std::move(finest))
+    : LatticeCycle(one_part<dim>(std::move(finest)), parameters)
+  {}
+
+
+
+  template <int dim>
+  LatticeCycle<dim>::LatticeCycle(Parts                         parts_,
+                                  const LatticeCycleParameters &parameters,
+                                  LatticeCoupling<dim>         *coupling,
+                                  const bool                    coarsens)
+    : parts(std::move(parts_))
     , parameters(parameters)
+    , coupling(coupling)
   {
-    coarsen();
+    unit = parts[0]->unit();
+    for (const auto &part : parts)
+      unit = std::max(unit, part->unit());
+    for (const auto &part : parts)
+      part->set_unit(unit);
+    coarsen(coarsens);
     for (unsigned int l = 0; l < levels.size(); ++l)
       {
-        Level                   &level  = levels[l];
-        const InterleavedLayout &layout = level.matrix->layout();
-        for (SingleVector *vector :
-             {&level.x, &level.b, &level.step, &level.product})
-          vector->reinit(layout.partitioner(level.matrix->n_components()));
+        Level &level = levels[l];
+        for (Blocks *vector : {&level.x, &level.b, &level.step, &level.product})
+          for (const Block &block : level.blocks)
+            vector->emplace_back(
+              block.matrix->layout().partitioner(block.matrix->n_components()));
         const bool is_last = l > 0 && l + 1 == levels.size();
         if (is_last)
-          make_direct_matrix();
-        if (!is_last || parameters.lowers_order || direct_matrix.m() == 0)
-          make_smoother(level);
-        if (!level.factors.empty())
-          estimate_eigenvalue(level);
+          {
+            std::vector<const LatticeMatrix<dim> *> matrices;
+            for (const Block &block : level.blocks)
+              matrices.push_back(
+                static_cast<const LatticeMatrix<dim> *>(block.matrix));
+            coarsest.reinit(
+              matrices, parameters.lowers_order, coupling, l, unit);
+          }
+        level.is_smoothed =
+          !is_last || parameters.lowers_order || !coarsest.is_factorized();
+        if (level.is_smoothed)
+          {
+            make_smoother(l);
+            estimate_eigenvalue(l);
+          }
       }
   }
 
@@ -76,101 +129,189 @@ namespace greville
 
   template <int dim>
   void
-  LatticeCycle<dim>::coarsen()
+  LatticeCycle<dim>::coarsen(const bool coarsens)
   {
-    const LatticeLevel<dim> *last     = finest.get();
-    const auto               is_small = [&](const LatticeLevel<dim> &level) {
-      return parameters.lowers_order ? n_functions_of_order_1(level.lattice()) *
-                                           level.n_components() <=
-                                         largest_direct_size
-                                                   : n_rows(level) <= small_size;
+    if (coupling)
+      coupling->reset();
+    const unsigned int largest =
+      parameters.lowers_order
+        ? CoarsestSolver<dim>::largest_size / parts.size()
+        : std::min<unsigned int>(small_size,
+                                 CoarsestSolver<dim>::largest_size /
+                                   parts.size());
+    const auto is_small = [&](const LatticeLevel<dim> &lattice) {
+      return CoarsestSolver<dim>::n_rows(lattice, parameters.lowers_order) <=
+             largest;
     };
-    while ((last == finest.get() || !is_small(*last)) &&
-           LatticeMatrix<dim>::can_coarsen(*last))
+    levels.resize(1);
+    for (const auto &part : parts)
+      levels[0].blocks.push_back({part.get(), {}, nullptr});
+    for (bool changes = coarsens; changes;)
       {
-        auto next = std::make_unique<LatticeMatrix<dim>>(*last);
-        // Bodies of a few functions each have more coarse unknowns.
-        if (n_rows(*next) > 2 * n_rows(*finest))
+        Level &level = levels.back();
+        Level  next;
+        changes = false;
+        std::vector<const LatticeUnknowns<dim> *> transfers;
+        std::vector<const InterleavedLayout *>    layouts;
+        for (unsigned int part = 0; part < parts.size(); ++part)
+          {
+            Block                   &block = level.blocks[part];
+            const LatticeLevel<dim> &last  = *block.matrix;
+            if ((levels.size() == 1 || !is_small(last)) &&
+                LatticeMatrix<dim>::can_coarsen(last))
+              {
+                auto matrix = std::make_unique<LatticeMatrix<dim>>(last);
+                // Bodies of a few functions each have more coarse unknowns.
+                if (CoarsestSolver<dim>::n_rows(*matrix, false) <=
+                    2 * CoarsestSolver<dim>::n_rows(*parts[part], false))
+                  {
+                    block.coarser = &matrix->unknowns();
+                    coarse.push_back(std::move(matrix));
+                    changes = true;
+                  }
+              }
+            // The finest lattice has no other matrix of its own functions.
+            if (!block.coarser && levels.size() == 1 && parts.size() > 1)
+              {
+                coarse.push_back(
+                  std::make_unique<LatticeMatrix<dim>>(last, false));
+                block.coarser = &coarse.back()->unknowns();
+              }
+            transfers.push_back(block.coarser);
+            layouts.push_back(&last.layout());
+            next.blocks.push_back(
+              {block.coarser ? coarse.back().get() : block.matrix,
+               {},
+               nullptr});
+          }
+        if (!changes)
           break;
-        coarse.push_back(std::move(next));
-        last = coarse.back().get();
+        if (coupling)
+          coupling->coarsen(transfers, layouts);
+        levels.push_back(std::move(next));
       }
-    levels.resize(coarse.size() + 1);
-    levels[0].matrix = finest.get();
-    for (unsigned int l = 1; l < levels.size(); ++l)
-      levels[l].matrix = coarse[l - 1].get();
+    if (levels.size() == 1)
+      {
+        coarse.clear();
+        for (Block &block : levels[0].blocks)
+          block.coarser = nullptr;
+      }
   }
 
 
 
   template <int dim>
   void
-  LatticeCycle<dim>::make_smoother(Level &level)
+  LatticeCycle<dim>::make_smoother(const unsigned int l)
   {
-    level.factors =
-      level.matrix->factorize({parameters.shift, 0.}, parameters.by_components);
-    level.constrained = level.matrix->constrained_unknowns();
-    if (std::all_of(level.constrained.begin(),
-                    level.constrained.end(),
-                    [](const unsigned char bits) { return bits == 0; }))
-      level.constrained.clear();
+    constexpr unsigned int                  n_layers = 1;
+    Level                                  &level    = levels[l];
+    std::vector<const InterleavedLayout *>  layouts;
+    std::vector<std::vector<UpperTriangle>> matrices; // by component, part
+    std::vector<std::array<int, 3>>         positions;
+    int                                     reach = 0;
+    for (Block &block : level.blocks)
+      {
+        auto of_part = block.matrix->diagonal_blocks(parameters.by_components);
+        matrices.resize(of_part.size());
+        for (unsigned int c = 0; c < of_part.size(); ++c)
+          matrices[c].push_back(std::move(of_part[c]));
+        // The positions of parts must differ.
+        for (std::array<int, 3> position : block.matrix->unknown_positions())
+          {
+            position[2] += far_away * layouts.size();
+            positions.push_back(position);
+          }
+        layouts.push_back(&block.matrix->layout());
+        reach = std::max<int>(reach, block.matrix->lattice()[0].degree());
+        block.constrained = block.matrix->constrained_unknowns();
+        if (std::all_of(block.constrained.begin(),
+                        block.constrained.end(),
+                        [](const unsigned char bits) { return bits == 0; }))
+          block.constrained.clear();
+      }
+    std::vector<BlockEntry> coupled;
+    if (coupling)
+      coupled = coupling->owned_entries(l, layouts);
+    for (BlockEntry &entry : coupled)
+      for (double &value : entry.values)
+        value *= level.unit() / unit;
+    const unsigned int n = level.blocks[0].matrix->n_components();
+    const JoinedLayout joined(layouts);
+    level.factors.resize(matrices.size());
+    for (unsigned int c = 0; c < matrices.size(); ++c)
+      {
+        UpperTriangle matrix = parts.size() == 1
+                                 ? std::move(matrices[c][0])
+                                 : block_diagonal(matrices[c], joined.numbers);
+        matrix.add(coupled, c, n / matrices.size());
+        level.factors[c].factorize(matrix,
+                                   joined.layout,
+                                   positions,
+                                   reach,
+                                   n_layers,
+                                   {parameters.shift, 0.});
+      }
   }
 
 
 
   template <int dim>
   void
-  LatticeCycle<dim>::estimate_eigenvalue(Level &level) const
+  LatticeCycle<dim>::estimate_eigenvalue(const unsigned int l)
   {
     // Lanczos' method, by conjugate gradients. The start is a function of the
     // position only, so that the estimate does not depend on the number of
     // processes.
     constexpr unsigned int n_steps = 8;
     constexpr double       safety  = 1.2;
-    const unsigned int     n       = level.matrix->n_components();
-    SingleVector          &r = level.b, &z = level.product, &d = level.step;
-    const auto             positions   = level.matrix->unknown_positions();
-    const auto             constrained = level.matrix->constrained_unknowns();
-    for (unsigned int u = 0; u < positions.size(); ++u)
-      for (unsigned int c = 0; c < n; ++c)
-        {
-          double phase = c;
-          for (unsigned int e = 0; e < 3; ++e)
-            phase += (e == 0   ? 12.9898
-                      : e == 1 ? 78.233
-                               : 37.719) *
-                     positions[u][e];
-          r.local_element(u * n + c) =
-            (constrained[u] >> c) & 1 ? 0.f : float(std::sin(phase));
-        }
+    Level                 &level   = levels[l];
+    Blocks                &r = level.b, &z = level.product, &d = level.step;
+    std::uint64_t          n_unknowns = 0;
+    for (unsigned int part = 0; part < parts.size(); ++part)
+      {
+        const LatticeLevel<dim> &matrix      = *level.blocks[part].matrix;
+        const unsigned int       n           = matrix.n_components();
+        const auto               positions   = matrix.unknown_positions();
+        const auto               constrained = matrix.constrained_unknowns();
+        n_unknowns += positions.size();
+        for (unsigned int u = 0; u < positions.size(); ++u)
+          for (unsigned int c = 0; c < n; ++c)
+            {
+              double phase = c;
+              for (unsigned int e = 0; e < 3; ++e)
+                phase += (e == 0   ? 12.9898
+                          : e == 1 ? 78.233
+                                   : 37.719) *
+                         positions[u][e];
+              r[part].local_element(u * n + c) =
+                (constrained[u] >> c) & 1 ? 0.f : float(std::sin(phase));
+            }
+      }
     std::vector<double> alphas, betas;
     double              r_z = 0.;
     for (unsigned int step = 0; step < n_steps; ++step)
       {
         precondition(level, z, r);
-        const double new_r_z = double(r * z);
+        const double new_r_z = dot(r, z);
         if (!(new_r_z > 0.) || !std::isfinite(new_r_z))
           break;
         const double beta = step == 0 ? 0. : new_r_z / r_z;
         r_z               = new_r_z;
-        if (step == 0)
-          d = z;
-        else
-          d.sadd(beta, 1., z);
-        level.matrix->multiply(z, d);
-        z *= float(1. / level.matrix->unit());
-        const double curvature = double(d * z);
+        sadd(d, beta, 1., z);
+        multiply(l, z, d);
+        const double curvature = dot(d, z) / level.unit();
         if (!(curvature > 0.) || !std::isfinite(curvature))
           break;
         const double alpha = r_z / curvature;
-        r.add(float(-alpha), z);
+        add(r, -alpha / level.unit(), z);
         alphas.push_back(alpha);
         betas.push_back(beta);
       }
     AssertThrow(!alphas.empty() ||
-                  Utilities::MPI::sum(positions.size(),
-                                      level.matrix->layout().communicator()) ==
-                    0,
+                  Utilities::MPI::sum(
+                    n_unknowns,
+                    level.blocks[0].matrix->layout().communicator()) == 0,
                 ErrorOnAll("the eigenvalues of the smoother are negative, "
                            "infinite or NaN"));
     TridiagonalMatrix<double> T(alphas.size(), true);
@@ -191,68 +332,88 @@ namespace greville
 
   template <int dim>
   void
-  LatticeCycle<dim>::precondition(const Level        &level,
-                                  SingleVector       &dst,
-                                  const SingleVector &src) const
+  LatticeCycle<dim>::precondition(const Level  &level,
+                                  Blocks       &dst,
+                                  const Blocks &src) const
   {
-    const unsigned int n         = level.matrix->n_components();
+    const unsigned int n         = level.blocks[0].matrix->n_components();
     const unsigned int n_columns = n / level.factors.size();
     const unsigned int width     = width_of_factors(n_columns);
-    const unsigned int n_owned   = level.matrix->layout().n_owned();
-    work.assign(std::size_t(n_owned) * width, 0.f);
+    std::size_t        n_owned   = 0;
+    for (const SingleVector &part : src)
+      n_owned += part.locally_owned_size() / n;
     for (unsigned int c = 0; c < level.factors.size(); ++c)
       {
-        for (unsigned int u = 0; u < n_owned; ++u)
-          for (unsigned int k = 0; k < n_columns; ++k)
-            work[u * width + k] = src.local_element(u * n + c * n_columns + k);
-        level.factors[c].solve(work.data(), width, level.matrix->unit());
-        for (unsigned int u = 0; u < n_owned; ++u)
-          for (unsigned int k = 0; k < n_columns; ++k)
-            dst.local_element(u * n + c * n_columns + k) = work[u * width + k];
+        work.assign(n_owned * width, 0.f);
+        float *at = work.data();
+        for (const SingleVector &part : src)
+          for (unsigned int i = c * n_columns; i < part.locally_owned_size();
+               i += n, at += width)
+            std::copy_n(part.begin() + i, n_columns, at);
+        level.factors[c].solve(work.data(), width, level.unit());
+        at = work.data();
+        for (SingleVector &part : dst)
+          for (unsigned int i = c * n_columns; i < part.locally_owned_size();
+               i += n, at += width)
+            for (unsigned int k = 0; k < n_columns; ++k)
+              part.local_element(i + k) = at[k];
       }
-    const auto &constrained = level.constrained;
-    if (constrained.empty())
-      return;
-    for (unsigned int u = 0; u < n_owned; ++u)
-      if (constrained[u] != 0)
-        for (unsigned int c = 0; c < n; ++c)
-          if ((constrained[u] >> c) & 1)
-            dst.local_element(u * n + c) = 0.f;
+    for (unsigned int part = 0; part < parts.size(); ++part)
+      {
+        const auto &constrained = level.blocks[part].constrained;
+        for (unsigned int u = 0; u < constrained.size(); ++u)
+          if (constrained[u] != 0)
+            for (unsigned int c = 0; c < n; ++c)
+              if ((constrained[u] >> c) & 1)
+                dst[part].local_element(u * n + c) = 0.f;
+      }
   }
 
 
 
   template <int dim>
   void
-  LatticeCycle<dim>::subtract_product(const Level &level, SingleVector &x) const
+  LatticeCycle<dim>::multiply(const unsigned int l, Blocks &y, Blocks &x) const
   {
-    level.matrix->multiply(level.product, x);
-    level.b.add(float(-1. / level.matrix->unit()), level.product);
+    const Level &level = levels[l];
+    for (unsigned int part = 0; part < parts.size(); ++part)
+      level.blocks[part].matrix->multiply(y[part], x[part]);
+    if (coupling)
+      coupling->add_product(l, y, x, level.unit() / unit);
   }
 
 
 
   template <int dim>
   void
-  LatticeCycle<dim>::smooth(const Level &level) const
+  LatticeCycle<dim>::subtract_product(const unsigned int l, Blocks &x) const
   {
+    multiply(l, levels[l].product, x);
+    add(levels[l].b, -1. / levels[l].unit(), levels[l].product);
+  }
+
+
+
+  template <int dim>
+  void
+  LatticeCycle<dim>::smooth(const unsigned int l) const
+  {
+    const Level &level = levels[l];
     const double upper = level.largest_eigenvalue;
     const double lower = upper / (1.2 * parameters.chebyshev_range);
     const double theta = 0.5 * (upper + lower), delta = 0.5 * (upper - lower);
     const double sigma = theta / delta;
     double       rho   = 1. / sigma;
     precondition(level, level.product, level.b);
-    level.step.equ(float(1. / theta), level.product);
-    level.x.add(1.f, level.step);
+    sadd(level.step, 0., 1. / theta, level.product);
+    add(level.x, 1., level.step);
     for (unsigned int k = 1; k < parameters.chebyshev_degree; ++k)
       {
-        subtract_product(level, level.step);
+        subtract_product(l, level.step);
         precondition(level, level.product, level.b);
         const double next = 1. / (2. * sigma - rho);
-        level.step.sadd(float(next * rho),
-                        float(2. * next / delta),
-                        level.product);
-        level.x.add(1.f, level.step);
+        sadd(level.step, next * rho, 2. * next / delta, level.product);
+        add(level.x, 1., level.step);
         rho = next;
       }
   }
@@ -261,179 +422,99 @@ namespace greville
 
   template <int dim>
   void
+  LatticeCycle<dim>::add_coarse_correction(const unsigned int l) const
+  {
+    const Level &level = levels[l], &next = levels[l + 1];
+    for (unsigned int part = 0; part < parts.size(); ++part)
+      if (const auto *coarser = level.blocks[part].coarser)
+        coarser->restrict(next.b[part], level.b[part]);
+      else
+        next.b[part] = level.b[part];
+    cycle(l + 1);
+    set_zero(level.step);
+    for (unsigned int part = 0; part < parts.size(); ++part)
+      if (const auto *coarser = level.blocks[part].coarser)
+        coarser->prolongate_and_add(level.step[part], next.x[part]);
+      else
+        level.step[part] = next.x[part];
+  }
+
+
+
+  template <int dim>
+  void
   LatticeCycle<dim>::cycle(const unsigned int l) const
   {
-    const Level &level  = levels[l];
-    const auto  &last   = levels.back();
-    const bool   direct = &level == &last && direct_matrix.m() > 0;
-    level.x             = 0.f;
-    if (level.factors.empty())
+    const Level &level   = levels[l];
+    const bool   is_last = l + 1 == levels.size();
+    set_zero(level.x);
+    if (!level.is_smoothed)
       {
-        add_direct_solution(level.x, level.b);
+        coarsest.add_solution(level.x, level.b);
         return;
       }
-    smooth(level);
-    subtract_product(level, level.step);
-    if (direct || &level != &last)
+    smooth(l);
+    subtract_product(l, level.step);
+    if (!is_last || coarsest.is_factorized())
       {
-        level.step = 0.f;
-        if (direct)
-          add_direct_solution(level.step, level.b);
+        if (!is_last)
+          add_coarse_correction(l);
         else
           {
-            const LatticeUnknowns<dim> &unknowns = coarse[l]->unknowns();
-            unknowns.restrict(levels[l + 1].b, level.b);
-            cycle(l + 1);
-            unknowns.prolongate_and_add(level.step, levels[l + 1].x);
+            set_zero(level.step);
+            coarsest.add_solution(level.step, level.b);
           }
-        level.x.add(1.f, level.step);
-        subtract_product(level, level.step);
+        add(level.x, 1., level.step);
+        subtract_product(l, level.step);
       }
-    smooth(level);
+    smooth(l);
   }
 
 
 
   template <int dim>
   void
-  LatticeCycle<dim>::make_direct_matrix()
+  LatticeCycle<dim>::vmult(const std::vector<VectorType *>       &dst,
+                           const std::vector<const VectorType *> &src) const
   {
-    const LatticeMatrix<dim> &last       = *coarse.back();
-    const unsigned int        components = last.n_components();
-    const InterleavedLayout  &layout     = last.layout();
-    const auto               &positions  = last.unknowns().positions();
-    const auto                lattice    = last.lattice();
-    const std::uint64_t       n_columns =
-      parameters.lowers_order ? n_functions_of_order_1(lattice) * components
-                                    : n_rows(last);
-    if (n_columns > largest_direct_size)
-      return;
-    const auto columns =
-      [&](const unsigned int u, const unsigned int c, const auto &add) {
-        if (!parameters.lowers_order)
-          {
-            add(layout.global_number(u) * components + c, 1.);
-            return;
-          }
-        std::vector<std::pair<unsigned int, double>> terms{{0, 1.}};
-        for (unsigned int d = 3; d-- > 0;)
-          {
-            const NestedKnots &knots = lattice[d];
-            if (knots.degree() == 0)
-              continue;
-            const unsigned int n    = knots.n_cells() + !knots.is_periodic();
-            const auto [cell, part] = knots.greville_point(positions[u][d]);
-            std::vector<std::pair<unsigned int, double>> product;
-            for (const auto &[number, weight] : terms)
-              {
-                product.emplace_back(number * n + cell, weight * (1. - part));
-                if (part > 0.)
-                  product.emplace_back(number * n + (cell + 1) % n,
-                                       weight * part);
-              }
-            terms = product;
-          }
-        for (const auto &[number, weight] : terms)
-          add(number * components + c, weight);
-      };
-    direct_begin.assign(1, 0);
-    for (unsigned int u = 0; u < layout.n_owned(); ++u)
-      for (unsigned int c = 0; c < components; ++c)
-        {
-          if (!last.unknowns().is_constrained(u, c))
-            columns(u, c, [&](const unsigned int column, const double weight) {
-              direct_columns.emplace_back(column, weight);
-            });
-          direct_begin.push_back(direct_columns.size());
-        }
-    direct_values.reinit(n_columns);
-    factorize_direct_matrix(last.reduced_entries(n_columns, columns));
-  }
-
-
-
-  template <int dim>
-  void
-  LatticeCycle<dim>::factorize_direct_matrix(std::vector<double> entries)
-  {
-    // Functions can be linearly dependent, and tangents indefinite: the
-    // diagonal is raised as far as necessary.
-    constexpr double   smallest_shift = 1e-6, largest_shift = 10., growth = 30.;
-    const unsigned int n = direct_values.size();
-    for (double shift = smallest_shift; shift < largest_shift; shift *= growth)
+    double largest = 0.;
+    for (unsigned int part = 0; part < parts.size(); ++part)
       {
-        direct_matrix.reinit(n, n);
-        direct_matrix.set_property(LAPACKSupport::symmetric);
-        for (unsigned int i = 0; i < n; ++i)
-          for (unsigned int j = 0; j < n; ++j)
-            direct_matrix(i, j) = entries[std::size_t(i) * n + j];
-        for (unsigned int i = 0; i < n; ++i)
-          if (entries[std::size_t(i) * n + i] > 0.)
-            direct_matrix(i, i) *= 1. + shift;
-          else
-            direct_matrix(i, i) = 1.;
-        try
-          {
-            direct_matrix.compute_cholesky_factorization();
-            return;
-          }
-        catch (const ExceptionBase &)
-          {}
+        largest    = std::max(largest, src[part]->linfty_norm());
+        *dst[part] = 0.;
       }
-    direct_matrix.reinit(0, 0);
-  }
-
-
-
-  template <int dim>
-  void
-  LatticeCycle<dim>::add_direct_solution(SingleVector       &x,
-                                         const SingleVector &b) const
-  {
-    direct_values = 0.;
-    for (unsigned int i = 0; i < b.locally_owned_size(); ++i)
-      for (std::size_t k = direct_begin[i]; k < direct_begin[i + 1]; ++k)
-        direct_values[direct_columns[k].first] +=
-          direct_columns[k].second * b.local_element(i);
-    const MPI_Comm comm = coarse.back()->layout().communicator();
-    if (Utilities::MPI::n_mpi_processes(comm) > 1)
-      Utilities::MPI::sum(direct_values, comm, direct_values);
-    direct_matrix.solve(direct_values);
-    for (unsigned int i = 0; i < x.locally_owned_size(); ++i)
-      {
-        double sum = 0.;
-        for (std::size_t k = direct_begin[i]; k < direct_begin[i + 1]; ++k)
-          sum +=
-            direct_columns[k].second * direct_values[direct_columns[k].first];
-        x.local_element(i) += float(sum);
-      }
-  }
-
-
-
-  template <int dim>
-  void
-  LatticeCycle<dim>::vmult(VectorType &dst, const VectorType &src) const
-  {
-    const Level &level   = levels[0];
-    const double largest = src.linfty_norm();
-    dst                  = 0.;
     if (!(largest > 0.) || !std::isfinite(largest))
       return;
-    const unsigned int n         = finest->n_components();
-    const auto        &functions = finest->unknown_functions();
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      for (unsigned int c = 0; c < n; ++c)
-        level.b.local_element(u * n + c) =
-          !level.constrained.empty() && ((level.constrained[u] >> c) & 1)
-            ? 0.f
-            : float(src.local_element(functions[u] * n + c) / largest);
+    // Call action(part, entry of unknowns, entry of functions, is free).
+    const auto for_each_entry = [&](const auto &action) {
+      for (unsigned int part = 0; part < parts.size(); ++part)
+        {
+          const unsigned int n           = parts[part]->n_components();
+          const auto        &functions   = parts[part]->unknown_functions();
+          const auto        &constrained = levels[0].blocks[part].constrained;
+          for (unsigned int u = 0; u < functions.size(); ++u)
+            for (unsigned int c = 0; c < n; ++c)
+              action(part,
+                     u * n + c,
+                     functions[u] * n + c,
+                     constrained.empty() || !((constrained[u] >> c) & 1));
+        }
+    };
+    for_each_entry([&](const unsigned int part,
+                       const unsigned int i,
+                       const unsigned int f,
+                       const bool         is_free) {
+      levels[0].b[part].local_element(i) =
+        is_free ? float(src[part]->local_element(f) / largest) : 0.f;
+    });
     cycle(0);
-    const double scale = largest / finest->unit();
-    for (unsigned int u = 0; u < functions.size(); ++u)
-      for (unsigned int c = 0; c < n; ++c)
-        dst.local_element(functions[u] * n + c) =
-          scale * level.x.local_element(u * n + c);
+    const double scale = largest / unit;
+    for_each_entry([&](const unsigned int part,
+                       const unsigned int i,
+                       const unsigned int f,
+                       const bool) {
+      dst[part]->local_element(f) = scale * levels[0].x[part].local_element(i);
+    });
   }
 
 

@@ -239,18 +239,12 @@ namespace greville
 
 
   template <int dim>
-  std::vector<OverlappingCholesky>
-  LatticeMatrix<dim>::factorize(const CholeskyParameters &parameters,
-                                const bool                by_components) const
+  std::vector<UpperTriangle>
+  LatticeMatrix<dim>::diagonal_blocks(const bool by_components) const
   {
-    std::vector<OverlappingCholesky> result(by_components ? n_components() : 1);
-    for (unsigned int c = 0; c < result.size(); ++c)
-      result[c].factorize(diagonal_block(by_components ? int(c) : -1),
-                          places.layout(),
-                          unknown_positions(),
-                          lattice()[0].degree(),
-                          1,
-                          parameters);
+    std::vector<UpperTriangle> result;
+    for (unsigned int c = 0; c < (by_components ? n_components() : 1); ++c)
+      result.push_back(diagonal_block(by_components ? int(c) : -1));
     return result;
   }
 

@@ -154,7 +154,7 @@ namespace greville
         const int                reach =
           parameters.drop_tolerance > 0. ? std::max(1, degree - 1) : degree;
         factors.factorize(entries.local_entries(1, reach),
-                          entries.unknowns().unknown_layout(),
+                          *entries.unknowns().unknown_layout(),
                           entries.unknowns().unknown_positions(),
                           reach,
                           1,

@@ -3,7 +3,6 @@
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/linear_algebra/krylov.h>
-#include <greville/multigrid/lattice_cycle.h>
 #include <greville/multigrid/p_multigrid.h>
 
 #include <cmath>
@@ -32,6 +31,26 @@ namespace greville
                     coarse_preconditioner,
                     Patterns::Selection(coarse_preconditioners))(
         "Preconditioner of the conjugate gradients at p = 1.");
+  }
+
+
+
+  LatticeCycleParameters
+  PMultigridParameters::of_lattices(
+    const SmootherParameters &smoother_parameters) const
+  {
+    const bool by_components = smoother == "chebyshev-component-ic0";
+    Require(!coarsens_lattices() || by_components ||
+              smoother == "chebyshev-ic0",
+            "The coarsening <" + coarsening +
+              "> takes the smoothers chebyshev-ic0 and "
+              "chebyshev-component-ic0, but 'Smoother' is <" +
+              smoother + ">.");
+    return {smoother_parameters.shift,
+            smoother_parameters.chebyshev_degree,
+            smoother_parameters.chebyshev_range,
+            by_components,
+            coarsening == "hp"};
   }
 
 
@@ -92,22 +111,11 @@ namespace greville
           make_smoother<dim>(name, smoother_parameters, *levels[0], true);
         return;
       }
-    const bool by_components = parameters.smoother == "chebyshev-component-ic0";
-    Require(!parameters.coarsens_lattices() || by_components ||
-              parameters.smoother == "chebyshev-ic0",
-            "The coarsening <" + parameters.coarsening +
-              "> takes the smoothers chebyshev-ic0 and "
-              "chebyshev-component-ic0, but 'Smoother' is <" +
-              parameters.smoother + ">.");
     coarse_preconditioner =
       name == "direct" ? levels[0]->petsc_preconditioner(
                            "-pc_type lu -pc_factor_mat_solver_type mumps")
                        : levels[0]->lattice_preconditioner(
-                           {smoother_parameters.shift,
-                            smoother_parameters.chebyshev_degree,
-                            smoother_parameters.chebyshev_range,
-                            by_components,
-                            parameters.coarsening == "hp"});
+                           parameters.of_lattices(smoother_parameters));
     Require(coarse_preconditioner,
             "The parameter 'Coarse preconditioner' is <" + name +
               ">, which needs entries that this operator does not provide.");

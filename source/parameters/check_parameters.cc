@@ -272,6 +272,9 @@ namespace greville
   void
   SimulationParameters::check_contacts() const
   {
+    Require(contacts.empty() || implicit_solver.multigrid.coarsens_lattices(),
+            "'Implicit solver/Levels' = orders does not support "
+            "'Simulation/Contacts': take lattice or hp.");
     for (const auto &[name, contact] : contacts)
       {
         contact.check("Contact " + name, bodies, rigid_bodies);

@@ -346,6 +346,26 @@ namespace greville
 
   template <int dim>
   void
+  TrialSums<dim>::for_each_value(const unsigned int             cell,
+                                 const std::vector<Point<dim>> &points,
+                                 const Visit                   &visit) const
+  {
+    with_order(tables.space->degree(), [&](const auto size) {
+      constexpr int              n = decltype(size)::value;
+      const CellGeometry<dim, n> geometry(tables, cell);
+      for (unsigned int k = 0; k < points.size(); ++k)
+        {
+          const ValuesAndGradients<dim, n> N(geometry, points[k]);
+          for (int a = 0; a < power(n, dim); ++a)
+            visit(k, geometry.functions[a], N.values[a]);
+        }
+    });
+  }
+
+
+
+  template <int dim>
+  void
   TrialSums<dim>::add_product(double                   *y,
                               const double             *x,
                               const StencilMatrix<dim> &stencil,

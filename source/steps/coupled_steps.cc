@@ -318,6 +318,7 @@ namespace greville
                                          ((1. - scheme.alpha_f) * dt * dt);
         try
           {
+            steps.system.set_coupled(contacts != nullptr);
             steps.system.set_operator(mass_factor,
                                       steps.is_symmetric &&
                                         steps.surfaces_are_symmetric);
@@ -402,14 +403,23 @@ namespace greville
         {
           if (parts[k].steps->water)
             precondition_water(k);
-          systems[k]->precondition(products[k], blocks[k]);
+          if (!contacts)
+            systems[k]->precondition(products[k], blocks[k]);
         }
+      if (contacts)
+        parts[0].steps->coupled_cycle.vmult(products, blocks);
       if (has_rigid_block())
         contacts->precondition_rigid(products.back(), blocks.back());
       write(dst, products);
     };
     return TangentSystem<dim>::solve_together(
       systems, tolerance, [&](const unsigned int n) {
+        if (contacts)
+          parts[0].steps->coupled_cycle.update(systems,
+                                               contacts->sum_of_stiffness(),
+                                               [&]() {
+                                                 return contacts->coupling();
+                                               });
         // Restarts of FGMRES lose the coupling of the parts.
         return solve_krylov({tolerance, n},
                             multiply,

@@ -20,22 +20,6 @@ namespace greville
     // largest one, or after this number of rounds.
     constexpr double       augmented_tolerance = 1e-3;
     constexpr unsigned int most_rounds         = 5;
-    // The kappa of the stiffness of single points in preconditioners for two
-    // bodies. Most modes near the surface move both bodies and do not feel the
-    // contact: this kappa needs the fewest iterations. Against a rigid body,
-    // all of the stiffness counts.
-    constexpr double preconditioned_penalty = 0.1;
-
-    double
-    share_in_preconditioner(const ContactLaw &law,
-                            const double      modulus,
-                            const double      cell_size)
-    {
-      return law.has_two_sides ? std::min(1.,
-                                          preconditioned_penalty * modulus /
-                                            (cell_size * law.stiffness))
-                               : 1.;
-    }
 
 
 
@@ -114,10 +98,6 @@ namespace greville
 
     for (unsigned int c = 0; c < contacts.contacts.size(); ++c)
       {
-        const Contact &contact = contacts.contacts[c];
-        shares.push_back(share_in_preconditioner(contact.average->law(),
-                                                 contact.modulus,
-                                                 contact.cell_size));
         std::size_t n = 0;
         for (unsigned int s = 0; s < 2; ++s)
           for (const Place &place : contacts.contacts[c].sides[s])
@@ -357,16 +337,14 @@ namespace greville
     if (!problem.empty())
       return problem;
     std::vector<std::vector<Tensor<1, dim>>> of_points(steps.size());
-    std::vector<std::vector<Tensor<2, dim>>> stiffness(steps.size());
+    std::vector<std::vector<double>>         norms(steps.size());
     for (const Side &side : sides)
       for (std::size_t s = side.begin; s < side.end; ++s)
         {
           of_points[side.part].push_back(weight *
                                          points[side.contact][s].force);
-          if (with_stiffness)
-            stiffness[side.part].push_back(shares[side.contact] * weight *
-                                           share *
-                                           points[side.contact][s].stiffness);
+          norms[side.part].push_back(weight * share *
+                                     points[side.contact][s].stiffness.norm());
         }
     for (unsigned int k = 0; k < steps.size(); ++k)
       {
@@ -374,7 +352,8 @@ namespace greville
                                            of_points[k],
                                            forces[k]);
         if (with_stiffness)
-          steps[k]->system.surfaces().add_stiffness(surfaces[k], stiffness[k]);
+          steps[k]->system.surfaces().set_stiffness_of_points(surfaces[k],
+                                                              norms[k]);
       }
     if (with_stiffness)
       find_rigid_tangents();
@@ -451,10 +430,7 @@ namespace greville
     std::vector<std::vector<Tensor<1, dim>>> of_points(steps.size());
     for (const Side &side : sides)
       for (std::size_t s = side.begin; s < side.end; ++s)
-        of_points[side.part].push_back(
-          -weight * (changes[side.contact][s] +
-                     shares[side.contact] * points[side.contact][s].stiffness *
-                       displacements[side.contact][s]));
+        of_points[side.part].push_back(-weight * changes[side.contact][s]);
     VectorType rows;
     for (unsigned int k = 0; k < steps.size(); ++k)
       {

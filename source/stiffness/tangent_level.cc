@@ -136,11 +136,10 @@ namespace greville
           });
       }
 
-      std::vector<OverlappingCholesky>
-      factorize(const CholeskyParameters &parameters,
-                const bool                by_components) const override
+      std::vector<UpperTriangle>
+      diagonal_blocks(const bool by_components) const override
       {
-        return level.factorize(parameters, by_components);
+        return level.diagonal_blocks(by_components);
       }
 
     private:

@@ -87,37 +87,6 @@ namespace greville
 
 
 
-  namespace
-  {
-    /// Call @p action(cell, points) for the cells of surfaces, with the values
-    /// of points given one after another.
-    template <int dim, typename Value, typename SetValue, typename Action>
-    void
-    for_each_cell(const std::vector<const MaterialPoints<dim> *> &surfaces,
-                  const std::vector<Value>                       &values,
-                  const SetValue                                 &set_value,
-                  const Action                                   &action)
-    {
-      auto                                value = values.begin();
-      std::vector<TrialSurfacePoint<dim>> trials;
-      for (const MaterialPoints<dim> *points : surfaces)
-        for (const unsigned int cell : points->cells())
-          {
-            trials.clear();
-            points->for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
-              TrialSurfacePoint<dim> trial;
-              trial.x    = p.basis_position(points->layout());
-              trial.area = 1.;
-              set_value(trial, *value++);
-              trials.push_back(trial);
-            });
-            action(cell, trials);
-          }
-    }
-  } // namespace
-
-
-
   template <int dim>
   void
   TangentSurfaces<dim>::spread(
@@ -125,16 +94,22 @@ namespace greville
     const std::vector<Tensor<1, dim>>              &forces,
     VectorField<dim>                               &result)
   {
+    auto                                force = forces.begin();
+    std::vector<TrialSurfacePoint<dim>> trials;
     sums.back().clear();
-    for_each_cell<dim>(
-      surfaces,
-      forces,
-      [](TrialSurfacePoint<dim> &trial, const Tensor<1, dim> &force) {
-        trial.load = force;
-      },
-      [&](const unsigned int cell, const auto &points) {
-        sums.back().add_force(cell, points);
-      });
+    for (const MaterialPoints<dim> *points : surfaces)
+      for (const unsigned int cell : points->cells())
+        {
+          trials.clear();
+          points->for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+            TrialSurfacePoint<dim> trial;
+            trial.x    = p.basis_position(points->layout());
+            trial.area = 1.;
+            trial.load = *force++;
+            trials.push_back(trial);
+          });
+          sums.back().add_force(cell, trials);
+        }
     sums.back().take_force(result);
   }
 
@@ -142,26 +117,47 @@ namespace greville
 
   template <int dim>
   void
-  TangentSurfaces<dim>::add_stiffness(
+  TangentSurfaces<dim>::for_each_value(
+    const MaterialPoints<dim>                                    &points,
+    const std::function<void(std::size_t, unsigned int, double)> &visit) const
+  {
+    std::size_t             first = 0;
+    std::vector<Point<dim>> x;
+    for (const unsigned int cell : points.cells())
+      {
+        x.clear();
+        points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+          x.push_back(p.basis_position(points.layout()));
+        });
+        sums.back().for_each_value(cell,
+                                   x,
+                                   [&](const unsigned int k,
+                                       const unsigned int f,
+                                       const double       value) {
+                                     visit(first + k, f, value);
+                                   });
+        first += x.size();
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSurfaces<dim>::set_stiffness_of_points(
     const std::vector<const MaterialPoints<dim> *> &surfaces,
-    const std::vector<Tensor<2, dim>>              &stiffness)
+    const std::vector<double>                      &norms)
   {
     double square = 0.;
-    for_each_cell<dim>(
-      surfaces,
-      stiffness,
-      [](TrialSurfacePoint<dim> &trial, const Tensor<2, dim> &of_point) {
-        trial.by_displacement = -1. * of_point;
-      },
-      [&](const unsigned int cell, const auto &points) {
-        double of_cell = 0.;
-        for (const TrialSurfacePoint<dim> &point : points)
-          of_cell += point.by_displacement.norm();
-        if (of_cell == 0.)
-          return;
-        square += of_cell * of_cell;
-        stiff.emplace_back(cell, points);
-      });
+    auto   norm   = norms.begin();
+    for (const MaterialPoints<dim> *points : surfaces)
+      for (const unsigned int cell : points->cells())
+        {
+          double of_cell = 0.;
+          for (unsigned int k = 0; k < points->n_points(cell); ++k)
+            of_cell += *norm++;
+          square += of_cell * of_cell;
+        }
     scale_of_points = std::sqrt(Utilities::MPI::sum(square, comm));
   }
 

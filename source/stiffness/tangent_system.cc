@@ -299,7 +299,7 @@ namespace greville
   TangentSystem<dim>::is_reusable(const double mass_factor) const
   {
     constexpr double largest_change = 2.;
-    return multigrid && parameters.reuse > 0 &&
+    return is_set_up && parameters.reuse > 0 &&
            excess_iterations <= parameters.reuse &&
            mass_factor <= largest_change * mass_factor_of_set_up &&
            mass_factor_of_set_up <= largest_change * mass_factor;
@@ -387,6 +387,9 @@ namespace greville
   void
   TangentSystem<dim>::set_up()
   {
+    static std::uint64_t last_number = 0;
+
+    is_set_up = false;
     assemble(levels.size() - 1);
     has_levels = needs_levels(mass_factor);
     // Tangents of failing bodies are indefinite, and some cannot be factorized.
@@ -394,7 +397,8 @@ namespace greville
       {
         for (unsigned int l = 0; has_levels && l + 1 < levels.size(); ++l)
           assemble(l);
-        make_multigrid();
+        if (!is_coupled)
+          make_multigrid();
       }
     catch (const ErrorOnAll &)
       {
@@ -404,6 +408,8 @@ namespace greville
         has_levels  = false;
         make_multigrid();
       }
+    is_set_up             = true;
+    number_of_set_up      = ++last_number;
     mass_factor_of_set_up = mass_factor;
     excess_iterations     = 0.;
     is_fresh              = true;
@@ -556,7 +562,51 @@ namespace greville
   TangentSystem<dim>::forget()
   {
     multigrid.reset();
+    is_set_up   = false;
     levels_fail = false;
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::set_coupled(const bool is)
+  {
+    if (is != is_coupled)
+      forget();
+    is_coupled = is;
+  }
+
+
+
+  template <int dim>
+  typename TangentSystem<dim>::LatticePart
+  TangentSystem<dim>::lattice_part() const
+  {
+    PMultigridParameters cycle    = parameters.multigrid;
+    SmootherParameters   smoother = parameters.smoother;
+    choose_smoother(cycle, smoother);
+    return {finest().make_lattice(), cycle.of_lattices(smoother), has_levels};
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::for_each_weight(const MaterialPoints<dim> &points,
+                                      const VisitWeight         &visit) const
+  {
+    const ExtendedMass<dim> &mass        = finest().extended();
+    const auto              &constrained = finest().constrained_components();
+    of_surfaces.for_each_value(
+      points,
+      [&](const std::size_t s, const unsigned int f, const double value) {
+        mass.unknowns().for_each_unknown(
+          mass.matrix().place(f),
+          [&](const unsigned int u, const double weight) {
+            visit(s, u, value * weight, constrained[f]);
+          });
+      });
   }
 
 

@@ -61,7 +61,7 @@ test(const MultiIndex<dim> &cells,
   OverlappingCholesky cholesky;
   const auto          factorize = [&](const CholeskyParameters &parameters) {
     cholesky.factorize(mass.local_entries((1 << dim) - 1),
-                       mass.unknowns().unknown_layout(),
+                       *mass.unknowns().unknown_layout(),
                        mass.unknowns().unknown_positions(),
                        p,
                        1,

@@ -5,6 +5,8 @@
 // Checks the linear systems of implicit steps: the operator is the derivative
 // of the force, and p-multigrid needs few iterations for any mesh, order and
 // position of the surface in its cells.
+#include <greville/base/index_limits.h>
+#include <greville/linear_algebra/krylov.h>
 #include <greville/steps/grid_mass.h>
 #include <greville/stiffness/tangent_system.h>
 
@@ -101,6 +103,85 @@ namespace
       system.extend(u, x);
       system.restrict(b, u, nullptr);
       const SolveResult result = system.solve(x, b, 1e-8);
+      return result.converged ? *result.iterations : 1000;
+    }
+
+    /// The same for two copies of the body, whose unknowns at a height are
+    /// coupled by springs along (0.6, 0.8), as stiff as the largest diagonal
+    /// entry times @p spring. The copies get opposite loads, so that the system
+    /// (A + 2 C) x = b of one of them is solved.
+    unsigned int
+    coupled_iterations(const double spring, const int height)
+    {
+      for (VectorType &component : u)
+        component = 0.;
+      system.set_coupled(true);
+      system.evaluate(bodies, u, 1., StepStress::end, true, force);
+      system.set_operator(0., true);
+      typename LatticeCycle<dim>::Parts parts;
+      for (unsigned int copy = 0; copy < 2; ++copy)
+        parts.push_back(system.lattice_part().finest);
+      const LatticeCycleParameters cycle_parameters =
+        system.lattice_part().parameters;
+      const InterleavedLayout &layout      = parts[0]->layout();
+      const auto               functions   = parts[0]->unknown_functions();
+      const auto               constrained = parts[0]->constrained_unknowns();
+      const auto               positions   = parts[0]->unknown_positions();
+      Tensor<1, dim>           n;
+      n[0] = 0.6;
+      n[1] = 0.8;
+      std::vector<Tensor<2, dim>> keys;
+      std::vector<unsigned int>   of_keys;
+      for (unsigned int k = 0; k < positions.size(); ++k)
+        if (positions[k][dim - 1] == height)
+          {
+            keys.push_back(spring * parts[0]->unit() * outer_product(n, n));
+            of_keys.push_back(k);
+          }
+      const std::uint64_t first =
+        sum_before(keys.size(), layout.communicator());
+      std::vector<typename LatticeCoupling<dim>::Weight> weights;
+      for (unsigned int k = 0; k < keys.size(); ++k)
+        weights.push_back({first + k,
+                           layout.global_number(of_keys[k]),
+                           1.,
+                           constrained[of_keys[k]]});
+      LatticeCoupling<dim> coupling;
+      coupling.add_keys(keys);
+      for (const double sign : {1., -1.})
+        coupling.add_weights(sign > 0. ? 0 : 1,
+                             layout,
+                             weights,
+                             std::vector<double>(keys.size(), sign));
+      const LatticeCycle<dim> cycle(std::move(parts),
+                                    cycle_parameters,
+                                    &coupling);
+      fill(x, 1.);
+      system.extend(u, x);
+      system.restrict(b, u, nullptr);
+      VectorType        minus = b, unused = b;
+      const SolveResult result = solve_krylov(
+        {1e-6, 100},
+        [&](VectorType &dst, const VectorType &src) {
+          system.multiply(dst, src);
+          for (unsigned int k = 0; k < keys.size(); ++k)
+            {
+              const unsigned int i = functions[of_keys[k]] * dim;
+              Tensor<1, dim>     moved;
+              for (unsigned int c = 0; c < dim; ++c)
+                moved[c] = src.local_element(i + c);
+              const Tensor<1, dim> push = 2. * (keys[k] * moved);
+              for (unsigned int c = 0; c < dim; ++c)
+                dst.local_element(i + c) += push[c];
+            }
+        },
+        [&](VectorType &dst, const VectorType &src) {
+          minus.equ(-1., src);
+          cycle.vmult({&dst, &unused}, {&src, &minus});
+        },
+        x,
+        b);
+      system.set_coupled(false);
       return result.converged ? *result.iterations : 1000;
     }
 
@@ -221,6 +302,21 @@ namespace
 
 
 
+  /// A cycle of two bodies that springs of any stiffness couple.
+  template <int dim>
+  void
+  check_coupled(const std::string &name, const Text &text, const int height)
+  {
+    Systems<dim> systems(text);
+    for (const double spring : {1e-3, 1., 30.})
+      check_range(name + ", coupled by springs of " + std::to_string(spring),
+                  systems.coupled_iterations(spring, height),
+                  3,
+                  spring > 1. ? 30 : 14);
+  }
+
+
+
   template <int dim>
   void
   check_derivative(const std::string &name,
@@ -240,6 +336,8 @@ namespace
 void
 test_main()
 {
+  check_coupled<2>("column of 16 cells", column_2d(16, 2), 12);
+  check_coupled<3>("column of 8 cells", column_3d(8, 2), 6);
   for (const std::string model :
        {"linear-elastic", "neo-hookean", "newtonian-fluid"})
     {

@@ -71,7 +71,7 @@ namespace greville
     /// The state of the larger part of the point's keys under pressure.
     ContactState state = ContactState::open;
     /// The stiffness against a common displacement of all points of its side, N
-    /// / m (2D: N / m^2), if requested, see ContactTangent.
+    /// / m (2D: N / m^2), if requested: a scale of round-off.
     dealii::Tensor<2, dim> stiffness;
   };
 } // namespace greville

@@ -52,10 +52,37 @@ namespace greville
     {
       double                 inverse_weights[2] = {0., 0.};
       dealii::Tensor<2, dim> stiffness; // w_k D_k
+      /// The stiffness without the part of sliding that is not symmetric.
+      dealii::Tensor<2, dim> symmetric;
       /// The derivative by the mean pore pressure: -w_k tau'_k d_k over the sum
       /// of a_s psi_k.
       dealii::Tensor<1, dim> by_pore_pressure;
     };
+
+    /// Return the keys of this process.
+    const std::vector<Key> &
+    own_keys() const
+    {
+      return keys;
+    }
+
+    /// Return whether any process has keys.
+    bool
+    has_keys() const
+    {
+      return values.size() > 0;
+    }
+
+    /// Call visit(k, a_s psi_k) for the global numbers of the keys of a point.
+    template <typename Visit>
+    void
+    for_each_share(const std::size_t point, const Visit &visit) const
+    {
+      for (std::size_t k = point == 0 ? 0 : ends[point - 1]; k < ends[point];
+           ++k)
+        visit(values.get_partitioner()->local_to_global(shares[k].place) / size,
+              shares[k].weight);
+    }
 
     /// Collective. Begin with the keys of this process, numbered from @p first
     /// on, and with all @p numbers of keys of its points.

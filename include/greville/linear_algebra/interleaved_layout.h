@@ -69,4 +69,16 @@ namespace greville
       array<std::shared_ptr<const dealii::Utilities::MPI::Partitioner>, 9>
         partitioners;
   };
+
+  /// The unknowns of several parts as those of one system: on each process, the
+  /// owned ones of all parts, one part after another.
+  struct JoinedLayout
+  {
+    /// Collective.
+    explicit JoinedLayout(const std::vector<const InterleavedLayout *> &parts);
+
+    InterleavedLayout layout;
+    /// The number of each local unknown of each part, ascending.
+    std::vector<std::vector<unsigned int>> numbers;
+  };
 } // namespace greville

@@ -56,13 +56,13 @@ namespace greville
     /// this size. Throws ErrorOnAll if IncompleteCholesky::factorize() throws
     /// on any process.
     void
-    factorize(const UpperTriangle                            &matrix,
-              const std::shared_ptr<const InterleavedLayout> &layout,
-              const std::vector<std::array<int, 3>>          &positions,
-              const int                                       reach,
-              const unsigned int                              n_layers,
-              const CholeskyParameters                       &parameters,
-              const RowVariants &variants = RowVariants());
+    factorize(const UpperTriangle                   &matrix,
+              const InterleavedLayout               &layout,
+              const std::vector<std::array<int, 3>> &positions,
+              const int                              reach,
+              const unsigned int                     n_layers,
+              const CholeskyParameters              &parameters,
+              const RowVariants                     &variants = RowVariants());
 
     /// Collective. Solve in place for the owned unknowns, @p width columns, the
     /// components of fields one after another.

@@ -77,11 +77,16 @@ namespace greville
     }
 
     void
+    set_unit(const double unit)
+    {
+      matrix_unit = unit;
+    }
+
+    void
     multiply(SingleVector &y, SingleVector &x) const override;
 
-    std::vector<OverlappingCholesky>
-    factorize(const CholeskyParameters &parameters,
-              const bool                by_components) const override;
+    std::vector<UpperTriangle>
+    diagonal_blocks(const bool by_components) const override;
 
   protected:
     /// Call visit(position, place) for the functions of this process with rows.
@@ -107,7 +112,7 @@ namespace greville
 
     const Extension<dim>             &extension;
     const std::vector<unsigned char> &constrained;
-    const double                      matrix_unit;
+    double                            matrix_unit;
     mutable VectorType                source, result;
   };
 } // namespace greville

@@ -111,6 +111,15 @@ namespace greville
     lattice_preconditioner(
       const LatticeCycleParameters &parameters) const override;
 
+    /// Return A as the finest level of a LatticeCycle, which refers to this
+    /// object.
+    virtual std::unique_ptr<ExtendedLattice<dim>>
+    make_lattice() const = 0;
+
+    /// See LatticeLevel.
+    std::vector<UpperTriangle>
+    diagonal_blocks(const bool by_components) const;
+
     /// Collective. Factorize the mean of the diagonal blocks of the components,
     /// or each block.
     std::vector<OverlappingCholesky>
@@ -147,10 +156,6 @@ namespace greville
     virtual const ExtendedMass<dim> &
     diagonal_block(const unsigned int components) const = 0;
 
-    /// Return A as the finest level of a LatticeCycle.
-    virtual std::unique_ptr<ExtendedLattice<dim>>
-    make_lattice() const = 0;
-
     const SplineSpace<dim>          &spline_space;
     const unsigned int               components;
     const std::vector<unsigned char> constrained;
@@ -161,11 +166,15 @@ namespace greville
     mutable VectorType               source, result; // of unknowns
 
   private:
-    /// Collective. Factorize a matrix that represents some components (bits).
+    /// Return the entries of this process that represent the components number
+    /// c, or all components.
+    UpperTriangle
+    local_block(const unsigned int c, const bool by_components) const;
+
+    /// Collective. Factorize a matrix with the unknowns of the mass.
     void
-    factorize(const ExtendedMass<dim>  &matrix,
+    factorize(const UpperTriangle      &matrix,
               const CholeskyParameters &parameters,
-              const unsigned int        of_components,
               OverlappingCholesky      &factors) const;
 
     /// Solve for @p n components from the given one on; @p dst may be @p src.

@@ -2,11 +2,9 @@
 
 #pragma once
 
-#include <deal.II/lac/lapack_full_matrix.h>
-
 #include <greville/linear_algebra/preconditioner.h>
+#include <greville/multigrid/coarsest_solver.h>
 #include <greville/multigrid/extended_lattice.h>
-#include <greville/multigrid/lattice_matrix.h>
 
 namespace greville
 {
@@ -23,93 +21,120 @@ namespace greville
 
   /**
    * A V-cycle on lattices that are coarsened by two in each direction at the
-   * same order of the splines, with Galerkin products. Vectors and matrices
-   * have single precision. The smoother is a Chebyshev polynomial over IC(0) of
-   * the mean diagonal block, or of each block.
+   * same order of the splines, with Galerkin products, for one or several
+   * *parts* that a LatticeCoupling can couple. Vectors and matrices have single
+   * precision. The smoother is a Chebyshev polynomial over IC(0) of
+   * the mean diagonal block, or of each block, of the unknowns of all parts
+   * together, in domains of processes that overlap by a layer. The couplings
+   * within a process belong to it. A part whose lattice
+   * cannot become coarser, or has few functions, stays the same on the coarser
+   * levels of other parts.
    *
-   * The last level is a matrix of few rows, which is factorized: that of the
-   * coarsest lattice, or if @p lowers_order, a matrix of order 1 on the
-   * coarsest lattice. A function of order 1 is then interpolated by a spline
-   * whose coefficients are its values at the Greville points, which has all
-   * linear functions.
+   * The last level is a CoarsestSolver.
    */
   template <int dim>
   class LatticeCycle : public Preconditioner
   {
   public:
-    /// Collective.
+    using Parts  = std::vector<std::unique_ptr<ExtendedLattice<dim>>>;
+    using Blocks = std::vector<SingleVector>;
+
+    /// Collective. The @p coupling of the parts, unless null, is kept by
+    /// reference; it receives coarser levels. Without @p coarsens, the cycle
+    /// consists of smoothing steps.
+    LatticeCycle(Parts                         parts,
+                 const LatticeCycleParameters &parameters,
+                 LatticeCoupling<dim>         *coupling = nullptr,
+                 const bool                    coarsens = true);
+
+    /// The cycle of one part.
     LatticeCycle(std::unique_ptr<ExtendedLattice<dim>> finest,
                  const LatticeCycleParameters         &parameters);
 
     /// Apply one cycle with the initial guess zero, to vectors with
     /// coefficients of all functions.
     void
-    vmult(VectorType &dst, const VectorType &src) const override;
+    vmult(VectorType &dst, const VectorType &src) const override
+    {
+      vmult({&dst}, {&src});
+    }
+
+    /// The same for all parts.
+    void
+    vmult(const std::vector<VectorType *>       &dst,
+          const std::vector<const VectorType *> &src) const;
 
   private:
+    /// A part of a level.
+    struct Block
+    {
+      const LatticeLevel<dim>   *matrix;
+      std::vector<unsigned char> constrained; // owned unknowns, if any
+      /// The unknowns of the next level; null if they are the same.
+      const LatticeUnknowns<dim> *coarser = nullptr;
+    };
+
     struct Level
     {
-      const LatticeLevel<dim>         *matrix;
-      std::vector<OverlappingCholesky> factors;     // none: solved directly
-      std::vector<unsigned char>       constrained; // owned unknowns, if any
+      std::vector<Block> blocks;
+      /// Of the unknowns of all parts, one part after another.
+      std::vector<OverlappingCholesky> factors;
+      bool                             is_smoothed        = true;
       double                           largest_eigenvalue = 1.;
-      mutable SingleVector             x, b, step, product;
+      mutable Blocks                   x, b, step, product;
+
+      /// Return the divisor of the matrices, the same for all parts.
+      double
+      unit() const
+      {
+        return blocks.front().matrix->unit();
+      }
     };
 
     /// Collective. Make the lattices.
     void
-    coarsen();
+    coarsen(const bool coarsens);
 
-    /// Collective. Factorize the matrix of a level.
+    /// Collective. Factorize the matrices of level l.
     void
-    make_smoother(Level &level);
+    make_smoother(const unsigned int l);
 
     /// Collective. Compute an upper bound of the eigenvalues of the
     /// preconditioned matrix, as a rule.
     void
-    estimate_eigenvalue(Level &level) const;
+    estimate_eigenvalue(const unsigned int l);
 
     /// Compute dst = B^-1 src with the factors B.
     void
-    precondition(const Level        &level,
-                 SingleVector       &dst,
-                 const SingleVector &src) const;
+    precondition(const Level &level, Blocks &dst, const Blocks &src) const;
 
-    /// Subtract A times a vector from b.
+    /// Compute y = A x on level l, without its unit.
     void
-    subtract_product(const Level &level, SingleVector &x) const;
+    multiply(const unsigned int l, Blocks &y, Blocks &x) const;
+
+    /// Subtract A x from b on level l.
+    void
+    subtract_product(const unsigned int l, Blocks &x) const;
 
     /// Add the smoother's correction for the residual b to x; b keeps the
     /// residual but for the last step.
     void
-    smooth(const Level &level) const;
+    smooth(const unsigned int l) const;
 
     void
     cycle(const unsigned int l) const;
 
-    /// Collective. Let the rows be components of the last lattice, or of its
-    /// functions of order 1.
+    /// Add the correction of level l + 1 for the residual b to x.
     void
-    make_direct_matrix();
+    add_coarse_correction(const unsigned int l) const;
 
-    void
-    factorize_direct_matrix(std::vector<double> entries);
-
-    /// Add the direct solution for b to x, vectors of the last lattice.
-    void
-    add_direct_solution(SingleVector &x, const SingleVector &b) const;
-
-    const std::unique_ptr<ExtendedLattice<dim>>      finest;
-    const LatticeCycleParameters                     parameters;
+    const Parts                  parts;
+    const LatticeCycleParameters parameters;
+    LatticeCoupling<dim> *const  coupling;
+    double                       unit = 1.; // divisor of the finest matrices
     std::vector<std::unique_ptr<LatticeMatrix<dim>>> coarse;
     std::vector<Level>                               levels; // finest first
+    CoarsestSolver<dim>                              coarsest;
     mutable std::vector<float>                       work;
-
-    // The factorized matrix, and by row of the last lattice its columns and
-    // their weights.
-    dealii::LAPACKFullMatrix<double>             direct_matrix;
-    std::vector<std::size_t>                     direct_begin;
-    std::vector<std::pair<unsigned int, double>> direct_columns;
-    mutable dealii::Vector<double>               direct_values;
   };
 } // namespace greville

@@ -85,10 +85,9 @@ namespace greville
     virtual void
     multiply(SingleVector &y, SingleVector &x) const = 0;
 
-    /// Collective. Factorize the mean of the diagonal blocks of the components,
-    /// or each block.
-    virtual std::vector<OverlappingCholesky>
-    factorize(const CholeskyParameters &parameters,
-              const bool                by_components) const = 0;
+    /// Return the part of this process, between local unknowns, of the mean of
+    /// the diagonal blocks of the components, or of each block.
+    virtual std::vector<UpperTriangle>
+    diagonal_blocks(const bool by_components) const = 0;
   };
 } // namespace greville

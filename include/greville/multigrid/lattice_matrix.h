@@ -106,9 +106,8 @@ namespace greville
     void
     multiply(SingleVector &y, SingleVector &x) const override;
 
-    std::vector<OverlappingCholesky>
-    factorize(const CholeskyParameters &parameters,
-              const bool                by_components) const override;
+    std::vector<UpperTriangle>
+    diagonal_blocks(const bool by_components) const override;
 
   private:
     /// Call an action with the numbers of components and of functions per

@@ -155,6 +155,17 @@ namespace greville
       return image_places;
     }
 
+    /// Call visit(f, u, weight) for the entries of P: owned unknowns f of the
+    /// finer level and local unknowns u.
+    template <typename Visit>
+    void
+    for_each_weight(const Visit &visit) const
+    {
+      for (std::size_t f = 0; f + 1 < transfer_begin.size(); ++f)
+        for (std::size_t e = transfer_begin[f]; e < transfer_begin[f + 1]; ++e)
+          visit(unsigned(f), transfer[e].unknown, transfer[e].weight);
+    }
+
     /// Compute fine += P coarse; the ghost entries of @p coarse are zero
     /// afterwards.
     void

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <greville/multigrid/lattice_cycle.h>
 #include <greville/multigrid/order_transfer.h>
 #include <greville/multigrid/smoother.h>
 #include <greville/spline/order_hierarchy.h>
@@ -38,6 +39,10 @@ namespace greville
     {
       return coarsening == "lattice" || coarsening == "hp";
     }
+
+    /// Return the parameters of a LatticeCycle.
+    LatticeCycleParameters
+    of_lattices(const SmootherParameters &smoother_parameters) const;
 
     std::string  coarsening            = "one by one";
     std::string  cycle                 = "V";

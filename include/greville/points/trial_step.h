@@ -190,6 +190,15 @@ namespace greville
     stiffness(const unsigned int                         cell,
               const std::vector<TrialSurfacePoint<dim>> &points);
 
+    /// Call visit(k, f, value) for the values of local basis functions f at
+    /// point number k of a cell.
+    using Visit =
+      std::function<void(unsigned int k, unsigned int f, double value)>;
+    void
+    for_each_value(const unsigned int                     cell,
+                   const std::vector<dealii::Point<dim>> &points,
+                   const Visit                           &visit) const;
+
     /// Add the full contribution times a vector on the places of a matrix on
     /// the space, with dim components each.
     void

@@ -18,8 +18,8 @@ namespace greville
    * contacts, each part is solved separately, as a list of one.
    *
    * Linear systems of several parts are solved by conjugate gradients if all
-   * tangents are symmetric, otherwise by FGMRES, with the p-multigrid of each
-   * part as its block of the preconditioner (see TangentSystem).
+   * tangents are symmetric, otherwise by FGMRES, with a CoupledCycle as the
+   * preconditioner.
    *
    * The displacements of all parts are followed by the pore pressures of all
    * parts (see PoreWater) if there are any; the pressures of parts without pore

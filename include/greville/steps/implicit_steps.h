@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <greville/steps/coupled_cycle.h>
 #include <greville/steps/implicit_scheme.h>
 #include <greville/steps/time_integrator.h>
 #include <greville/water/pore_water.h>
@@ -253,6 +254,7 @@ namespace greville
     const ImplicitScheme        scheme;
     std::optional<Expression>   step_formula;
     TangentSystem<dim>          system;
+    CoupledCycle<dim>           coupled_cycle; // of parts with this first one
     bool                        is_symmetric = true;
 
     // The pore pressure and its force, null without pore water.

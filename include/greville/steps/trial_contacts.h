@@ -18,9 +18,8 @@ namespace greville
    * functions are taken from the start. If the trial is accepted, the contacts
    * receive results, loads, slip, and the positions of rigid bodies.
    *
-   * The tangent is a ContactTangent. In the matrices of the parts, which are
-   * for preconditioners, it is replaced by the stiffness of single points
-   * (ContactPoint::stiffness), which fits into their stencils.
+   * The tangent is a ContactTangent. The preconditioner has its symmetric part
+   * as the coupling of a LatticeCycle, see CoupledCycle.
    */
   template <int dim>
   class TrialContacts
@@ -44,8 +43,8 @@ namespace greville
     set_pore_pressures(const std::vector<VectorType> &blocks);
 
     /// Collective. Evaluate contact at the trial displacements of the parts,
-    /// with the tangent if requested, which is added to the stiffness of the
-    /// parts. Returns an error message, or an empty text.
+    /// with the tangent if requested. Returns an error message, or an empty
+    /// text.
     std::string
     evaluate(const bool with_stiffness);
 
@@ -91,8 +90,17 @@ namespace greville
     bool
     is_symmetric() const;
 
-    /// Collective. Add to the products of the parts' matrices with @p src the
-    /// tangent in excess of the stiffness of single points. The parts are
+    /// Collective. Return the symmetric part of the last tangent between the
+    /// unknowns of the parts.
+    std::unique_ptr<LatticeCoupling<dim>>
+    coupling() const;
+
+    /// Collective. Return the sum of the traces of the stiffness of all keys.
+    double
+    sum_of_stiffness() const;
+
+    /// Collective. Add the tangent's product with @p src to @p dst. The parts
+    /// are
     /// followed by the pore pressures, if there are any, whose product is not
     /// changed, and by free rigid bodies, if there are any, whose product is
     /// set.
@@ -206,7 +214,6 @@ namespace greville
     // which keys of this process have started or stopped sliding, or reversed.
     unsigned int              n_tangents = 0;
     std::vector<unsigned int> n_changes;
-    std::vector<double>       shares; // of ContactPoint::stiffness in matrices
     unsigned int              n_rounds = 0; // of augment()
 
     // Memory for products.

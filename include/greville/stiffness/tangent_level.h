@@ -92,12 +92,12 @@ namespace greville
     void
     multiply_mass(VectorType &dst, const VectorType &src) const;
 
+    std::unique_ptr<ExtendedLattice<dim>>
+    make_lattice() const override;
+
   private:
     const ExtendedMass<dim> &
     diagonal_block(const unsigned int components) const override;
-
-    std::unique_ptr<ExtendedLattice<dim>>
-    make_lattice() const override;
 
     void
     multiply_at_places(

@@ -51,11 +51,20 @@ namespace greville
            const std::vector<dealii::Tensor<1, dim>>      &forces,
            VectorField<dim>                               &result);
 
-    /// Collective. Add the stiffness of these points against displacements, N /
-    /// m (2D: N / m^2).
+    /// Call visit(s, f, value) for the values of local basis functions f of the
+    /// finest order at point number s of a surface.
     void
-    add_stiffness(const std::vector<const MaterialPoints<dim> *> &surfaces,
-                  const std::vector<dealii::Tensor<2, dim>>      &stiffness);
+    for_each_value(
+      const MaterialPoints<dim> &points,
+      const std::function<void(std::size_t s, unsigned int f, double value)>
+        &visit) const;
+
+    /// Collective. Set the norms of the stiffness of these points, N / m (2D: N
+    /// / m^2), which is not assembled, for stiffness_scale().
+    void
+    set_stiffness_of_points(
+      const std::vector<const MaterialPoints<dim> *> &surfaces,
+      const std::vector<double>                      &norms);
 
     /// Remove all stiffness.
     void
@@ -76,7 +85,7 @@ namespace greville
 
     /// Return the Euclidean norm of the cell contributions to the stiffness of
     /// displacement-dependent forces, N / m, for the last add() and
-    /// add_stiffness().
+    /// set_stiffness_of_points().
     double
     stiffness_scale() const
     {

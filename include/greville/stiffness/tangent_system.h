@@ -152,6 +152,38 @@ namespace greville
       by_components = true;
     }
 
+    /// Let set-ups leave out the preconditioner, in place of which the system
+    /// has a part of a LatticeCycle of several systems, with
+    /// lattice_parameters(), which @p coarsens if coarse levels pay.
+    struct LatticePart
+    {
+      std::unique_ptr<ExtendedLattice<dim>> finest;
+      LatticeCycleParameters                parameters;
+      bool                                  coarsens;
+    };
+    void
+    set_coupled(const bool is);
+
+    LatticePart
+    lattice_part() const;
+
+    /// Return a number of the last set-up, which no other set-up of this
+    /// process has.
+    std::uint64_t
+    set_up_number() const
+    {
+      return number_of_set_up;
+    }
+
+    /// Call visit(s, u, weight, constrained) for the weights with which the
+    /// unknowns u of the mass interpolate point number s of a surface, except
+    /// for constrained components (bits).
+    using VisitWeight = std::function<
+      void(std::size_t s, unsigned int u, double weight, unsigned char)>;
+    void
+    for_each_weight(const MaterialPoints<dim> &points,
+                    const VisitWeight         &visit) const;
+
     /// Require a new set-up for the next operator.
     void
     forget();
@@ -267,7 +299,7 @@ namespace greville
     void
     make_multigrid();
 
-    /// Collective. Choose the smoother, if it is 'auto', and its parameters.
+    /// Choose the smoother, if it is 'auto', and its parameters.
     void
     choose_smoother(PMultigridParameters &cycle,
                     SmootherParameters   &smoother) const;
@@ -303,14 +335,16 @@ namespace greville
 
     // The state of the set-up; its number of iterations is for a reduction of
     // the residual by ten.
-    bool         has_levels = false, is_fresh = false;
-    bool         wants_entries = false; // the next system needs new entries
-    bool         levels_fail   = false; // coarse levels fail for these unknowns
-    double       mass_factor_of_set_up = 0.;
-    double       mass_factor           = 0.; // of the operator
-    double       first_iterations      = 0.;
-    double       excess_iterations     = 0.;
-    unsigned int set_ups               = 0;
+    bool          has_levels = false, is_fresh = false;
+    bool          wants_entries = false; // the next system needs new entries
+    bool          levels_fail = false; // coarse levels fail for these unknowns
+    bool          is_set_up = false, is_coupled = false;
+    double        mass_factor_of_set_up = 0.;
+    double        mass_factor           = 0.; // of the operator
+    double        first_iterations      = 0.;
+    double        excess_iterations     = 0.;
+    unsigned int  set_ups               = 0;
+    std::uint64_t number_of_set_up      = 0;
 
     std::vector<double> filled_part;
     mutable VectorType  unknowns;
