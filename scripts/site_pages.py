@@ -1,0 +1,144 @@
+#!/usr/bin/python3
+"""The pages of scripts/site.
+
+stage WORK   write WORK/docs and WORK/mkdocs.yml: README.md and all that links lead to.
+             WORK/tags has the names of the class reference.
+check SITE   list the links of SITE that lead nowhere, and what it loads from other servers.
+"""
+import html
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as xml
+from pathlib import Path
+from urllib.parse import unquote
+
+ROOT = Path(__file__).resolve().parent.parent
+# Other files are copied as NAME.txt, which browsers show.
+COPIED = (".md", ".png", ".gif", ".svg", ".csv", ".ipynb")
+
+
+class Stage:
+    def __init__(self, work):
+        self.work, self.pages, self.done = work, [], set()
+        # Headers and pages of the class reference.
+        self.classes = {}
+        for compound in xml.parse(work / "tags").iter("compound"):
+            if compound.get("kind") == "file" and compound.findtext("name").endswith(".h"):
+                name = compound.findtext("path") + compound.findtext("name")
+                self.classes[name.removeprefix(f"{ROOT}/")] = compound.findtext("filename").removesuffix(".html") + "_source.html"
+        for path in ROOT.glob("doc/**/*.dox"):
+            page = re.search(r"@page (\w+)", path.read_text())
+            if page:
+                self.classes[str(path.relative_to(ROOT))] = page[1] + ".html"
+
+    def link(self, page, target):
+        """Return the target of a link in the site, and stage it."""
+        folder = os.path.dirname(page)
+        name = os.path.normpath(os.path.join(folder, target))
+        if name in self.classes:
+            return os.path.relpath(f"classes/{self.classes[name]}", folder or ".")
+        if (ROOT / name).is_dir():
+            target, name = f"{target.rstrip('/')}/files.md", f"{name}/files.md"
+        self.add(name)
+        return target if name.endswith(COPIED) else target + ".txt"
+
+    def add(self, name):
+        if name in self.done:
+            return
+        self.done.add(name)
+        path = self.work / "docs" / (name if name.endswith(COPIED) else name + ".txt")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not name.endswith(".md"):
+            shutil.copy(ROOT / name, path)
+            return
+        self.pages.append(name)
+        if name.endswith("/files.md"):
+            folder = os.path.dirname(name)
+            text = f"# Files of {folder}\n\n" + "".join(f"- [{p.name}]({p.name})\n" for p in sorted((ROOT / folder).iterdir()) if p.is_file())
+        else:
+            text = (ROOT / name).read_text()
+        if name == "doc/gallery/index.md":
+            text = gallery(text)
+        path.write_text(re.sub(r"^```.*?^```$|`+[^`]+`+|\]\((?!\w+:)([^)#\s]+)", lambda match: self.replace(name, match), text, flags=re.M | re.S))
+
+    def replace(self, page, match):
+        if match[1]:
+            return "](" + self.link(page, match[1])
+        return diagram(match[0]) if match[0].startswith("```mermaid") else match[0]
+
+    def chapters(self, index):
+        """Return an index, and the pages at the beginning of the rows of its tables."""
+        text, folder = (ROOT / index).read_text(), os.path.dirname(index)
+        return [index] + [os.path.normpath(os.path.join(folder, name)) for name in re.findall(r"^\| \[[^]]*\]\(([^)#]+)\)", text, re.M)]
+
+    def write(self):
+        self.add("README.md")
+        others = [page for page in self.pages if page != "README.md" and not page.endswith("/files.md")]
+
+        def take(pages):
+            taken = [page for page in pages if page in others]
+            others[:] = [page for page in others if page not in taken]
+            return taken
+        nav = [{"Guide": take(self.chapters("doc/user/index.md"))},
+               {"Gallery": take(["doc/gallery/index.md"] + [page for page in others if page.startswith("examples/")])},
+               {"Parameters": take(["doc/simulation_parameters.md", "doc/parameters.md"])},
+               {"Results": take(self.chapters("doc/results/index.md"))},
+               {"Developers": take([*self.chapters("doc/developer/index.md"), "CONTRIBUTING.md", "doc/step-greville/README.md"])},
+               {"Classes": "classes/index.html"}]
+        nav.insert(0, {"Home": ["README.md", *others]})
+        (self.work / "mkdocs.yml").write_text((ROOT / "doc/site/mkdocs.yml").read_text() + f"nav: {json.dumps(nav)}\n")
+
+
+def gallery(text):
+    """Replace the table of contents by the pictures, each with its name and time."""
+    pictures = dict(re.findall(r"^!\[([^]]*)\]\(([^)]*)\)", text, re.M))
+
+    def cell(match):
+        return f"[![]({pictures[match[1]]}){{loading=lazy}}<br>{match[1]}]({match[2]}), {match[3]}\n"
+    rows = re.compile(r"^\| \[(.*?)\]\((\S*?)\) \| (.*?) \|$", re.M)
+    begin = text.index("| benchmark |")
+    end = text.index("\n\n", begin)
+    return text[:begin] + '<div class="gallery" markdown>\n' + "\n".join(cell(row) for row in rows.finditer(text[begin:end])) + "</div>" + text[end:]
+
+
+def diagram(block):
+    """Draw the arrows of a Mermaid block."""
+    dot = "digraph { node [shape=box, style=rounded, fontname=sans];" + ";".join(re.findall(r"\w+ --> \w+", block)).replace("-->", "->") + "}"
+    svg = subprocess.run(["dot", "-Tsvg"], input=dot, text=True, capture_output=True, check=True).stdout
+    return f'<div class="diagram">{svg[svg.index("<svg"):]}</div>'
+
+
+def check(site):
+    pages = {path: path.read_text() for path in sorted(site.rglob("*.html"))}
+    anchors = {path: {html.unescape(name) for name in re.findall(r'\b(?:id|name)="([^"]+)"', text)} for path, text in pages.items()}
+    n_links, wrong = 0, set()
+    for path, text in pages.items():
+        # Doxygen checks its own links, and makes some anchors that no page has.
+        if path.parent.name == "classes" and path.name != "index.html":
+            continue
+        for kind, target in re.findall(r'\b(href|src)="([^"]+)"', re.sub(r"<pre.*?</pre>", "", text, flags=re.S)):
+            n_links += 1
+            file, _, anchor = unquote(html.unescape(target)).partition("#")
+            if re.match(r"[a-z]+:|//", file):
+                if kind == "src" and not file.startswith(("data:", "javascript:")):
+                    wrong.add((path, target))
+                continue
+            file = file.split("?")[0]
+            # The page of errors knows the root only.
+            to = site / file[1:] if file.startswith("/") else Path(os.path.normpath(path.parent / file)) if file else path
+            if not to.is_file() or (anchor and to in anchors and anchor not in anchors[to]):
+                wrong.add((path, target))
+    for path, target in sorted(wrong):
+        print(f"{path.relative_to(site)}: the link {target} leads nowhere")
+    print(f"{len(pages)} pages, {n_links} links, {len(wrong)} wrong")
+    return 1 if wrong or not n_links else 0
+
+
+if sys.argv[1:2] == ["stage"]:
+    Stage(Path(sys.argv[2])).write()
+else:
+    sys.exit(check(Path(sys.argv[2])))
