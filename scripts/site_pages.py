@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """The pages of scripts/site.
 
-stage WORK   write WORK/docs and WORK/mkdocs.yml: README.md and all that links lead to.
-             WORK/tags has the names of the class reference.
-check SITE   list the links of SITE that lead nowhere, and what it loads from other servers.
+stage WORK        write WORK/docs and WORK/mkdocs.yml: README.md and all that links lead to.
+                  WORK/tags has the names of the class reference.
+finish WORK SITE  let the search find each parameter by its name, and load MathJax in pages with formulas.
+check SITE        list the links of SITE that lead nowhere, and what it loads from other servers.
 """
 import html
 import json
@@ -23,7 +24,7 @@ COPIED = (".md", ".png", ".gif", ".svg", ".csv", ".ipynb")
 
 class Stage:
     def __init__(self, work):
-        self.work, self.pages, self.done = work, [], set()
+        self.work, self.pages, self.done, self.parameters = work, [], set(), []
         # Headers and pages of the class reference.
         self.classes = {}
         for compound in xml.parse(work / "tags").iter("compound"):
@@ -42,7 +43,7 @@ class Stage:
         if name in self.classes:
             return os.path.relpath(f"classes/{self.classes[name]}", folder or ".")
         if (ROOT / name).is_dir():
-            target, name = f"{target.rstrip('/')}/files.md", f"{name}/files.md"
+            target, name = f"{target.rstrip('/')}/contents.md", f"{name}/contents.md"
         self.add(name)
         return target if name.endswith(COPIED) else target + ".txt"
 
@@ -56,19 +57,30 @@ class Stage:
             shutil.copy(ROOT / name, path)
             return
         self.pages.append(name)
-        if name.endswith("/files.md"):
+        if name.endswith("/contents.md"):
             folder = os.path.dirname(name)
             text = f"# Files of {folder}\n\n" + "".join(f"- [{p.name}]({p.name})\n" for p in sorted((ROOT / folder).iterdir()) if p.is_file())
         else:
             text = (ROOT / name).read_text()
         if name == "doc/gallery/index.md":
             text = gallery(text)
+        if name.endswith("parameters.md"):
+            text = re.sub(r"^## (.*)|^\| (?!parameter |---)(.*?) \|(.*\|)? (.*) \|$", lambda match: self.parameter(name, match), text, flags=re.M)
         path.write_text(re.sub(r"^```.*?^```$|`+[^`]+`+|\]\((?!\w+:)([^)#\s]+)", lambda match: self.replace(name, match), text, flags=re.M | re.S))
 
     def replace(self, page, match):
         if match[1]:
             return "](" + self.link(page, match[1])
         return diagram(match[0]) if match[0].startswith("```mermaid") else match[0]
+
+    def parameter(self, page, match):
+        """Give a row of a table an anchor, and an entry of the search."""
+        if match[1]:
+            self.section = match[1]
+            return match[0]
+        anchor = re.sub(r"\W+", "-", f"{self.section}/{match[2]}".lower())
+        self.parameters.append({"location": f"{page[:-3]}.html#{anchor}", "title": match[2], "text": html.escape(f"{self.section}: {match[4]}")})
+        return match[0].replace("| ", f'| <a id="{anchor}"></a>', 1)
 
     def chapters(self, index):
         """Return an index, and the pages at the beginning of the rows of its tables."""
@@ -77,7 +89,7 @@ class Stage:
 
     def write(self):
         self.add("README.md")
-        others = [page for page in self.pages if page != "README.md" and not page.endswith("/files.md")]
+        others = [page for page in self.pages if page != "README.md" and not page.endswith("/contents.md")]
 
         def take(pages):
             taken = [page for page in pages if page in others]
@@ -90,6 +102,7 @@ class Stage:
                {"Developers": take([*self.chapters("doc/developer/index.md"), "CONTRIBUTING.md", "doc/step-greville/README.md"])},
                {"Classes": "classes/index.html"}]
         nav.insert(0, {"Home": ["README.md", *others]})
+        (self.work / "parameters.json").write_text(json.dumps(self.parameters))
         (self.work / "mkdocs.yml").write_text((ROOT / "doc/site/mkdocs.yml").read_text() + f"nav: {json.dumps(nav)}\n")
 
 
@@ -110,6 +123,18 @@ def diagram(block):
     dot = "digraph { node [shape=box, style=rounded, fontname=sans];" + ";".join(re.findall(r"\w+ --> \w+", block)).replace("-->", "->") + "}"
     svg = subprocess.run(["dot", "-Tsvg"], input=dot, text=True, capture_output=True, check=True).stdout
     return f'<div class="diagram">{svg[svg.index("<svg"):]}</div>'
+
+
+def finish(work, site):
+    path = site / "search/search_index.json"
+    search = json.loads(path.read_text())
+    search["docs"] += json.loads((work / "parameters.json").read_text())
+    path.write_text(json.dumps(search))
+    for path in site.rglob("*.html"):
+        text = path.read_text()
+        if 'class="arithmatex"' in text:
+            script = f'<script async src="{os.path.relpath(site, path.parent)}/mathjax/MathJax.js?config=TeX-AMS_HTML"></script>'
+            path.write_text(text.replace("</body>", script + "</body>"))
 
 
 def check(site):
@@ -138,7 +163,10 @@ def check(site):
     return 1 if wrong or not n_links else 0
 
 
-if sys.argv[1:2] == ["stage"]:
-    Stage(Path(sys.argv[2])).write()
+folders = [Path(name) for name in sys.argv[2:]]
+if sys.argv[1] == "stage":
+    Stage(*folders).write()
+elif sys.argv[1] == "finish":
+    finish(*folders)
 else:
-    sys.exit(check(Path(sys.argv[2])))
+    sys.exit(check(*folders))
