@@ -4,6 +4,7 @@
 packages="cmake g++ ninja-build ccache libdeal.ii-dev openmpi-bin"
 drawing_packages="python3-matplotlib python3-vtk9 python3-pil"
 test_packages="numdiff gfortran lld doxygen python3-numpy python3-yaml python3-sympy python3-nbclient python3-ipykernel $drawing_packages"
+site_packages="mkdocs-material doxygen graphviz libjs-mathjax"
 checking_packages="clang clang-tidy libclang-rt-dev valgrind gcc"
 
 # Without these, ccache does not use its cache with precompiled headers. The

@@ -71,7 +71,9 @@ class Stage:
     def replace(self, page, match):
         if match[1]:
             return "](" + self.link(page, match[1])
-        return diagram(match[0]) if match[0].startswith("```mermaid") else match[0]
+        if match[0].startswith("```"):
+            return diagram(match[0]) if match[0].startswith("```mermaid") else match[0]
+        return match[0].replace(r"\|", "|")
 
     def parameter(self, page, match):
         """Give a row of a table an anchor, and an entry of the search."""

@@ -37,7 +37,7 @@ asks() {
   done
 }
 for option in -h --help --no-such-option; do
-  asks $option run test package fresh_machine sanitize fuzz check_input
+  asks $option run test package fresh_machine sanitize fuzz check_input site
 done
 python="sweep picture gear kill_and_resume lint faults combinations gallery benchmark check_docs performance paraview points_to_csv report tables"
 if [ -x /usr/bin/python3 ]; then
@@ -76,6 +76,8 @@ answers 2 1 "takes one regular expression, but also has <b>." scripts/sanitize a
 answers 2 1 "not <x>" scripts/fuzz x
 answers 2 1 "there is no parser <x>" scripts/fuzz 1 x
 answers 2 1 "there is no file <x.cc>" scripts/lint x.cc
+answers 2 1 "<prm> has other files." scripts/site prm
+answers 2 1 "--check takes the folder of a site." scripts/site --check prm
 answers 2 1 "--tests takes" scripts/fresh_machine --tests
 answers 2 1 "--release takes" scripts/fresh_machine --release
 answers 2 10 "Usage: .ci/build" .ci/build g++ Fast
