@@ -20,21 +20,21 @@ from urllib.parse import unquote
 ROOT = Path(__file__).resolve().parent.parent
 # Other files are copied as NAME.txt, which browsers show.
 COPIED = (".md", ".png", ".gif", ".svg", ".csv", ".ipynb")
+INDICES = ("README.md", "doc/user/index.md", "doc/gallery/index.md", "doc/results/index.md", "doc/developer/index.md")
+TABS = {"Guide": ("doc/user/",), "Gallery": ("doc/gallery/", "examples/"), "Parameters": ("doc/simulation_parameters.md", "doc/parameters.md"),
+        "Results": ("doc/results/", "doc/performance.md"), "Developers": ("doc/developer/", "CONTRIBUTING.md", "doc/step-greville/")}
 
 
 class Stage:
     def __init__(self, work):
-        self.work, self.pages, self.done, self.parameters = work, [], set(), []
+        self.work, self.pages, self.parameters = work, [], []
         # Headers and pages of the class reference.
-        self.classes = {}
-        for compound in xml.parse(work / "tags").iter("compound"):
-            if compound.get("kind") == "file" and compound.findtext("name").endswith(".h"):
-                name = compound.findtext("path") + compound.findtext("name")
-                self.classes[name.removeprefix(f"{ROOT}/")] = compound.findtext("filename").removesuffix(".html") + "_source.html"
-        for path in ROOT.glob("doc/**/*.dox"):
-            page = re.search(r"@page (\w+)", path.read_text())
-            if page:
-                self.classes[str(path.relative_to(ROOT))] = page[1] + ".html"
+        self.classes = {str(path.relative_to(ROOT)): page[1] + ".html" for path in ROOT.glob("doc/**/*.dox")
+                        for page in [re.search(r"@page (\w+)", path.read_text())] if page}
+        for file in xml.parse(work / "tags").iterfind("compound[@kind='file']"):
+            name = file.findtext("path") + file.findtext("name")
+            if name.endswith(".h"):
+                self.classes[os.path.relpath(name, ROOT)] = file.findtext("filename").removesuffix(".html") + "_source.html"
 
     def link(self, page, target):
         """Return the target of a link in the site, and stage it."""
@@ -44,29 +44,30 @@ class Stage:
             return os.path.relpath(f"classes/{self.classes[name]}", folder or ".")
         if (ROOT / name).is_dir():
             target, name = f"{target.rstrip('/')}/contents.md", f"{name}/contents.md"
-        self.add(name)
-        return target if name.endswith(COPIED) else target + ".txt"
-
-    def add(self, name):
-        if name in self.done:
-            return
-        self.done.add(name)
-        path = self.work / "docs" / (name if name.endswith(COPIED) else name + ".txt")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if not name.endswith(".md"):
-            shutil.copy(ROOT / name, path)
-            return
-        self.pages.append(name)
-        if name.endswith("/contents.md"):
-            folder = os.path.dirname(name)
-            text = f"# Files of {folder}\n\n" + "".join(f"- [{p.name}]({p.name})\n" for p in sorted((ROOT / folder).iterdir()) if p.is_file())
+        elif not name.endswith(COPIED):
+            target += ".txt"
+        if name.endswith(".md"):
+            self.pages += [name] if name not in self.pages else []
         else:
-            text = (ROOT / name).read_text()
-        if name == "doc/gallery/index.md":
+            path = self.work / "docs" / (name if name.endswith(COPIED) else name + ".txt")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, path)
+        return target
+
+    def convert(self, page):
+        path = ROOT / page
+        if path.name == "contents.md":
+            text = f"# Files of {os.path.dirname(page)}\n\n" + "".join(f"- [{p.name}]({p.name})\n" for p in sorted(path.parent.iterdir()) if p.is_file())
+        else:
+            text = path.read_text()
+        if page == "doc/gallery/index.md":
             text = gallery(text)
-        if name.endswith("parameters.md"):
-            text = re.sub(r"^## (.*)|^\| (?!parameter |---)(.*?) \|(.*\|)? (.*) \|$", lambda match: self.parameter(name, match), text, flags=re.M)
-        path.write_text(re.sub(r"^```.*?^```$|`+[^`]+`+|\]\((?!\w+:)([^)#\s]+)", lambda match: self.replace(name, match), text, flags=re.M | re.S))
+        if page in TABS["Parameters"]:
+            text = re.sub(r"^## (.*)|^\| (?!parameter |---)(.*?) \|(.*\|)? (.*) \|$", lambda match: self.parameter(page, match), text, flags=re.M)
+        text = re.sub(r"^```.*?^```$|`+[^`]+`+|\]\((?!\w+:)([^)#\s]+)", lambda match: self.replace(page, match), text, flags=re.M | re.S)
+        path = self.work / "docs" / page
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
 
     def replace(self, page, match):
         if match[1]:
@@ -84,40 +85,31 @@ class Stage:
         self.parameters.append({"location": f"{page[:-3]}.html#{anchor}", "title": match[2], "text": html.escape(f"{self.section}: {match[4]}")})
         return match[0].replace("| ", f'| <a id="{anchor}"></a>', 1)
 
-    def chapters(self, index):
-        """Return an index, and the pages at the beginning of the rows of its tables."""
-        text, folder = (ROOT / index).read_text(), os.path.dirname(index)
-        return [index] + [os.path.normpath(os.path.join(folder, name)) for name in re.findall(r"^\| \[[^]]*\]\(([^)#]+)\)", text, re.M)]
-
     def write(self):
-        self.add("README.md")
-        others = [page for page in self.pages if page != "README.md" and not page.endswith("/contents.md")]
-
-        def take(pages):
-            taken = [page for page in pages if page in others]
-            others[:] = [page for page in others if page not in taken]
-            return taken
-        nav = [{"Guide": take(self.chapters("doc/user/index.md"))},
-               {"Gallery": take(["doc/gallery/index.md"] + [page for page in others if page.startswith("examples/")])},
-               {"Parameters": take(["doc/simulation_parameters.md", "doc/parameters.md"])},
-               {"Results": take(self.chapters("doc/results/index.md"))},
-               {"Developers": take([*self.chapters("doc/developer/index.md"), "CONTRIBUTING.md", "doc/step-greville/README.md"])},
-               {"Classes": "classes/index.html"}]
-        nav.insert(0, {"Home": ["README.md", *others]})
+        for index in INDICES:
+            self.pages.append(index)
+            # The order of the pages is that of the rows in their index.
+            for target in re.findall(r"^\| \[[^]]*\]\(([^)#]+)\)", (ROOT / index).read_text(), re.M):
+                self.link(index, target)
+        for page in self.pages:  # which grows
+            self.convert(page)
+        pages = [page for page in self.pages if not page.endswith("/contents.md")]
+        nav = [{tab: [page for page in pages if page.startswith(prefixes)]} for tab, prefixes in TABS.items()]
+        nav.insert(0, {"Home": [page for page in pages if not page.startswith(sum(TABS.values(), ()))]})
+        nav.append({"Classes": "classes/index.html"})
         (self.work / "parameters.json").write_text(json.dumps(self.parameters))
         (self.work / "mkdocs.yml").write_text((ROOT / "doc/site/mkdocs.yml").read_text() + f"nav: {json.dumps(nav)}\n")
 
 
 def gallery(text):
-    """Replace the table of contents by the pictures, each with its name and time."""
+    """Replace the table of contents by the pictures, those of examples first, each with its name and time."""
     pictures = dict(re.findall(r"^!\[([^]]*)\]\(([^)]*)\)", text, re.M))
-
-    def cell(match):
-        return f"[![]({pictures[match[1]]}){{loading=lazy}}<br>{match[1]}]({match[2]}), {match[3]}\n"
-    rows = re.compile(r"^\| \[(.*?)\]\((\S*?)\) \| (.*?) \|$", re.M)
     begin = text.index("| benchmark |")
     end = text.index("\n\n", begin)
-    return text[:begin] + '<div class="gallery" markdown>\n' + "\n".join(cell(row) for row in rows.finditer(text[begin:end])) + "</div>" + text[end:]
+    cells = [f"[![]({pictures[name]}){{loading=lazy}}<br>{name}]({target}), {time}\n\n"
+             for name, target, time in re.findall(r"^\| \[(.*?)\]\((\S*?)\) \| (.*?) \|$", text[begin:end], re.M)]
+    cells.sort(key=lambda cell: "/examples/" not in cell)
+    return text[:begin] + '<div class="gallery" markdown>\n' + "".join(cells) + "</div>" + text[end:]
 
 
 def diagram(block):
@@ -147,20 +139,20 @@ def check(site):
         # Doxygen checks its own links, and makes some anchors that no page has.
         if path.parent.name == "classes" and path.name != "index.html":
             continue
-        for kind, target in re.findall(r'\b(href|src)="([^"]+)"', re.sub(r"<pre.*?</pre>", "", text, flags=re.S)):
+        for kind, target in re.findall(r'\b(href|src)="([^"]+)"', text):
             n_links += 1
             file, _, anchor = unquote(html.unescape(target)).partition("#")
             if re.match(r"[a-z]+:|//", file):
                 if kind == "src" and not file.startswith(("data:", "javascript:")):
                     wrong.add((path, target))
                 continue
-            file = file.split("?")[0]
             # The page of errors knows the root only.
+            file = file.split("?")[0]
             to = site / file[1:] if file.startswith("/") else Path(os.path.normpath(path.parent / file)) if file else path
-            if not to.is_file() or (anchor and to in anchors and anchor not in anchors[to]):
+            if not to.is_file() or (anchor and anchor not in anchors.get(to, [anchor])):
                 wrong.add((path, target))
     for path, target in sorted(wrong):
-        print(f"{path.relative_to(site)}: the link {target} leads nowhere")
+        print(f"{path.relative_to(site)}: the link {target} leads nowhere, or loads from another server")
     print(f"{len(pages)} pages, {n_links} links, {len(wrong)} wrong")
     return 1 if wrong or not n_links else 0
 

@@ -77,7 +77,6 @@ answers 2 1 "not <x>" scripts/fuzz x
 answers 2 1 "there is no parser <x>" scripts/fuzz 1 x
 answers 2 1 "there is no file <x.cc>" scripts/lint x.cc
 answers 2 1 "<prm> has other files." scripts/site prm
-answers 2 1 "--check takes the folder of a site." scripts/site --check prm
 answers 2 1 "--tests takes" scripts/fresh_machine --tests
 answers 2 1 "--release takes" scripts/fresh_machine --release
 answers 2 10 "Usage: .ci/build" .ci/build g++ Fast
