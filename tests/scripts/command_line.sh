@@ -39,7 +39,7 @@ asks() {
 for option in -h --help --no-such-option; do
   asks $option run test package fresh_machine sanitize fuzz check_input site
 done
-python="sweep picture gear kill_and_resume lint faults combinations gallery benchmark check_docs performance paraview points_to_csv report tables"
+python="sweep picture gear kill_and_resume lint faults combinations gallery benchmark check_docs performance paraview points_to_csv report tables notebooks"
 if [ -x /usr/bin/python3 ]; then
   # shellcheck disable=SC2086
   asks --help $python

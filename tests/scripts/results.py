@@ -138,6 +138,18 @@ def check_points(run):
     check("grid", "mass" in run.grid(-1, ["mass"]))
 
 
+def check_pandas_and_xarray(run):
+    """Execute the last block of the page about Python, which reads into pandas and xarray."""
+    if not (has("pandas") and has("xarray")):
+        print("without pandas or xarray: python3-pandas and python3-xarray are not installed")
+        return
+    found = {"run": run}
+    exec((PROJECT / "doc/user/python.md").read_text().split("```python\n")[-1].split("```")[0], found)
+    statistics, points = found["statistics"], found["points"]
+    check("pandas", statistics.index[-1] == run.statistics["time"][-1] and statistics["kinetic"].iloc[-1] == run.statistics["kinetic"][-1])
+    check("xarray", dict(points.sizes) == {"point": 128, "axis": 3} and abs(points["velocity"] - run.points(-1)["velocity"]).max() == 0)
+
+
 def check_damage(run, has_points):
     """Files that are not whole, or not those of a run, are answered by a message."""
     folder = run.folder.parent / "damaged"
@@ -372,6 +384,7 @@ def main():
         check_tables(run)
         if has_points:
             check_points(run)
+            check_pandas_and_xarray(run)
         check_damage(run, has_points)
         check_report(run, has_points)
         result = subprocess.run([sys.executable, "-B", PROJECT / "scripts" / "paraview", run.folder], capture_output=True, text=True)
