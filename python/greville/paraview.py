@@ -4,8 +4,9 @@
     paraview --script=output/dam_break/files/view.py
 
 view.py is a script for ParaView 5.10 or later: points as boxes (3D: spheres) of
-their size, coloured by a field over all times, with the walls of the grid, surfaces
-with loads, rigid bodies, and the time. It works in a moved folder if it is run by
+their size, coloured by their bodies with a legend of names, or by a field over all
+times, with the walls of the grid, surfaces as dark points with arrows for loads, rigid
+bodies, and the time. It works in a moved folder if it is run by
 pvpython, which also writes a picture of the last time:
 
     pvpython output/dam_break/files/view.py last.png
@@ -29,11 +30,11 @@ from paraview.simple import *
 FIELD, COMPONENT = {field!r}, {component!r}
 FOLDER = os.path.dirname(os.path.dirname(os.path.abspath(__file__))) if "__file__" in globals() else {folder!r}
 UNITS = {units!r}
-BODIES = {bodies!r}
+BODIES, RIGID = {bodies!r}, {rigid!r}
 LOWER, UPPER = {lower!r}, {upper!r}   # of the grid, m
 NAMES = {names!r}   # in fields.pvd
 IS_3D, UP = {is_3d!r}, {up!r}
-COLOURS = {colours!r}
+COLOURS, GREY = {colours!r}, [0.7 if IS_3D else 0.35] * 3
 
 paraview.simple._DisableFirstRenderCameraReset()
 view = GetActiveViewOrCreate("RenderView")
@@ -78,8 +79,8 @@ def colour_by(field, component="Magnitude"):
     table = GetColorTransferFunction(field)
     if field == "body":
         table.InterpretValuesAsCategories = 1
-        table.Annotations = [text for k, name in enumerate(BODIES) for text in (str(k), name)]
-        table.IndexedColors = [c for k in range(len(BODIES)) for c in COLOURS[k % len(COLOURS)]]
+        table.Annotations = [text for k, name in enumerate(BODIES + RIGID) for text in (str(k), name)]
+        table.IndexedColors = [c for k in range(len(BODIES)) for c in COLOURS[k % len(COLOURS)]] + GREY * len(RIGID)
     else:
         display.RescaleTransferFunctionToDataRangeOverTime()
         table.ApplyPreset("Viridis (matplotlib)", True)
@@ -98,21 +99,30 @@ outline = Show(walls, view)
 outline.SetRepresentationType("Wireframe" if not IS_3D else "Outline")
 outline.AmbientColor = outline.DiffuseColor = [0.4, 0.4, 0.4]
 
+def show(source, colour):
+    """Show a source in one colour, in 2D in front of the points."""
+    shown = Show(source, view)
+    shown.ColorArrayName = ["POINTS", ""]
+    shown.AmbientColor = shown.DiffuseColor = colour
+    shown.Position = [0., 0., 0. if IS_3D else 0.01]
+    shown.LineWidth = 2.
+    return shown
+
 for name in {surfaces!r}:
     surface = part(name)
+    dots = show(surface, [0.15] * 3)
+    dots.SetRepresentationType("Points")
+    dots.PointSize = 4
+    dots.Visibility = int(not IS_3D)   # In 3D, the points hide most of them.
     loads = Glyph(registrationName="loads of " + name, Input=surface, GlyphType="Arrow")
     loads.OrientationArray = ["POINTS", "load"]
     loads.ScaleArray = ["POINTS", "load"]
     largest = surface.PointData["load"].GetRange(-1)[1] if surface.PointData["load"] else 0.
     loads.ScaleFactor = 0.1 * max(b - a for a, b in zip(LOWER, UPPER)) / largest if largest > 0 else 0.
-    shown = Show(loads, view)
-    ColorBy(shown, None)
-    shown.AmbientColor = shown.DiffuseColor = [0.83, 0.37, 0.]
+    show(loads, [0.6, 0., 0.])
 
-for name in {rigid!r}:
-    shown = Show(part(name), view)
-    ColorBy(shown, None)
-    shown.AmbientColor = shown.DiffuseColor = [0.7, 0.7, 0.7] if IS_3D else [0.35, 0.35, 0.35]
+for name in RIGID:
+    show(part("rigid_" + name), GREY)
 
 clock = AnnotateTimeFilter(registrationName="time", Input=points)
 clock.Format = "t = {{time:.4g}} s"
@@ -147,7 +157,7 @@ if sys.argv[-1].endswith(".png"):
 
 def script_of(run, field, up):
     available = run.point_fields
-    field = field or main_field(run) or "size"
+    field = field or ("body" if len(run.bodies) > 1 and "body" in available else main_field(run)) or "size"
     if "size" not in available:
         raise ResultsError(f"{run.folder} has no field size, which glyphs need: 'Output/Fields' has to name it. "
                            f"There are: {', '.join(available)}.")
@@ -162,8 +172,7 @@ def script_of(run, field, up):
     return SCRIPT.format(path=folder / "files/view.py", field=name, component=component, folder=str(folder),
                          units={name: run.unit("points", name) for name in available if run.unit("points", name)},
                          bodies=run.bodies, lower=lower, upper=upper, is_3d=run.dim == 3, up=up,
-                         names=names_in_series(folder), surfaces=run.surfaces,
-                         rigid=["rigid_" + name for name in run.rigid_bodies],
+                         names=names_in_series(folder), surfaces=run.surfaces, rigid=run.rigid_bodies,
                          colours=[[0., .447, .698], [.835, .369, 0.], [0., .62, .451], [.8, .475, .655], [.902, .624, 0.], [.337, .706, .914]])
 
 
@@ -171,7 +180,7 @@ def main(program=None):
     parser = parser_of(program, __doc__)
     parser.add_argument("--field", metavar="NAME",
                         help="colour of points: speed, a field of points, or a component such as velocity_x. "
-                             "Default: the field of scripts/picture")
+                             "Default: the bodies if there are several, else the field of scripts/picture")
     parser.add_argument("--up", choices=["x", "y", "z"], help="vertical axis in 3D, as for scripts/picture")
     run_command(parser, write)
 
