@@ -39,7 +39,7 @@ asks() {
 for option in -h --help --no-such-option; do
   asks $option run test package fresh_machine sanitize fuzz check_input site
 done
-python="sweep picture gear kill_and_resume lint faults combinations gallery benchmark check_docs performance paraview points_to_csv report tables notebooks"
+python="sweep picture gear kill_and_resume lint faults combinations gallery benchmark check_docs performance paraview points_to_csv report tables notebooks release"
 if [ -x /usr/bin/python3 ]; then
   # shellcheck disable=SC2086
   asks --help $python
@@ -115,6 +115,41 @@ answers 2 10 "Usage: .ci/build" .ci/build g++ Fast
   grep -q "no apt-get here; .*: apt-get install" "$place/out"
 ) >"$out" 2>&1 || {
   echo "FAILED: the installation of packages:"
+  cat "$out"
+  status=1
+}
+
+# A release of a small tree with the files of this one: tag, archive, packages and
+# checksums. A second one, and one of a changed tree, are refused.
+(
+  command -v git >/dev/null && command -v dpkg-query >/dev/null || exit 0
+  place=$(mktemp -d)
+  trap 'rm -rf "$place"' EXIT
+  for file in CITATION.cff CHANGELOG.md python/pyproject.toml paper/paper.md \
+    include/greville/base/plugin.h doc/step-greville/doc/author \
+    scripts/release scripts/common.sh; do
+    mkdir -p "$place/tree/$(dirname $file)" && cp $file "$place/tree/$file" || exit 1
+  done
+  cd "$place/tree" || exit 1
+  export GIT_CONFIG_GLOBAL="$place/config" GIT_CONFIG_NOSYSTEM=1
+  git config --global user.name tester && git config --global user.email tester@example.org
+  echo /build-release/ >.gitignore
+  git init -q . && git add . && git commit -qm tree && scripts/release || exit 1
+  version=$(sed -n 's/^version: //p' CITATION.cff)
+  [ "$(git cat-file -t "v$version")" = tag ] || exit 1
+  (cd build-release && sha256sum -c SHA256SUMS && grep -q "^PackageName: libdeal.ii-dev" ./*.spdx &&
+    tar -tf "greville-$version.tar.gz" | grep -q "^greville-$version/CHANGELOG.md") || exit 1
+  scripts/release 2>"$place/out" && exit 1
+  grep -q "already a tag v$version" "$place/out" || exit 1
+  sed -i 's/^version: .*/version: 99.1.0/' CITATION.cff
+  scripts/release 2>"$place/out" && exit 1
+  grep -q "not with <## 99.1.0" "$place/out" || exit 1
+  sed -i 's/^## [0-9.]*/## 99.1.0/' CHANGELOG.md
+  scripts/release 2>"$place/out" && exit 1
+  grep -q "commit or remove these files" "$place/out" &&
+    grep -q 'PLUGIN_VERSION "99.1.0"' include/greville/base/plugin.h
+) >"$out" 2>&1 || {
+  echo "FAILED: a release:"
   cat "$out"
   status=1
 }

@@ -5,7 +5,7 @@
 #include <deal.II/base/config.h>
 
 /// The same version as in CMakeLists.txt, which source/base/program.cc checks.
-#define GREVILLE_PLUGIN_VERSION "1.0.0"
+#define GREVILLE_PLUGIN_VERSION "1.1.0"
 
 #define GREVILLE_QUOTE_(x) #x
 #define GREVILLE_QUOTE(x) GREVILLE_QUOTE_(x)
