@@ -204,8 +204,7 @@ namespace greville
   void
   LatticeCycle<dim>::make_smoother(const unsigned int l)
   {
-    constexpr unsigned int                  n_layers = 1;
-    Level                                  &level    = levels[l];
+    Level                                  &level = levels[l];
     std::vector<const InterleavedLayout *>  layouts;
     std::vector<std::vector<UpperTriangle>> matrices; // by component, part
     std::vector<std::array<int, 3>>         positions;
@@ -249,7 +248,7 @@ namespace greville
                                    joined.layout,
                                    positions,
                                    reach,
-                                   n_layers,
+                                   l == 0 && reach > 2 ? 2 : 1,
                                    {parameters.shift, 0.});
       }
   }

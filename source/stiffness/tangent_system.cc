@@ -341,6 +341,18 @@ namespace greville
   void
   TangentSystem<dim>::make_multigrid()
   {
+    multigrid.reset();
+    if (parameters.multigrid.coarsens_lattices())
+      {
+        LatticePart                       part = lattice_part();
+        typename LatticeCycle<dim>::Parts parts;
+        parts.push_back(std::move(part.finest));
+        multigrid = std::make_unique<LatticeCycle<dim>>(std::move(parts),
+                                                        part.parameters,
+                                                        nullptr,
+                                                        part.coarsens);
+        return;
+      }
     PMultigridParameters             cycle    = parameters.multigrid;
     SmootherParameters               smoother = parameters.smoother;
     typename PMultigrid<dim>::Levels operators;
@@ -351,7 +363,6 @@ namespace greville
       for (unsigned int l = 0; l + 1 < levels.size(); ++l)
         operators.push_back(levels[l].get());
     operators.push_back(levels.back().get());
-    multigrid.reset();
     multigrid = std::make_unique<PMultigrid<dim>>(
       operators, cycle, smoother, parameters.multigrid.coarse_tolerance);
   }

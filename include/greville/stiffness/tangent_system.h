@@ -20,8 +20,9 @@ namespace greville
    * with the stiffness K of points in a TrialStep. K is applied point by point
    * (PointTangents). Only symmetric tangents of order 1 are assembled, which
    * costs less than a few products; the cycle copies them. Krylov methods are
-   * preconditioned by p-multigrid: PMultigrid on one TangentLevel for each
-   * order, assembled in single precision from the same points. The set-up of a
+   * preconditioned by a LatticeCycle, or, for 'Levels' = orders, by PMultigrid
+   * on one TangentLevel for each order; both are assembled in single precision
+   * from the same points. The set-up of a
    * preconditioner (entries, factorizations, eigenvalues, coarse levels) is
    * reused for subsequent systems as long as it pays; after a system with more
    * iterations than expected, the entries are assembled anew.
@@ -317,7 +318,7 @@ namespace greville
     PointTangents<dim>                              tangents;
     BlockStencil<dim, double>                       entries; // of order 1
     TangentSurfaces<dim>                            of_surfaces;
-    std::unique_ptr<PMultigrid<dim>>                multigrid;
+    std::unique_ptr<Preconditioner>                 multigrid;
     bool                                            symmetric     = true;
     bool                                            by_components = false;
     VolumeProjection<dim>                          *projection;
