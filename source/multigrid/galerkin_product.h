@@ -32,12 +32,12 @@ namespace greville
       , far_blocks(far_blocks)
       , extended(coarse, fine)
     {
-      rows.assign(coarse.positions().size() * Half::row_size, 0.f);
+      sums.assign(coarse.positions().size() * sums_size, 0.f);
       fine.for_each_row(
         [&](const Position &i, const float *row) { add(i, row); });
-      fine.for_each_far_block([&](const FarBlock &block) { add(block); });
+      add_far_blocks(fine);
       merge_far_blocks();
-      leave_out_other_functions();
+      write_half_rows();
     }
 
   private:
@@ -46,8 +46,12 @@ namespace greville
     static constexpr int      length    = Half::length;
     static constexpr int      line_size = Half::line_size;
     static constexpr int      n_lines   = Half::n_lines;
-    // The largest number of coarse functions of the columns in a direction.
-    static constexpr int most = 2 * n + 1;
+    static constexpr int      sums_size = (2 * n_lines - 1) * nc * line_size;
+
+    using Vector = FixedSimd<float, Half::width>;
+    // The components of a function, and one number behind them in 3D.
+    static constexpr int block_width = nc == 3 ? 4 : nc;
+    using Block                      = FixedSimd<float, block_width>;
 
     /// A column of a function that depends on others.
     struct Column
@@ -57,59 +61,82 @@ namespace greville
     };
 
     /// A box of coarse functions, for each of which a row has a block: entry
-    /// (c, d) at offset() + c * n_of_line() + d.
+    /// (c, d) at place() + c * stride + d.
     struct Box
     {
-      Position first, count;
+      Position begin, end;
+      int      begin_x = 0, end_x = 0; // of the functions of columns
+      int      stride = 0;
 
-      int
-      n_of_line() const
+      Box()
       {
-        return count[0] * nc;
+        begin.fill(std::numeric_limits<int>::max());
+        end.fill(-std::numeric_limits<int>::max());
+      }
+
+      void
+      include(const int d, const int first, const int last)
+      {
+        begin[d] = std::min(begin[d], first);
+        end[d]   = std::max(end[d], last + 1);
+      }
+
+      /// Make each of these lines a part of the box: p functions before and
+      /// behind functions @p first to @p last.
+      void
+      include_lines(const int first, const int last)
+      {
+        begin_x = begin[0];
+        end_x   = end[0];
+        include(0, first - p, last + p);
+        stride =
+          ((end[0] - begin[0] - length) * nc + line_size + Half::width - 1) /
+          Half::width * Half::width;
       }
 
       int
-      offset(const Position &I) const
+      count(const int d) const
       {
-        return (((I[2] - first[2]) * count[1] + I[1] - first[1]) * nc *
-                  count[0] +
-                I[0] - first[0]) *
-               nc;
+        return end[d] - begin[d];
+      }
+
+      int
+      place(const Position &I) const
+      {
+        return ((I[2] - begin[2]) * count(1) + I[1] - begin[1]) * nc * stride +
+               (I[0] - begin[0]) * nc;
       }
 
       int
       size() const
       {
-        return count[2] * count[1] * nc * n_of_line();
+        return count(2) * count(1) * nc * stride;
       }
     };
 
+    /// Add a multiple of k numbers, whole vectors.
     static void
     add_multiple(float *to, const float factor, const float *from, const int k)
     {
-      for (int e = 0; e < k; ++e)
-        to[e] += factor * from[e];
+      for (int e = 0; e < k; e += Half::width)
+        store(Vector(load<Vector>(to + e) + factor * load<Vector>(from + e)),
+              to + e);
     }
 
-    /// Return the coarse functions of the columns of a row.
-    Box
-    box_of_columns(const Position &i) const
+    /// Add a multiple of lines of a block.
+    static void
+    add_blocks(float       *to,
+               const int    stride_to,
+               const float  weight,
+               const float *from,
+               const int    stride_from,
+               const int    n_blocks)
     {
-      Box result;
-      for (int d = 0; d < 3; ++d)
-        {
-          int low = std::numeric_limits<int>::max(), high = -low;
-          for (int k = d < dim - 1 ? -reach[d] : 0; k <= reach[d]; ++k)
-            if (coarse.has_insertion(d, i[d] + k))
-              {
-                const NestedKnots::Row &r = coarse.insertion(d, i[d] + k);
-                low                       = std::min(low, r.first);
-                high = std::max(high, r.first + int(r.weights.size()));
-              }
-          result.first[d] = low;
-          result.count[d] = high - low;
-        }
-      return result;
+      const Block weights([&](const int d) { return d < nc ? weight : 0.f; });
+      for (int l = 0; l < n_blocks; ++l)
+        store(Block(load<Block>(to + l * stride_to) +
+                    weights * load<Block>(from + l * stride_from)),
+              to + l * stride_to);
     }
 
     void
@@ -120,29 +147,71 @@ namespace greville
       if (extended.touches(i))
         {
           own = extended.find(i);
+          if (own && own->list.empty())
+            return;
           take_extended_columns(i, row, own ? own->constrained : 0);
           row = plain_row;
         }
-      const Box box = box_of_columns(i);
-      add_rows(i, own, sum_columns(i, row, box), box, own != nullptr);
-      if (columns.empty())
+      const Box plain = box_of_columns(i);
+      Box       box   = plain;
+      for (const Column &column : columns)
+        for (int d = 0; d < 3; ++d)
+          box.include(d,
+                      column.first[d] + column.terms->lowest[d],
+                      column.first[d] + column.terms->highest[d]);
+      begin_blocks(i, own, box);
+      sum_columns(i, row, plain, box);
+      sum_extended_columns(box);
+      add_rows(i, own, box, own || !columns.empty());
+    }
+
+    /// Return the coarse functions of the columns of a row.
+    Box
+    box_of_columns(const Position &i) const
+    {
+      Box result;
+      for (int d = 0; d < 3; ++d)
+        for (int k = d < dim - 1 ? -reach[d] : 0; k <= reach[d]; ++k)
+          include_coarse(d, i[d] + k, result);
+      return result;
+    }
+
+    void
+    include_coarse(const int d, const int i, Box &box) const
+    {
+      if (!coarse.has_insertion(d, i))
         return;
-      const Box far_box = box_of_extended_columns();
-      add_rows(i, own, sum_extended_columns(far_box), far_box, true);
+      const NestedKnots::Row &r = coarse.insertion(d, i);
+      box.include(d, r.first, r.first + int(r.weights.size()) - 1);
+    }
+
+    /// Set the blocks of a box to zero, which receives the lines of all coarse
+    /// functions of i.
+    void
+    begin_blocks(const Position &i, const Terms *own, Box &box)
+    {
+      const NestedKnots::Row &r = coarse.insertion(0, i[0]);
+      if (own)
+        box.include_lines(r.first + own->lowest[0], r.first + own->highest[0]);
+      else
+        box.include_lines(r.first, r.first + int(r.weights.size()) - 1);
+      blocks.assign(box.size() + block_width, 0.f);
     }
 
     /// Add P_i^T times the blocks of a box, which can exceed rows.
     void
     add_rows(const Position &i,
              const Terms    *own,
-             const float    *blocks,
              const Box      &box,
              const bool      can_exceed)
     {
       const auto add = [&](const Position &I, const float weight) {
-        add_to_row(I, weight, blocks, box);
+        const int u = coarse.find(coarse.wrapped(I));
+        if (u < 0)
+          return;
+        add_to_row(I, u, weight, box);
         if (can_exceed)
-          add_beyond_row(I, weight, blocks, box);
+          add_beyond_row(I, u, weight, box);
       };
       if (!own)
         {
@@ -154,70 +223,99 @@ namespace greville
         add(sum(first, term.offset), term.weight);
     }
 
-    /// Return the sum of B_ij P_j over columns j that do not depend on others.
-    const float *
-    sum_columns(const Position &i, const float *row, const Box &box)
+    /// Add the sum of B_ij P_j over columns j that do not depend on others,
+    /// whose coarse functions are in the box @p plain.
+    void
+    sum_columns(const Position &i,
+                const float    *row,
+                const Box      &plain,
+                const Box      &box)
     {
-      const int w      = box.n_of_line();
-      const int w_line = nc * w, w_layer = box.count[1] * w_line;
+      const int w       = box.stride;
+      const int w_line  = nc * w;
+      const int w_layer = plain.count(1) * w_line;
 
       // Entry (line, c, X, d).
-      std::fill_n(in_x, n_lines * w_line, 0.f);
+      in_x.assign(n_lines * w_line + block_width, 0.f);
       for (int x = 0; x < length; ++x)
         if (coarse.has_insertion(0, i[0] + x - p))
           {
-            const NestedKnots::Row &r    = coarse.insertion(0, i[0] + x - p);
-            const float            *from = row + x * nc;
+            const NestedKnots::Row &r = coarse.insertion(0, i[0] + x - p);
             for (unsigned int k = 0; k < r.weights.size(); ++k)
-              {
-                const float weight = scale * r.weights[k];
-                float      *to     = in_x + (r.first - box.first[0] + k) * nc;
-                for (int l = 0; l < n_lines * nc; ++l)
-                  for (int d = 0; d < nc; ++d)
-                    to[l * w + d] += weight * from[l * line_size + d];
-              }
+              add_blocks(in_x.data() + (r.first - box.begin[0] + k) * nc,
+                         w,
+                         scale * r.weights[k],
+                         row + x * nc,
+                         line_size,
+                         n_lines * nc);
           }
 
       // Entry (z, Y, c, X, d).
-      std::fill_n(in_y, (reach[2] + 1) * w_layer, 0.f);
+      in_y.assign((reach[2] + 1) * w_layer, 0.f);
       for (int dz = 0, line = 0; dz <= reach[2]; ++dz)
         for (int dy = dz == 0 ? 0 : -p; dy <= p; ++dy, ++line)
           if (coarse.has_insertion(1, i[1] + dy))
             {
               const NestedKnots::Row &r = coarse.insertion(1, i[1] + dy);
               for (unsigned int k = 0; k < r.weights.size(); ++k)
-                add_multiple(in_y + dz * w_layer +
-                               (r.first - box.first[1] + k) * w_line,
+                add_multiple(in_y.data() + dz * w_layer +
+                               (r.first - plain.begin[1] + k) * w_line,
                              r.weights[k],
-                             in_x + line * w_line,
+                             in_x.data() + line * w_line,
                              w_line);
             }
-      if constexpr (dim == 3)
-        {
-          std::fill_n(in_z, box.count[2] * w_layer, 0.f);
-          for (int dz = 0; dz <= reach[2]; ++dz)
-            if (coarse.has_insertion(2, i[2] + dz))
-              {
-                const NestedKnots::Row &r = coarse.insertion(2, i[2] + dz);
-                for (unsigned int k = 0; k < r.weights.size(); ++k)
-                  add_multiple(in_z + (r.first - box.first[2] + k) * w_layer,
-                               r.weights[k],
-                               in_y + dz * w_layer,
-                               w_layer);
-              }
-        }
-      return dim == 3 ? in_z : in_y;
+      for (int dz = 0; dz <= reach[2]; ++dz)
+        if (coarse.has_insertion(2, i[2] + dz))
+          {
+            const NestedKnots::Row &r = coarse.insertion(2, i[2] + dz);
+            for (unsigned int k = 0; k < r.weights.size(); ++k)
+              add_multiple(
+                blocks.data() +
+                  box.place({{box.begin[0], plain.begin[1], r.first + int(k)}}),
+                r.weights[k],
+                in_y.data() + dz * w_layer,
+                w_layer);
+          }
     }
 
+    /// Add the blocks of the finer level beyond its rows, row by row.
     void
-    add(const FarBlock &fine)
+    add_far_blocks(const LatticeLevel<dim> &fine)
     {
-      coarse.for_each_coarse(fine.i, [&](const Position &I, const float of_i) {
-        coarse.for_each_coarse(fine.j,
-                               [&](const Position &J, const float of_j) {
-                                 add_block(I, J, of_i * of_j, fine.block, nc);
-                               });
+      std::vector<FarBlock> of_row;
+      const auto            add_row = [&]() {
+        if (of_row.empty())
+          return;
+        const Position &i = of_row[0].i;
+        Box             box;
+        for (const FarBlock &far : of_row)
+          for (int d = 0; d < 3; ++d)
+            include_coarse(d, far.j[d], box);
+        begin_blocks(i, nullptr, box);
+        for (const FarBlock &far : of_row)
+          {
+            float block[nc * block_width] = {};
+            for (int c = 0; c < nc; ++c)
+              std::copy_n(far.block + c * nc, nc, block + c * block_width);
+            coarse.for_each_coarse(far.j,
+                                   [&](const Position &J, const float weight) {
+                                     add_blocks(blocks.data() + box.place(J),
+                                                box.stride,
+                                                scale * weight,
+                                                block,
+                                                block_width,
+                                                nc);
+                                   });
+          }
+        add_rows(i, nullptr, box, true);
+        of_row.clear();
+      };
+      fine.for_each_far_block([&](const FarBlock &far) {
+        if (!of_row.empty() && far.i != of_row[0].i)
+          add_row();
+        of_row.push_back(far);
       });
+      add_row();
     }
 
     /// Copy a row to plain_row, without the columns of functions that depend on
@@ -244,6 +342,8 @@ namespace greville
               const Terms   *terms = extended.find(j);
               if (!terms)
                 continue;
+              const std::size_t first = extended_blocks.size();
+              extended_blocks.resize(first + nc * block_width, 0.f);
               float *block   = plain_row + line * nc * line_size + x * nc;
               bool   is_zero = true;
               for (int c = 0; c < nc; ++c)
@@ -253,129 +353,75 @@ namespace greville
                     const float value =
                       (terms->constrained >> d) & 1 ? 0.f : entry;
                     is_zero = is_zero && value == 0.f;
-                    extended_blocks.push_back(value);
-                    entry = 0.f;
+                    extended_blocks[first + c * block_width + d] = value;
+                    entry                                        = 0.f;
                   }
-              if (is_zero)
-                extended_blocks.resize(extended_blocks.size() - nc * nc);
+              if (is_zero || terms->list.empty())
+                extended_blocks.resize(first);
               else
                 columns.push_back({coarse.first_coarse(j), terms});
             }
     }
 
-    /// Return the coarse functions of the listed columns.
-    Box
-    box_of_extended_columns() const
-    {
-      Box      result;
-      Position last;
-      result.first.fill(std::numeric_limits<int>::max());
-      last.fill(-std::numeric_limits<int>::max());
-      for (const Column &column : columns)
-        for (unsigned int d = 0; d < 3; ++d)
-          {
-            result.first[d] =
-              std::min(result.first[d],
-                       column.first[d] + column.terms->lowest[d]);
-            last[d] =
-              std::max(last[d], column.first[d] + column.terms->highest[d]);
-          }
-      for (unsigned int d = 0; d < 3; ++d)
-        result.count[d] = std::max(0, last[d] - result.first[d] + 1);
-      return result;
-    }
-
-    /// Return the sum of B_ij P_j over the listed columns.
-    const float *
+    /// Add the sum of B_ij P_j over the listed columns.
+    void
     sum_extended_columns(const Box &box)
     {
-      const int w = box.n_of_line();
-      sum_of_columns.assign(box.size(), 0.f);
       const float *block = extended_blocks.data();
       for (const Column &column : columns)
         {
           for (const Term &term : column.terms->list)
-            {
-              float *to = sum_of_columns.data() +
-                          box.offset(sum(column.first, term.offset));
-              const float weight = scale * term.weight;
-              for (int c = 0; c < nc; ++c)
-                for (int d = 0; d < nc; ++d)
-                  to[c * w + d] += weight * block[c * nc + d];
-            }
-          block += nc * nc;
+            add_blocks(blocks.data() +
+                         box.place(sum(column.first, term.offset)),
+                       box.stride,
+                       scale * term.weight,
+                       block,
+                       block_width,
+                       nc);
+          block += nc * block_width;
         }
-      return sum_of_columns.data();
     }
 
     /// Add a multiple of the blocks of a box to the row of a coarse function,
     /// as far as it reaches.
     void
-    add_to_row(const Position &I,
-               const float     weight,
-               const float    *blocks,
-               const Box      &box)
+    add_to_row(const Position    &I,
+               const unsigned int u,
+               const float        weight,
+               const Box         &box)
     {
-      const int u = coarse.find(coarse.wrapped(I));
-      if (u < 0)
-        return;
-      Position begin, end;
-      for (unsigned int d = 0; d < 3; ++d)
-        {
-          begin[d] = std::max(box.first[d], I[d] - reach[d]);
-          end[d]   = std::min(box.first[d] + box.count[d], I[d] + reach[d] + 1);
-        }
-      if (begin[0] >= end[0])
-        return;
-      for (int Z = begin[2]; Z < end[2]; ++Z)
-        for (int Y = begin[1]; Y < end[1]; ++Y)
+      float    *row   = sums.data() + u * sums_size;
+      const int end_Y = std::min(box.end[1], I[1] + reach[1] + 1),
+                end_Z = std::min(box.end[2], I[2] + reach[2] + 1);
+      for (int Z = std::max(box.begin[2], I[2] - reach[2]); Z < end_Z; ++Z)
+        for (int Y = std::max(box.begin[1], I[1] - reach[1]); Y < end_Y; ++Y)
           {
-            const int line = (Z - I[2]) * length + Y - I[1];
-            // Blocks of functions before I belong to the rows of those.
-            const int    own  = line > 0    ? begin[0]
-                                : line == 0 ? std::max(begin[0], I[0])
-                                            : end[0];
-            const float *from = blocks + box.offset({{begin[0], Y, Z}});
-            for (int X = begin[0]; X < std::min(own, end[0]); ++X)
-              add_to_earlier_row(u,
-                                 line,
-                                 X - I[0] + p,
-                                 weight,
-                                 from + (X - begin[0]) * nc,
-                                 box.n_of_line());
-            if (own < end[0])
-              for (int c = 0; c < nc; ++c)
-                add_multiple(half_row(u) + (line * nc + c) * line_size +
-                               (own - I[0] + p) * nc,
-                             weight,
-                             from + c * box.n_of_line() + (own - begin[0]) * nc,
-                             (end[0] - own) * nc);
+            const int    line = n_lines - 1 + (Z - I[2]) * length + Y - I[1];
+            const float *from = blocks.data() + box.place({{I[0] - p, Y, Z}});
+            for (int c = 0; c < nc; ++c)
+              add_multiple(row + (line * nc + c) * line_size,
+                           weight,
+                           from + c * box.stride,
+                           line_size);
           }
     }
 
     /// List the blocks of a box beyond the row of a coarse function.
     void
-    add_beyond_row(const Position &I,
-                   const float     weight,
-                   const float    *blocks,
-                   const Box      &box)
+    add_beyond_row(const Position    &I,
+                   const unsigned int u,
+                   const float        weight,
+                   const Box         &box)
     {
-      bool exceeds = false;
-      for (unsigned int d = 0; d < 3; ++d)
-        exceeds = exceeds || box.first[d] < I[d] - reach[d] ||
-                  box.first[d] + box.count[d] > I[d] + reach[d] + 1;
-      if (!exceeds)
-        return;
-      Position J;
-      for (int Z = 0; Z < box.count[2]; ++Z)
-        for (int Y = 0; Y < box.count[1]; ++Y)
-          for (int X = 0; X < box.count[0]; ++X)
-            {
-              J = sum(box.first, {{X, Y, Z}});
-              if (!is_inside(I, J))
-                add_block(
-                  I, J, weight, blocks + box.offset(J), box.n_of_line());
-            }
+      for (int Z = box.begin[2]; Z < box.end[2]; ++Z)
+        for (int Y = box.begin[1]; Y < box.end[1]; ++Y)
+          {
+            const bool is_in_line =
+              std::abs(Y - I[1]) <= reach[1] && std::abs(Z - I[2]) <= reach[2];
+            for (int X = box.begin_x; X < box.end_x; ++X)
+              if (!is_in_line || std::abs(X - I[0]) > p)
+                add_far_block(I, u, {{X, Y, Z}}, weight, box);
+          }
     }
 
     static Position
@@ -385,78 +431,35 @@ namespace greville
     }
 
     static bool
-    is_inside(const Position &I, const Position &J)
+    is_zero(const float *block, const int stride)
     {
       bool result = true;
-      for (unsigned int d = 0; d < 3; ++d)
-        result = result && std::abs(J[d] - I[d]) <= reach[d];
+      for (int c = 0; c < nc; ++c)
+        for (int d = 0; d < nc; ++d)
+          result = result && block[c * stride + d] == 0.f;
       return result;
     }
 
-    /// Add a multiple of a block anywhere.
     void
-    add_block(const Position &I,
-              const Position &J,
-              const float     weight,
-              const float    *block,
-              const int       stride)
+    add_far_block(const Position    &I,
+                  const unsigned int u,
+                  const Position    &J,
+                  const float        weight,
+                  const Box         &box)
     {
-      const int u = coarse.find(coarse.wrapped(I)),
-                v = coarse.find(coarse.wrapped(J));
-      if (u < 0 || v < 0)
+      const float *block = blocks.data() + box.place(J);
+      if (is_zero(block, box.stride))
         return;
-      if (is_inside(I, J))
-        {
-          const int line = (J[2] - I[2]) * length + J[1] - I[1],
-                    x    = J[0] - I[0] + p;
-          if (line < 0 || (line == 0 && x < p))
-            {
-              add_to_earlier_row(u, line, x, weight, block, stride);
-              return;
-            }
-          for (int c = 0; c < nc; ++c)
-            add_multiple(half_row(u) + (line * nc + c) * line_size + x * nc,
-                         weight,
-                         block + c * stride,
-                         nc);
-          return;
-        }
+      const int v = coarse.find(coarse.wrapped(J));
+      if (v < 0)
+        return;
       FarBlock entry{I, J, {}};
-      bool     is_zero = true;
       for (int c = 0; c < nc; ++c)
         for (int d = 0; d < nc; ++d)
           if (!coarse.is_constrained(u, c) && !coarse.is_constrained(v, d))
-            {
-              entry.block[c * nc + d] = weight * block[c * stride + d];
-              is_zero = is_zero && entry.block[c * nc + d] == 0.f;
-            }
-      if (!is_zero)
+            entry.block[c * nc + d] = weight * block[c * box.stride + d];
+      if (!is_zero(entry.block, nc))
         far_blocks.push_back(entry);
-    }
-
-    float *
-    half_row(const unsigned int u)
-    {
-      return rows.data() + u * Half::row_size;
-    }
-
-    /// Add a multiple of the transpose of a block to the row of the function in
-    /// its column, in a line before u, or in the same line.
-    void
-    add_to_earlier_row(const unsigned int u,
-                       const int          line,
-                       const int          x,
-                       const float        weight,
-                       const float       *block,
-                       const int          stride)
-    {
-      const int v = coarse.unknown_in_line(u, line, x - p);
-      if (v < 0)
-        return;
-      float *to = half_row(v) - line * nc * line_size + (length - 1 - x) * nc;
-      for (int c = 0; c < nc; ++c)
-        for (int d = 0; d < nc; ++d)
-          to[d * line_size + c] += weight * block[c * stride + d];
     }
 
     /// Add up the listed blocks of the same functions.
@@ -479,22 +482,34 @@ namespace greville
       far_blocks.resize(n_merged);
     }
 
-    /// Set the blocks of functions that are no unknowns, and of constrained
-    /// components, to zero.
+    /// Write the half rows: a block before that on the diagonal is added, as
+    /// its transpose, to the row of the function in its column. Blocks of
+    /// functions that are no unknowns, and of constrained components, are left
+    /// out.
     void
-    leave_out_other_functions()
+    write_half_rows()
     {
+      rows.assign(coarse.positions().size() * Half::row_size, 0.f);
+      const float *block = sums.data();
       for (unsigned int u = 0; u < coarse.positions().size(); ++u)
-        for (int line = 0; line < n_lines; ++line)
-          for (int x = line == 0 ? p : 0; x < length; ++x)
+        for (int line = 1 - n_lines; line < n_lines;
+             ++line, block += nc * line_size)
+          for (int x = 0; x < length; ++x)
             {
-              const int v     = coarse.unknown_in_line(u, line, x - p);
-              float    *block = half_row(u) + line * nc * line_size + x * nc;
+              const int v = coarse.unknown_in_line(u, line, x - p);
+              if (v < 0)
+                continue;
+              const bool is_before = line < 0 || (line == 0 && x < p);
+              float     *to        = rows.data() +
+                          std::size_t(is_before ? v : u) * Half::row_size +
+                          std::abs(line) * nc * line_size +
+                          (is_before ? length - 1 - x : x) * nc;
               for (int c = 0; c < nc; ++c)
                 for (int d = 0; d < nc; ++d)
-                  if (v < 0 || coarse.is_constrained(u, c) ||
-                      coarse.is_constrained(v, d))
-                    block[c * line_size + d] = 0.f;
+                  if (!coarse.is_constrained(u, c) &&
+                      !coarse.is_constrained(v, d))
+                    to[is_before ? d * line_size + c : c * line_size + d] +=
+                      block[c * line_size + x * nc + d];
             }
     }
 
@@ -506,11 +521,10 @@ namespace greville
     const ExtendedTerms<dim> extended;
     std::vector<Column>      columns;
     std::vector<float>       extended_blocks; // of the columns
-    std::vector<float>       sum_of_columns;
 
-    float plain_row[Half::row_size];
-    float in_x[n_lines * nc * most * nc];
-    float in_y[(dim == 3 ? n : 1) * most * nc * most * nc];
-    float in_z[dim == 3 ? most * most * nc * most * nc : 1];
+    float              plain_row[Half::row_size];
+    std::vector<float> in_x, in_y, blocks;
+    // Rows with all neighbours: entry (line, c, x, d).
+    std::vector<float> sums;
   };
 } // namespace greville
