@@ -5,7 +5,6 @@
 #include <greville/multigrid/lattice_unknowns.h>
 
 #include <algorithm>
-#include <map>
 
 namespace greville
 {
@@ -114,7 +113,7 @@ namespace greville
     const typename LatticeLevel<dim>::Terms   &terms,
     const typename LatticeLevel<dim>::Lattice &lattice) const
   {
-    std::map<Position, float> sums;
+    std::vector<std::pair<Position, float>> entries;
     for (const auto &[given, weight] : terms)
       {
         // The image next to the function.
@@ -129,7 +128,7 @@ namespace greville
                 u[d] += period;
             }
         coarse.for_each_coarse(u, [&](const Position &I, const float of_u) {
-          sums[I] += weight * of_u;
+          entries.emplace_back(I, weight * of_u);
         });
       }
     Terms result;
@@ -137,10 +136,15 @@ namespace greville
     result.highest.fill(-std::numeric_limits<int>::max());
     const Position  first      = coarse.first_coarse(i);
     constexpr float negligible = 1e-5f;
-    for (const auto &[I, weight] : sums)
-      if (std::abs(weight) > negligible)
+    LatticeBox      box_of_terms;
+    box_of_terms.fit(entries, {{0, 0, 0}});
+    std::vector<float> sums(box_of_terms.size(), 0.f);
+    for (const auto &[I, weight] : entries)
+      sums[box_of_terms.place(I)] += weight;
+    for (std::size_t place = 0; place < sums.size(); ++place)
+      if (std::abs(sums[place]) > negligible)
         {
-          Term term{I, weight};
+          Term term{box_of_terms.position(place), sums[place]};
           for (unsigned int d = 0; d < 3; ++d)
             {
               term.offset[d] -= first[d];
