@@ -162,10 +162,13 @@ namespace greville
           const double factor = entries[entry];
           pivot -= factor * factor;
           const std::size_t end = column_begin[j + 1];
-          for (std::size_t e = entry + 1; e < end; ++e)
+          // touch() sets an entry before it is used.
+          for (std::size_t e = entry + 1; e < end && drop_tolerance == 0.; ++e)
+            column[rows[e]] -= factor * entries[e];
+          for (std::size_t e = entry + 1; e < end && drop_tolerance > 0.; ++e)
             if (last_column_with[rows[e]] == k)
               column[rows[e]] -= factor * entries[e];
-            else if (drop_tolerance > 0.)
+            else
               touch(rows[e], -factor * entries[e]);
           if (entry + 1 < end)
             finished.insert(j, rows[entry + 1], entry + 1);
