@@ -141,18 +141,22 @@ namespace greville
     std::vector<float> sums(box_of_terms.size(), 0.f);
     for (const auto &[I, weight] : entries)
       sums[box_of_terms.place(I)] += weight;
-    for (std::size_t place = 0; place < sums.size(); ++place)
-      if (std::abs(sums[place]) > negligible)
-        {
-          Term term{box_of_terms.position(place), sums[place]};
-          for (unsigned int d = 0; d < 3; ++d)
-            {
-              term.offset[d] -= first[d];
-              result.lowest[d]  = std::min(result.lowest[d], term.offset[d]);
-              result.highest[d] = std::max(result.highest[d], term.offset[d]);
-            }
-          result.list.push_back(term);
-        }
+    // Neighbours in x do not follow each other: a vector that is loaded waits
+    // for the store of another one with a part of its numbers.
+    for (int x = 0; x < box_of_terms.extents[0]; ++x)
+      for (std::size_t place = x; place < sums.size();
+           place += box_of_terms.extents[0])
+        if (std::abs(sums[place]) > negligible)
+          {
+            Term term{box_of_terms.position(place), sums[place]};
+            for (unsigned int d = 0; d < 3; ++d)
+              {
+                term.offset[d] -= first[d];
+                result.lowest[d]  = std::min(result.lowest[d], term.offset[d]);
+                result.highest[d] = std::max(result.highest[d], term.offset[d]);
+              }
+            result.list.push_back(term);
+          }
     return result;
   }
 } // namespace greville
