@@ -25,11 +25,10 @@ namespace greville
    * *parts* that a LatticeCoupling can couple. Vectors and matrices have single
    * precision. The smoother is a Chebyshev polynomial over IC(0) of
    * the mean diagonal block, or of each block, of the unknowns of all parts
-   * together, in domains of processes that overlap by a layer,
-   * or two layers on the finest lattice of order 3. The couplings
-   * within a process belong to it. A part whose lattice
-   * cannot become coarser, or has few functions, stays the same on the coarser
-   * levels of other parts.
+   * together, in domains of processes that overlap by a layer, or by two on the
+   * finest lattice of order 3. The couplings within a process belong to it. A
+   * part whose lattice cannot become coarser, or has few functions, stays the
+   * same on the coarser levels of other parts.
    *
    * The last level is a CoarsestSolver.
    */
