@@ -1,15 +1,110 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-// The linear solver of TangentSystem.
+// The preconditioner and the linear solver of TangentSystem.
 
 #include <greville/linear_algebra/krylov.h>
 #include <greville/stiffness/tangent_system.h>
 
 #include <cmath>
+#include <limits>
 
 namespace greville
 {
   using namespace dealii;
+
+  template <int dim>
+  void
+  TangentSystem<dim>::choose_smoother(PMultigridParameters &cycle,
+                                      SmootherParameters   &smoother) const
+  {
+    if (cycle.smoother != "auto")
+      return;
+    // Poisson's ratios of 0.4 and 0.475.
+    constexpr double stiff_ratio = 6., very_stiff_ratio = 20.;
+    const double     ratio = moduli[1] > 0.
+                               ? moduli[0] / moduli[1]
+                               : std::numeric_limits<double>::infinity();
+    cycle.smoother         = ratio <= stiff_ratio && !by_components
+                               ? "chebyshev-ic0"
+                               : "chebyshev-component-ic0";
+    if (ratio > stiff_ratio)
+      {
+        smoother.chebyshev_degree += ratio > very_stiff_ratio ? 3 : 1;
+        smoother.chebyshev_range *= ratio > very_stiff_ratio ? 4. : 2.;
+      }
+    if (ratio > stiff_ratio || by_components)
+      {
+        // Pivots fail if one direction is much stiffer than the others.
+        constexpr double smallest_shift = 1e-3;
+        smoother.shift = std::max(smoother.shift, smallest_shift);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::make_multigrid()
+  {
+    multigrid.reset();
+    if (parameters.multigrid.coarsens_lattices())
+      {
+        LatticePart                       part = lattice_part();
+        typename LatticeCycle<dim>::Parts parts;
+        parts.push_back(std::move(part.finest));
+        multigrid = std::make_unique<LatticeCycle<dim>>(std::move(parts),
+                                                        part.parameters,
+                                                        nullptr,
+                                                        part.coarsens);
+        return;
+      }
+    PMultigridParameters             cycle    = parameters.multigrid;
+    SmootherParameters               smoother = parameters.smoother;
+    typename PMultigrid<dim>::Levels operators;
+    choose_smoother(cycle, smoother);
+    if (!has_levels)
+      cycle.coarsening = "none";
+    else
+      for (unsigned int l = 0; l + 1 < levels.size(); ++l)
+        operators.push_back(levels[l].get());
+    operators.push_back(levels.back().get());
+    multigrid = std::make_unique<PMultigrid<dim>>(
+      operators, cycle, smoother, parameters.multigrid.coarse_tolerance);
+  }
+
+
+
+  template <int dim>
+  typename TangentSystem<dim>::LatticePart
+  TangentSystem<dim>::lattice_part() const
+  {
+    PMultigridParameters cycle    = parameters.multigrid;
+    SmootherParameters   smoother = parameters.smoother;
+    choose_smoother(cycle, smoother);
+    return {finest().make_lattice(), cycle.of_lattices(smoother), has_levels};
+  }
+
+
+
+  template <int dim>
+  void
+  TangentSystem<dim>::for_each_weight(const MaterialPoints<dim> &points,
+                                      const VisitWeight         &visit) const
+  {
+    const ExtendedMass<dim> &mass        = finest().extended();
+    const auto              &constrained = finest().constrained_components();
+    of_surfaces.for_each_value(
+      points,
+      [&](const std::size_t s, const unsigned int f, const double value) {
+        mass.unknowns().for_each_unknown(
+          mass.matrix().place(f),
+          [&](const unsigned int u, const double weight) {
+            visit(s, u, value * weight, constrained[f]);
+          });
+      });
+  }
+
+
 
   template <int dim>
   void
