@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace greville
 {
@@ -17,8 +18,8 @@ namespace greville
     // Lattices become coarser until a part has so few rows.
     constexpr unsigned int small_size = 250;
 
-    // More than any number of functions in a direction.
-    constexpr int far_away = 1 << 24;
+    // The distance of parts in a lattice, more than any overlap of domains.
+    constexpr int far_away = 100;
 
     unsigned int
     width_of_factors(const unsigned int n_components)
@@ -208,7 +209,7 @@ namespace greville
     std::vector<const InterleavedLayout *>  layouts;
     std::vector<std::vector<UpperTriangle>> matrices; // by component, part
     std::vector<std::array<int, 3>>         positions;
-    int                                     reach = 0;
+    int                                     reach = 0, begin_of_part = 0;
     for (Block &block : level.blocks)
       {
         auto of_part = block.matrix->diagonal_blocks(parameters.by_components);
@@ -218,9 +219,10 @@ namespace greville
         // The positions of parts must differ.
         for (std::array<int, 3> position : block.matrix->unknown_positions())
           {
-            position[2] += far_away * layouts.size();
+            position[2] += begin_of_part;
             positions.push_back(position);
           }
+        begin_of_part += block.matrix->lattice()[2].n_functions() + far_away;
         layouts.push_back(&block.matrix->layout());
         reach = std::max<int>(reach, block.matrix->lattice()[0].degree());
         block.constrained = block.matrix->constrained_unknowns();
@@ -236,16 +238,17 @@ namespace greville
       for (double &value : entry.values)
         value *= level.unit() / unit;
     const unsigned int n = level.blocks[0].matrix->n_components();
-    const JoinedLayout joined(layouts);
+    const std::optional<JoinedLayout> joined =
+      parts.size() > 1 ? std::optional<JoinedLayout>(layouts) : std::nullopt;
     level.factors.resize(matrices.size());
     for (unsigned int c = 0; c < matrices.size(); ++c)
       {
         UpperTriangle matrix = parts.size() == 1
                                  ? std::move(matrices[c][0])
-                                 : block_diagonal(matrices[c], joined.numbers);
+                                 : block_diagonal(matrices[c], joined->numbers);
         matrix.add(coupled, c, n / matrices.size());
         level.factors[c].factorize(matrix,
-                                   joined.layout,
+                                   joined ? joined->layout : *layouts[0],
                                    positions,
                                    reach,
                                    l == 0 && reach > 2 ? 2 : 1,

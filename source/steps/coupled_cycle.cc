@@ -25,7 +25,9 @@ namespace greville
       return;
     set_ups.clear();
     cycle.reset();
-    coupling = make_coupling();
+    // Open contacts do not couple.
+    coupling = stiffness > 0. ? make_coupling()
+                              : std::make_unique<LatticeCoupling<dim>>();
     try
       {
         build(systems, true);
