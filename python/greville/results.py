@@ -112,7 +112,7 @@ def column_of(words):
 
 
 def word_in(values):
-    """Return the first word of a column that is no number; None if there is none."""
+    """Return the first word of a column that is not a number; None if there is none."""
     for value in values:
         if isinstance(value, str) and value:
             try:
@@ -315,7 +315,7 @@ class Series:
         try:
             times = [float(entry.get("timestep", "")) for entry in sets]
         except ValueError as error:
-            raise ResultsError(f"{path} is no file of ParaView: a time of it is no number: {error}.") from None
+            raise ResultsError(f"{path} is no file of ParaView: a time of it is not a number: {error}.") from None
         self.times = times if np is None else np.array(times)
 
     def __len__(self):
@@ -395,7 +395,7 @@ class Run:
             for column, values in table.items():
                 word = word_in(values) if isinstance(values, list) else None
                 if word:
-                    raise ResultsError(f"{path} is damaged: its column {column} has <{word}>, which is no number.")
+                    raise ResultsError(f"{path} is damaged: its column {column} has <{word}>, which is not a number.")
             return table
         return self._once(name, read)
 
@@ -458,7 +458,7 @@ class Run:
             return [kind(word) for word in names_in(self.parameters.get(name))]
         except ValueError:
             raise ResultsError(f"The parameters of {self.folder} are damaged: '{name}' is <{self.parameters[name]}>, "
-                               "which is no number.") from None
+                               "which is not a number.") from None
 
     @property
     def grid_box(self):

@@ -55,8 +55,8 @@ namespace greville::internal
     double         shares[2] = {0., 0.};
     Tensor<2, dim> stiffness;
     double         pressure = 0.; // for KeyMemory
-    // The contribution of sliding to D_k, which is not symmetric. It is left
-    // out of the stiffness of single points, which is for preconditioners.
+    // The contribution of sliding to D_k, which is not symmetric. Stiffness for
+    // preconditioners leaves it out.
     Tensor<2, dim> coupling;
     // d (shear stress) / d (mean pore pressure) over the sum of a_s psi_k.
     Tensor<1, dim> by_pore_pressure;

@@ -6,7 +6,7 @@
 #include "simulation.h"
 #include <algorithm>
 
-// What a run leaves: energies after each step, and the points by their id:
+// The results of a run: energies after each step, and the points by their id:
 // displacement, velocity, stress.
 struct History
 {

@@ -2,7 +2,7 @@
 
 #pragma once
 
-// What the tests of materials share: materials from a text with parameters,
+// Shared by the tests of materials: materials from a text with parameters,
 // steps of one point, random deformations.
 
 #include <greville/base/eigenvectors.h>

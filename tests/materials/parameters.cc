@@ -13,7 +13,7 @@
 
 namespace
 {
-  // What a material says and does: moduli, and stress, energy, heat, wave
+  // The answers of a material: moduli, and stress, energy, heat, wave
   // modulus and history along a motion that yields, softens, is torn and flows.
   std::vector<double>
   behaviour(const Material &material)

@@ -2,7 +2,7 @@
 
 #pragma once
 
-// What the tests of particles share: points whose numbers depend on their id
+// Shared by the tests of particles: points whose numbers depend on their id
 // only, and B-splines evaluated function by function by KnotVector.
 
 #include <greville/points/material_points.h>

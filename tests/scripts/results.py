@@ -155,13 +155,13 @@ def check_damage(run, has_points):
     folder = run.folder.parent / "damaged"
     half = lambda text: text[:len(text) // 2]
     cases = [("statistics.csv", lambda text: text.replace(b"0.01,", b"0 .01,", 1), lambda run: run.statistics,
-              "which is no number"),
+              "which is not a number"),
              ("parameters.prm", lambda text: b"hello", lambda run: run.parameters, "parameters.prm has no parameters."),
              ("parameters.prm", lambda text: text.replace(b"Dimension", b"Dimension = x #", 1), lambda run: run.dim,
-              "'Simulation/Dimension' is <x>, which is no number."),
+              "'Simulation/Dimension' is <x>, which is not a number."),
              ("summary.json", lambda text: b"[1]", lambda run: run.summary, "is no summary of a run."),
              ("fields.pvd", lambda text: text.replace(b'timestep="0.0', b'timestep="o.0'), lambda run: run.times,
-              "a time of it is no number")]
+              "a time of it is not a number")]
     if has_points:
         piece = "files/points_0002.vtu"
         cases += [(piece, half, lambda run: run.points(-1), f"{piece} is no file of VTK, or a part of one."),

@@ -36,7 +36,7 @@ namespace greville
     /// The position at which basis functions are evaluated, m.
     Lanes x[dim];
     /// The first Piola-Kirchhoff stress relative to the begin, times the volume
-    /// at the begin: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per
+    /// at the start: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per
     /// radian).
     Pairs stress;
     /// If requested: V dP / df in PointTangents, and the sums over i and j of V

@@ -243,7 +243,7 @@ namespace greville
     double
     energy_swing(const State<dim> &state) const;
 
-    /// Call LateRow::show with the state at the begin of the step, at whose end
+    /// Call LateRow::show with the state at the start of the step, at whose end
     /// points take a @p kick.
     void
     show(State<dim> &state, PointUpdate<dim> kick);

@@ -153,20 +153,21 @@ namespace greville
       by_components = true;
     }
 
-    /// Let set-ups leave out the preconditioner, in place of which the system
-    /// has a part of a LatticeCycle of several systems, with
-    /// lattice_parameters(), which @p coarsens if coarse levels pay.
+    /// The system as a part of a LatticeCycle of several systems, which
+    /// @p coarsens if coarse levels pay.
     struct LatticePart
     {
       std::unique_ptr<ExtendedLattice<dim>> finest;
       LatticeCycleParameters                parameters;
       bool                                  coarsens;
     };
-    void
-    set_coupled(const bool is);
-
     LatticePart
     lattice_part() const;
+
+    /// Let set-ups leave out the preconditioner, for coupled systems that have
+    /// a LatticeCycle.
+    void
+    set_coupled(const bool is);
 
     /// Return a number of the last set-up, which no other set-up of this
     /// process has.
