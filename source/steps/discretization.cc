@@ -407,8 +407,8 @@ namespace greville
         problem = "point " + std::to_string(result.outside) + " of the " +
                   owner + "' has left the grid: it is at (" +
                   text_of(result.outside_position) +
-                  ") m, and the grid lies between 'Lower corner' and 'Upper "
-                          "corner'";
+                  ") m. Enlarge the grid, set the type of this wall, or set "
+                          "'Scheme/Points outside' = remove";
       if (state.n_steps % defragment_every == defragment_every - 1)
         points.defragment();
       return result;
