@@ -36,7 +36,8 @@ namespace greville
     has_domain  = is_parallel || !last_rows.empty();
     if (!has_domain)
       {
-        factors.factorize(matrix, parameters);
+        run_on_all(layout.communicator(),
+                   [&]() { factors.factorize(matrix, parameters); });
         return;
       }
     internal::OverlappingDomain rows(
