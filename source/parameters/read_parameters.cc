@@ -331,6 +331,8 @@ namespace greville
     make_sections(lines);
     make_stages(lines);
 
+    if (value_of(lines, "Simulation", "Pore water") == "true")
+      output.fields.push_back("pore_pressure");
     ParameterHandler prm;
     declare(prm);
     std::map<std::string, std::string> formulas;
