@@ -301,7 +301,9 @@ namespace StepGreville
     //   v_{n+1} = \frac{2 u}{\Delta t} - v_n.
     // @f]
     // First a solve with the mass gives the velocity $v_n$ of the grid from the
-    // momentum of the points; Newton's method then starts with a free flight.
+    // momentum of the points; Newton's method then starts with a free flight,
+    // and reduces the residual to a small part of the load (a problem without
+    // load needs another scale, such as the stress forces).
     // <code>extend()</code> applies $E$ to the solution of a system and returns
     // all coefficients of a field. The acceleration of the grid is
     // $(v_{n+1} - v_n) / \Delta t$, and its mean velocity $u / \Delta t$.
