@@ -97,7 +97,7 @@ namespace greville
     // The vector, its residual and the last direction.
     const std::size_t        n = start.size();
     std::array<Direction, 3> directions{
-      {Direction(n), Direction(n), Direction(n)}};
+      {Direction(n), Direction(0), Direction(0)}};
     Direction &vector = directions[0], &residual = directions[1],
               &last = directions[2];
     LargestEigenvalue result;
@@ -125,6 +125,8 @@ namespace greville
     multiply_by_B(vector.x, vector.b);
     multiply_by_S(vector.S_x, vector.x);
     result.n_products = 1;
+    // The first product may need much memory to factorize a matrix.
+    residual = last = Direction(n);
 
     unsigned int          n_directions = 1, n_small_changes = 0;
     std::array<double, 3> c{};

@@ -3,7 +3,6 @@
 #include <greville/mass/extended_mass.h>
 
 #include <algorithm>
-#include <numeric>
 
 // The entries of E^T M~ E.
 namespace greville
@@ -13,16 +12,23 @@ namespace greville
   namespace
   {
     /// A sparse matrix by rows.
-    template <typename Entry>
     struct SparseRows
     {
-      std::vector<std::size_t> begin = {0};
-      std::vector<Entry>       entries;
+      std::vector<std::size_t>  begin = {0};
+      std::vector<unsigned int> columns;
+      std::vector<double>       weights;
+
+      void
+      push_back(const unsigned int column, const double weight)
+      {
+        columns.push_back(column);
+        weights.push_back(weight);
+      }
 
       void
       end_row()
       {
-        begin.push_back(entries.size());
+        begin.push_back(columns.size());
       }
 
       template <typename Visit>
@@ -30,28 +36,79 @@ namespace greville
       for_each(const unsigned int row, const Visit &visit) const
       {
         for (std::size_t e = begin[row]; e < begin[row + 1]; ++e)
-          visit(entries[e].unknown, entries[e].weight);
+          visit(columns[e], weights[e]);
+      }
+    };
+
+
+
+    /// A pass through the columns of a matrix whose rows have ascending
+    /// columns.
+    class ColumnPass
+    {
+    public:
+      ColumnPass(const SparseRows &matrix, const unsigned int n_columns)
+        : matrix(matrix)
+        , next(matrix.begin.begin(), matrix.begin.end() - 1)
+        , head(n_columns, none)
+        , link(next.size())
+      {
+        for (unsigned int k = 0; k < next.size(); ++k)
+          insert(k);
       }
 
-      /// Return the transpose, which has @p n rows.
-      SparseRows
-      transpose(const unsigned int n) const
+      bool
+      is_empty(const unsigned int column) const
       {
-        SparseRows result;
-        result.begin.assign(n + 1, 0);
-        for (const Entry &entry : entries)
-          ++result.begin[entry.unknown + 1];
-        std::partial_sum(result.begin.begin(),
-                         result.begin.end(),
-                         result.begin.begin());
-        result.entries.resize(entries.size());
-        std::vector<std::size_t> next(result.begin);
-        for (unsigned int k = 0; k + 1 < begin.size(); ++k)
-          for_each(k, [&](const unsigned int u, const double weight) {
-            result.entries[next[u]++] = {k, weight};
-          });
-        return result;
+        return head[column] == none;
       }
+
+      /// Call visit(k, weight) for the rows k with an entry in a column, after
+      /// finish() for all columns before.
+      template <typename Visit>
+      void
+      for_each(const unsigned int column, const Visit &visit) const
+      {
+        for (unsigned int k = head[column]; k != none; k = link[k])
+          visit(k, matrix.weights[next[k]]);
+      }
+
+      /// Return the first entry of row @p k from this column on.
+      std::size_t
+      entry(const unsigned int k) const
+      {
+        return next[k];
+      }
+
+      void
+      finish(const unsigned int column)
+      {
+        for (unsigned int k = head[column]; k != none;)
+          {
+            const unsigned int other = link[k];
+            ++next[k];
+            insert(k);
+            k = other;
+          }
+      }
+
+    private:
+      static constexpr unsigned int none = static_cast<unsigned int>(-1);
+
+      void
+      insert(const unsigned int k)
+      {
+        if (next[k] == matrix.begin[k + 1])
+          return;
+        unsigned int &first = head[matrix.columns[next[k]]];
+        link[k]             = first;
+        first               = k;
+      }
+
+      const SparseRows         &matrix;
+      std::vector<std::size_t>  next; // by row
+      std::vector<unsigned int> head; // by column
+      std::vector<unsigned int> link; // by row
     };
 
 
@@ -75,19 +132,22 @@ namespace greville
         sums[column] += value;
       }
 
-      /// Add a multiple of ascending entries.
-      template <typename Entry>
+      /// Add a multiple of the entries from @p begin to the end of row @p k.
       void
-      add(const Entry *entry, const Entry *end, const double factor)
+      add(const SparseRows  &matrix,
+          const unsigned int k,
+          const std::size_t  begin,
+          const double       factor)
       {
-        if (entry == end)
+        const std::size_t end = matrix.begin[k + 1];
+        if (begin == end)
           return;
-        lowest  = std::min(lowest, entry->unknown / n_bits);
-        highest = std::max(highest, end[-1].unknown / n_bits);
-        for (; entry != end; ++entry)
+        lowest  = std::min(lowest, matrix.columns[begin] / n_bits);
+        highest = std::max(highest, matrix.columns[end - 1] / n_bits);
+        for (std::size_t e = begin; e < end; ++e)
           {
-            mark(entry->unknown);
-            sums[entry->unknown] += factor * entry->weight;
+            mark(matrix.columns[e]);
+            sums[matrix.columns[e]] += factor * matrix.weights[e];
           }
       }
 
@@ -159,10 +219,6 @@ namespace greville
       find_constrained(components);
       copy_weights();
       make_C();
-      W_columns = W.transpose(n);
-      C_columns = C.transpose(n);
-      W_next    = W.begin;
-      C_next    = C.begin;
       for (unsigned int u = E.n_owned; u < n; ++u)
         if (has_place(u))
           M.for_each_entry(
@@ -177,19 +233,24 @@ namespace greville
     UpperTriangle
     run()
     {
-      UpperTriangle     result;
+      UpperTriangle result;
+      ColumnPass    W_pass(W, n), C_pass(C, n);
+      // An entry of W adds about six entries in blocks and balls. Growing
+      // arrays would exist twice.
       const std::size_t n_entries =
-        std::size_t(n) * (Utilities::fixed_power<dim>(2 * reach + 1) / 2 + 1);
+        std::size_t(n) * (Utilities::fixed_power<dim>(2 * reach + 1) / 2 + 1) +
+        8 * W.columns.size();
       result.row_begin.reserve(n + 1);
       result.columns.reserve(n_entries);
       result.values.reserve(n_entries);
       for (unsigned int i = 0; i < n; ++i)
         {
-          if (rows == nullptr && is_plain(i))
+          if (rows == nullptr && W_pass.is_empty(i) && C_pass.is_empty(i) &&
+              is_plain(i))
             add_plain_row(result, i);
           else if (is_wanted(i))
             {
-              sum_row(i);
+              sum_row(i, W_pass, C_pass);
               sum.take([&](const unsigned int j, const double value) {
                 if (!is_wanted(j))
                   return;
@@ -197,6 +258,8 @@ namespace greville
                 result.values.push_back(value);
               });
             }
+          W_pass.finish(i);
+          C_pass.finish(i);
           result.row_begin.push_back(result.columns.size());
         }
       return result;
@@ -268,19 +331,21 @@ namespace greville
     void
     copy_weights()
     {
+      std::vector<Entry> row;
       for (unsigned int k = 0; k < E.extended.size(); ++k)
         {
+          row.clear();
           for (std::size_t e = E.extended_begin[k]; e < E.extended_begin[k + 1];
                ++e)
             if (!is_constrained_extended[k] &&
                 !is_constrained[E.extended_entries[e].unknown])
-              W.entries.push_back(E.extended_entries[e]);
+              row.push_back(E.extended_entries[e]);
           // Ghosts have the last numbers, but not the last places.
-          std::sort(W.entries.begin() + W.begin.back(),
-                    W.entries.end(),
-                    [](const Entry &a, const Entry &b) {
-                      return a.unknown < b.unknown;
-                    });
+          std::sort(row.begin(), row.end(), [](const Entry &a, const Entry &b) {
+            return a.unknown < b.unknown;
+          });
+          for (const Entry &entry : row)
+            W.push_back(entry.unknown, entry.weight);
           W.end_row();
         }
     }
@@ -309,19 +374,18 @@ namespace greville
               },
               reach);
           sum.take([&](const unsigned int u, const double value) {
-            C.entries.push_back({u, value});
+            C.push_back(u, value);
           });
           C.end_row();
         }
     }
 
-    /// Return whether a row has the entries of M at later places only.
+    /// Return whether a row without entries of W and C has the entries of M at
+    /// later places only.
     bool
     is_plain(const unsigned int i) const
     {
-      return i < E.n_owned && !is_near_ghost[i] && !is_constrained[i] &&
-             W_columns.begin[i] == W_columns.begin[i + 1] &&
-             C_columns.begin[i] == C_columns.begin[i + 1];
+      return i < E.n_owned && !is_near_ghost[i] && !is_constrained[i];
     }
 
     void
@@ -347,7 +411,9 @@ namespace greville
     }
 
     void
-    sum_row(const unsigned int i)
+    sum_row(const unsigned int i,
+            const ColumnPass  &W_pass,
+            const ColumnPass  &C_pass)
     {
       sum.add(i, 0.);
       if (is_constrained[i])
@@ -370,25 +436,12 @@ namespace greville
           else
             M.for_each_entry(E.unknowns[i], add_unknown, reach);
         }
-      add_product(i, W_columns, C, C_next);
-      add_product(i, C_columns, W, W_next);
-    }
-
-    /// Add row @p i of a product, from column i on. @p next are the entries of
-    /// the rows at which the last search ended.
-    void
-    add_product(const unsigned int        i,
-                const SparseRows<Entry>  &columns,
-                const SparseRows<Entry>  &rows,
-                std::vector<std::size_t> &next)
-    {
-      columns.for_each(i, [&](const unsigned int k, const double factor) {
-        const std::size_t end = rows.begin[k + 1];
-        while (next[k] < end && rows.entries[next[k]].unknown < i)
-          ++next[k];
-        sum.add(rows.entries.data() + next[k],
-                rows.entries.data() + end,
-                factor);
+      // The rows of the products from column i on.
+      W_pass.for_each(i, [&](const unsigned int k, const double factor) {
+        sum.add(C, k, C_pass.entry(k), factor);
+      });
+      C_pass.for_each(i, [&](const unsigned int k, const double factor) {
+        sum.add(W, k, W_pass.entry(k), factor);
       });
     }
 
@@ -400,8 +453,7 @@ namespace greville
     std::vector<unsigned char>        is_constrained, is_constrained_extended;
     std::vector<unsigned char>        is_near_ghost;
     std::vector<double>               image_diagonal;
-    SparseRows<Entry>                 W, C, W_columns, C_columns;
-    std::vector<std::size_t>          W_next, C_next;
+    SparseRows                        W, C;
     RowSum                            sum;
   };
 

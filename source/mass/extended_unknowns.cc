@@ -72,7 +72,6 @@ namespace greville
     place_x        = ZeroedArray<double>(places.size() * max_width);
     place_y        = ZeroedArray<double>(places.size() * max_width);
     single_x       = ZeroedArray<float>(places.size() * max_width);
-    single_y       = ZeroedArray<float>(places.size() * max_width);
     signed_numbers = ZeroedArray<int>(places.size());
     is_numbered    = false;
     layout         = nullptr;

@@ -24,12 +24,12 @@ namespace greville
   StencilMatrix<dim>::reinit(const SplineSpace<dim> &space)
   {
     StencilPlaces<dim>::reinit(space);
-    n_entries = Utilities::fixed_power<dim>(space.degree() + 1);
     decoupled_places.clear();
     decoupled_entries.clear();
     is_decoupled  = ZeroedArray<unsigned char>(n_places);
-    single_values = ZeroedArray<float>();
-    values        = ZeroedArray<double>(n_places * n_entries + max_padding);
+    values        = {};
+    single_values = {};
+    set_rows({});
   }
 
 
@@ -38,23 +38,25 @@ namespace greville
   void
   StencilMatrix<dim>::set_rows(const std::vector<unsigned int> &functions)
   {
-    clear();
     StencilPlaces<dim>::set_rows(functions);
-  }
-
-
-
-  template <int dim>
-  template <typename Visit>
-  void
-  StencilMatrix<dim>::for_each_range(const Visit &visit) const
-  {
-    const unsigned int n = spline_space->degree() + 1;
+    line_rows.assign(line_begin.size(), LineRows());
     for (const Segment &segment : segments)
-      for (unsigned int k = 0; k < Utilities::fixed_power<dim - 1>(n); ++k)
-        visit(first_entry(segment.begin) +
-                std::size_t(k) * line_size[segment.line] * n,
-              std::size_t(segment.end - segment.begin) * n);
+      {
+        LineRows &line = line_rows[segment.line];
+        if (line.size == 0)
+          line.begin = segment.begin;
+        line.size = segment.end - line.begin;
+      }
+    const unsigned int n_entries =
+      Utilities::fixed_power<dim>(spline_space->degree() + 1);
+    std::size_t n = 1;
+    for (LineRows &line : line_rows)
+      {
+        line.entry = n;
+        n += std::size_t(line.size) * n_entries;
+      }
+    values.resize(n + max_padding);
+    clear();
   }
 
 
@@ -63,9 +65,7 @@ namespace greville
   void
   StencilMatrix<dim>::clear()
   {
-    for_each_range([&](const std::size_t begin, const std::size_t n) {
-      std::fill_n(values.data() + begin, n, 0.);
-    });
+    std::fill(values.begin(), values.end(), 0.);
     for (const unsigned int place : decoupled_places)
       is_decoupled[place] = 0;
     decoupled_places.clear();
@@ -221,7 +221,7 @@ namespace greville
     visit_places<false>(i,
                         spline_space->degree(),
                         [&](const unsigned int j, const std::size_t e) {
-                          if (j >= i)
+                          if (j >= i && e != 0)
                             values[e] +=
                               *stencil /
                               n_equal((std::abs(dz) * (p + 1) + std::abs(dy)) *
@@ -264,13 +264,10 @@ namespace greville
   void
   StencilMatrix<dim>::make_single(const double unit)
   {
-    if (single_values.data() == nullptr)
-      single_values = ZeroedArray<float>(n_places * n_entries);
+    single_values.resize(values.size());
     single_unit = unit;
-    for_each_range([&](const std::size_t begin, const std::size_t n) {
-      for (std::size_t e = begin; e < begin + n; ++e)
-        single_values[e] = values[e] / unit;
-    });
+    for (std::size_t e = 0; e < values.size(); ++e)
+      single_values[e] = values[e] / unit;
   }
 
 
@@ -403,9 +400,10 @@ namespace greville
     for (const Segment &segment : segments)
       for (unsigned int i = segment.begin; i < segment.end; i += n_at_once)
         {
-          const unsigned int size   = std::min(n_at_once, segment.end - i);
-          const Number      *row    = entries + first_entry(i);
-          const std::size_t  stride = std::size_t(line_size[segment.line]) * n;
+          const unsigned int size = std::min(n_at_once, segment.end - i);
+          const Number      *row  = entries + first_entry(i);
+          const std::size_t  stride =
+            std::size_t(line_rows[segment.line].size) * n;
           for (int dz = 0; dz < (dim == 3 ? n : 1); ++dz)
             for (int dy = 0; dy < n; ++dy, row += stride)
               {

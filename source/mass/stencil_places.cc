@@ -118,15 +118,11 @@ namespace greville
 
     n_places = 0;
     line_begin.assign(own.size(), 0);
-    line_places.assign(own.size(), 0);
-    line_size.assign(own.size(), 0);
     for (unsigned int line = 0; line < own.size(); ++line)
       if (reached[line][0] <= reached[line][1])
         {
-          line_begin[line]  = int(n_places) - reached[line][0];
-          line_places[line] = n_places;
-          line_size[line]   = reached[line][1] - reached[line][0] + 1;
-          n_places += line_size[line];
+          line_begin[line] = int(n_places) - reached[line][0];
+          n_places += reached[line][1] - reached[line][0] + 1;
           Require(n_places < std::size_t(largest_int),
                   "A process has more coefficients than an integer can count.");
         }

@@ -361,7 +361,7 @@ namespace greville
     template <int dim, typename Multiply>
     void
     multiply_fields(const SplineSpace<dim> &space,
-                    std::vector<double>    &source,
+                    AlignedVector<double>  &source,
                     const VectorField<dim> &x,
                     VectorField<dim>       &y,
                     const bool              overwrite,
@@ -370,7 +370,7 @@ namespace greville
       const std::size_t n_functions =
         space.owned_functions().size() + space.ghost_functions().size();
       std::vector<double> target(n_functions * dim);
-      source.resize(n_functions * dim);
+      source.resize_fast(n_functions * dim);
       for (unsigned int d = 0; d < dim; ++d)
         put_into_buffer(x[d], dim, d, source);
       with_order(space.degree(), [&](const auto size) {
@@ -403,7 +403,7 @@ namespace greville
     std::vector<double>     window_target = read_windows(used_windows, u);
     multiply_fields<dim>(
       *tables.space,
-      buffer,
+      numbers,
       u,
       k,
       overwrite,
@@ -502,7 +502,7 @@ namespace greville
       windows && windows->averages_values() ? windows : nullptr;
     std::vector<double> window_target = read_windows(used_windows, x);
     multiply_fields<dim>(*tables.space,
-                         buffer,
+                         numbers,
                          x,
                          y,
                          true,

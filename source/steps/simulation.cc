@@ -285,6 +285,8 @@ namespace greville
         show();
         return;
       }
+    // There is no way back until begin_anew() takes another copy.
+    last_good = Snapshot<dim>();
     // Only estimates of the critical step change the mode.
     HighestMode<dim>                mode     = std::move(current.field.mode);
     const StateWithoutBodies<dim>   rest     = current;

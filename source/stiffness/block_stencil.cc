@@ -24,7 +24,7 @@ namespace greville
     });
     first_of_line = p * dim;
     row_size      = std::size_t(n_lines) * dim * line_size;
-    row_of        = ZeroedArray<std::size_t>(stencil.size());
+    row_of        = ZeroedArray<unsigned int>(stencil.size());
     if (std::is_same_v<Number, float>)
       for (ZeroedArray<Number> *array : {&single_x, &single_y})
         *array = ZeroedArray<Number>(stencil.size() * dim + line_size);
@@ -37,9 +37,9 @@ namespace greville
   void
   BlockStencil<dim, Number>::clear()
   {
-    std::size_t n_rows = 0;
+    unsigned int n_rows = 0;
     matrix->for_each_row([&](const unsigned int i) { row_of[i] = n_rows++; });
-    values.assign(n_rows * row_size, 0.);
+    values.assign(std::size_t(n_rows) * row_size, 0.);
   }
 
 

@@ -251,8 +251,10 @@ namespace greville
     // Some functions are constrained in this component, but not in all.
     std::array<bool, dim> component_is_partly_constrained{};
 
+    // Work arrays of products; those of single precision use the memory of
+    // place_y, too.
     mutable ZeroedArray<double> place_x, place_y;
-    mutable ZeroedArray<float>  single_x, single_y;
+    mutable ZeroedArray<float>  single_x;
     mutable VectorType          column; // of unknowns
 
     /// Collective. Number the unknowns and set E.

@@ -235,17 +235,13 @@ namespace greville
     const unsigned int                                   width,
     const std::function<void(Number *, const Number *)> &product) const
   {
-    Number *values, *products;
+    // Products are only added up at places with a row, where they begin with
+    // zero.
+    Number *values, *products = reinterpret_cast<Number *>(place_y.data());
     if constexpr (std::is_same_v<Number, double>)
-      {
-        values   = place_x.data();
-        products = place_y.data();
-      }
+      values = place_x.data();
     else
-      {
-        values   = single_x.data();
-        products = single_y.data();
-      }
+      values = single_x.data();
     x.update_ghost_values();
     expand(x.begin(), width, values);
     zero_constrained(values, width);

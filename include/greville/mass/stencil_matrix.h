@@ -20,9 +20,10 @@ namespace greville
    * of another symmetric matrix are replaced by the mean of those that share a
    * number, which leaves out what is antisymmetric in a direction.
    *
-   * Vectors are on StencilPlaces. Rows that are never written use no memory. In
-   * periodic directions the matrix is @f$ P^T B P @f$ with the stored matrix B,
-   * where P gives images the value of their function.
+   * Vectors are on StencilPlaces. Each line stores the entries from its first
+   * row to its last one, so that the matrix needs little more memory than its
+   * rows. In periodic directions the matrix is @f$ P^T B P @f$ with the stored
+   * matrix B, where P gives images the value of their function.
    */
   template <int dim>
   class StencilMatrix : public StencilPlaces<dim>
@@ -44,11 +45,11 @@ namespace greville
     /// Set the n^(dim - 1) lines of a cell, n = p + 1.
     template <int n>
     void
-    find_lines(const unsigned int cell, CellLine *lines) const;
+    find_lines(const unsigned int cell, CellLine *lines);
 
     /// Set the matrix to zero and allocate the rows of these functions (local
     /// numbers) and of their images: the functions of all cells that will be
-    /// added.
+    /// added. No entry is stored outside them.
     void
     set_rows(const std::vector<unsigned int> &functions);
 
@@ -141,8 +142,6 @@ namespace greville
     using StencilPlaces<dim>::spline_space;
     using StencilPlaces<dim>::n_places;
     using StencilPlaces<dim>::line_begin;
-    using StencilPlaces<dim>::line_places;
-    using StencilPlaces<dim>::line_size;
     using StencilPlaces<dim>::line_of;
     using StencilPlaces<dim>::n_lines_y;
     using StencilPlaces<dim>::segments;
@@ -156,11 +155,6 @@ namespace greville
                  const int          reach,
                  const Visit       &visit) const;
 
-    /// Call visit(begin, n) for ranges of entries of the rows.
-    template <typename Visit>
-    void
-    for_each_range(const Visit &visit) const;
-
     template <int n, int width, typename Number>
     void
     multiply(Number       *y,
@@ -168,12 +162,21 @@ namespace greville
              const Number *entries,
              const double  unit) const;
 
-    /// Return the number of the diagonal entry of a place.
+    /// The stored rows of a line, between which there may be places without a
+    /// row.
+    struct LineRows
+    {
+      unsigned int begin = 0, size = 0; // the first place, and places
+      std::size_t  entry = 0;           // the first stored entry
+    };
+
+    /// Return the number of the diagonal entry of a place with a row.
     std::size_t
     first_entry(const unsigned int place) const
     {
-      const std::size_t begin = line_places[line_of[place]];
-      return begin * n_entries + (place - begin) * (spline_space->degree() + 1);
+      const LineRows &line = line_rows[line_of[place]];
+      return line.entry +
+             std::size_t(place - line.begin) * (spline_space->degree() + 1);
     }
 
     /// Return whether a stored entry counts.
@@ -189,10 +192,12 @@ namespace greville
     unsigned int
     n_equal(unsigned int distance) const;
 
-    // The entries of a line are [k][x][dx] with k as in CellLine.
-    unsigned int                n_entries = 0; // (p + 1)^dim
-    ZeroedArray<double>         values;
-    ZeroedArray<float>          single_values;
+    // The entries of a line are [k][x][dx] with k as in CellLine, and x counted
+    // from its first row. Entry 0 is zero, and stands for all that are not
+    // stored.
+    std::vector<LineRows>       line_rows; // by line
+    std::vector<double>         values;
+    std::vector<float>          single_values;
     double                      single_unit = 1.;
     ZeroedArray<unsigned char>  is_decoupled; // by place
     std::vector<unsigned int>   decoupled_places;

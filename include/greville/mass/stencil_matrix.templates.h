@@ -12,19 +12,19 @@ namespace greville
   template <int dim>
   template <int n>
   void
-  StencilMatrix<dim>::find_lines(const unsigned int cell, CellLine *lines) const
+  StencilMatrix<dim>::find_lines(const unsigned int cell, CellLine *lines)
   {
     const unsigned int place = this->first_place(cell);
     const unsigned int first = line_of[place];
     for (unsigned int z = 0; z < (dim == 3 ? n : 1); ++z)
       for (unsigned int y = 0; y < n; ++y)
         {
-          const unsigned int line  = first + y + z * n_lines_y;
-          const std::size_t  begin = line_places[line];
+          const unsigned int line = first + y + z * n_lines_y;
+          const LineRows    &rows = line_rows[line];
           const std::size_t  x =
-            int(place) - line_begin[first] + line_begin[line] - int(begin);
-          *lines++ = {values.data() + begin * n_entries + x * n,
-                      std::size_t(line_size[line]) * n};
+            place + line_begin[line] - line_begin[first] - rows.begin;
+          *lines++ = {values.data() + rows.entry + x * n,
+                      std::size_t(rows.size) * n};
         }
   }
 
@@ -43,13 +43,19 @@ namespace greville
       reach,
       [&](const unsigned int j,
           const unsigned int line,
-          const std::size_t  low,
+          const unsigned int low,
           const std::size_t  k) {
-        const std::size_t begin = line_places[line];
-        const std::size_t e =
-          begin * n_entries + (k * line_size[line] + low - begin) * (p + 1);
+        const LineRows &rows = line_rows[line];
+        const int       x    = int(low) - int(rows.begin);
+        const int       size = rows.size;
+        const auto      e =
+          std::ptrdiff_t(rows.entry) + (std::ptrdiff_t(k) * size + x) * (p + 1);
         for (int dx = upper && j == i ? 0 : -reach; dx <= reach; ++dx)
-          visit(j + dx, dx < 0 ? e + dx * p : e + dx);
+          {
+            const int row = x + std::min(dx, 0);
+            visit(j + dx,
+                  row < 0 || row >= size ? 0 : e + (dx < 0 ? dx * p : dx));
+          }
       });
   }
 

@@ -145,13 +145,10 @@ namespace greville
     std::size_t             n_places     = 0;
 
     // Lines are counted in a box around the lines of this process. A function
-    // at x in a line has the place line_begin[line] + x; the line has line_size
-    // places from line_places on.
+    // at x in a line has the place line_begin[line] + x.
     std::vector<int>          line_begin;
     std::vector<int>          neighbor_lines; // distances of line numbers
     unsigned int              n_lines_y = 0;
-    std::vector<unsigned int> line_places;
-    std::vector<unsigned int> line_size;
     std::vector<unsigned int> place_of; // by local number
     ZeroedArray<unsigned>     line_of;  // by place
     std::vector<Segment>      segments;

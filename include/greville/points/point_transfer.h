@@ -177,8 +177,8 @@ namespace greville
 
     SpacePolynomials<dim>         tables;
     const CellWindows<dim>       *windows = nullptr;
-    std::vector<double>           buffer, window_buffer;
-    dealii::AlignedVector<double> numbers;
+    std::vector<double>           window_buffer;
+    dealii::AlignedVector<double> numbers; // of functions, in a transfer
     unsigned int                  numbers_stride = 0;
   };
 } // namespace greville

@@ -122,7 +122,7 @@ namespace greville
     unsigned int              line_size     = 0; // with zeros, for full vectors
     unsigned int              first_of_line = 0; // of the block on the diagonal
     std::size_t               row_size      = 0; // [line][c][x][d]
-    ZeroedArray<std::size_t>  row_of;            // by place
+    ZeroedArray<unsigned int> row_of;            // by place
     ZeroedArray<Number>       single_x, single_y; // of single precision
     std::vector<Number>       values;
   };
