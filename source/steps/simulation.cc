@@ -287,18 +287,20 @@ namespace greville
       }
     // There is no way back until begin_anew() takes another copy.
     last_good = Snapshot<dim>();
-    // Only estimates of the critical step change the mode.
-    HighestMode<dim>                mode     = std::move(current.field.mode);
-    const StateWithoutBodies<dim>   rest     = current;
-    const std::vector<Surface<dim>> surfaces = current.surfaces;
-    const KickedNumbers<dim>        numbers(current.bodies);
-    finish();
-    show();
-    static_cast<StateWithoutBodies<dim> &>(current) = rest;
-    current.field.mode                              = std::move(mode);
-    current.surfaces                                = surfaces;
-    numbers.restore(current.bodies);
-    current.points_have_changed();
+    {
+      // Only estimates of the critical step change the mode.
+      HighestMode<dim>                mode     = std::move(current.field.mode);
+      const StateWithoutBodies<dim>   rest     = current;
+      const std::vector<Surface<dim>> surfaces = current.surfaces;
+      const KickedNumbers<dim>        numbers(current.bodies);
+      finish();
+      show();
+      static_cast<StateWithoutBodies<dim> &>(current) = rest;
+      current.field.mode                              = std::move(mode);
+      current.surfaces                                = surfaces;
+      numbers.restore(current.bodies);
+      current.points_have_changed();
+    }
     begin_anew();
   }
 
