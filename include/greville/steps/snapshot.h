@@ -4,6 +4,8 @@
 
 #include <greville/steps/state.h>
 
+#include <optional>
+
 namespace greville
 {
   /// A copy of a state with its points as PointsCopy: half of the memory, in
@@ -32,7 +34,8 @@ namespace greville
     void
     restore(State<dim> &state) const
     {
-      static_cast<StateWithoutBodies<dim> &>(state) = rest;
+      Assert(rest, dealii::ExcNotInitialized());
+      static_cast<StateWithoutBodies<dim> &>(state) = *rest;
       for (unsigned int b = 0; b < points.size(); ++b)
         {
           points[b].restore(state.bodies[b].points);
@@ -46,7 +49,7 @@ namespace greville
     unsigned int
     stage() const
     {
-      return rest.stage;
+      return rest->stage;
     }
 
     /// Return the bytes of the points on this process.
@@ -62,8 +65,11 @@ namespace greville
     }
 
   private:
-    StateWithoutBodies<dim>      rest;
-    std::vector<PointsCopy<dim>> points, surfaces;
-    std::vector<std::uint64_t>   n_points;
+    // A vector to which an empty one is assigned keeps its layout on processes
+    // without entries only. The next assignment would then be collective on the
+    // others only.
+    std::optional<StateWithoutBodies<dim>> rest;
+    std::vector<PointsCopy<dim>>           points, surfaces;
+    std::vector<std::uint64_t>             n_points;
   };
 } // namespace greville
