@@ -42,7 +42,8 @@ namespace greville
       std::size_t stride;
     };
 
-    /// Set the n^(dim - 1) lines of a cell, n = p + 1.
+    /// Set the n^(dim - 1) lines of a cell, n = p + 1, whose functions have
+    /// rows.
     template <int n>
     void
     find_lines(const unsigned int cell, CellLine *lines);
@@ -175,6 +176,7 @@ namespace greville
     first_entry(const unsigned int place) const
     {
       const LineRows &line = line_rows[line_of[place]];
+      Assert(place - line.begin < line.size, dealii::ExcInternalError());
       return line.entry +
              std::size_t(place - line.begin) * (spline_space->degree() + 1);
     }

@@ -23,6 +23,7 @@ namespace greville
           const LineRows    &rows = line_rows[line];
           const std::size_t  x =
             place + line_begin[line] - line_begin[first] - rows.begin;
+          Assert(x + n <= rows.size, dealii::ExcInternalError());
           *lines++ = {values.data() + rows.entry + x * n,
                       std::size_t(rows.size) * n};
         }
