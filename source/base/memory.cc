@@ -100,4 +100,18 @@ namespace greville
     return {};
 #endif
   }
+
+
+
+  void
+  return_free_memory()
+  {
+#ifdef __GLIBC__
+    // Large arrays get memory of their own, but not the buffers of each step,
+    // and the heap shrinks only by much, since new pages cost time.
+    mallopt(M_MMAP_MAX, 65536);
+    mallopt(M_MMAP_THRESHOLD, 1 << 22);
+    mallopt(M_TRIM_THRESHOLD, 1 << 26);
+#endif
+  }
 } // namespace greville

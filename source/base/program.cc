@@ -5,6 +5,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/base/foreign_call.h>
+#include <greville/base/memory.h>
 #include <greville/base/parameter_tree.h>
 #include <greville/base/plugin.h>
 
@@ -473,6 +474,7 @@ namespace greville
                                              argv + argc);
     // A file that is too large then gives an error with a message.
     std::signal(SIGXFSZ, SIG_IGN);
+    return_free_memory();
     // PETSc would interpret options of this program as its own, and print
     // warnings about them to standard output. Options of PETSc can be set in
     // PETSC_OPTIONS.

@@ -23,4 +23,9 @@ namespace greville
   /// not tell.
   std::optional<unsigned long>
   allocated_memory();
+
+  /// Let the C library give free memory back to the system, which SuperLU_DIST
+  /// forbids for the whole program when it is loaded.
+  void
+  return_free_memory();
 } // namespace greville
