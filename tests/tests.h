@@ -125,15 +125,28 @@ check_range(const std::string &what,
 template <int dim>
 struct Box
 {
+  // Cells that are not uniform are between 0.3 and 1.7 times the mean, in no
+  // order.
   Box(const MultiIndex<dim>       &cells,
-      const MPI_Comm               comm     = MPI_COMM_WORLD,
-      const std::array<bool, dim> &periodic = {})
+      const MPI_Comm               comm       = MPI_COMM_WORLD,
+      const std::array<bool, dim> &periodic   = {},
+      const bool                   is_uniform = true)
     : mesh(comm, Triangulation<dim>::none, mesh_settings<dim>)
   {
-    Point<dim> upper;
+    Point<dim>     upper;
+    CellEdges<dim> edges;
     for (unsigned int d = 0; d < dim; ++d)
-      upper[d] = 1. + 0.5 * d;
-    create_box_mesh<dim>(mesh, Point<dim>(), upper, cells, periodic);
+      {
+        upper[d] = 1. + 0.5 * d;
+        for (unsigned int k = 0; k <= cells[d] && !is_uniform && !periodic[d];
+             ++k)
+          edges[d].push_back(
+            k == cells[d]
+              ? upper[d]
+              : upper[d] * (k + (k == 0 ? 0. : 0.35 * std::sin(2.6 * k + d))) /
+                  cells[d]);
+      }
+    create_box_mesh<dim>(mesh, Point<dim>(), upper, cells, periodic, edges);
   }
 
   DistributedTriangulation<dim> mesh;

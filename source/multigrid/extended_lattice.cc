@@ -30,7 +30,8 @@ namespace greville
     for (unsigned int d = 0; d < 3; ++d)
       result[d] = d < dim ? NestedKnots(space.degree(),
                                         space.cells_per_direction()[d],
-                                        space.is_periodic(d))
+                                        space.is_periodic(d),
+                                        space.lattice().edges(d))
                           : NestedKnots(0, 1, false);
     return result;
   }

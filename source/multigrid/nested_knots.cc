@@ -6,13 +6,16 @@
 
 namespace greville
 {
-  NestedKnots::NestedKnots(const unsigned int degree,
-                           const unsigned int n_cells,
-                           const bool         periodic)
+  NestedKnots::NestedKnots(const unsigned int         degree,
+                           const unsigned int         n_cells,
+                           const bool                 periodic,
+                           const std::vector<double> &edges)
     : p(degree)
     , periodic(periodic)
+    , is_uniform(edges.empty())
+    , breakpoints(edges)
   {
-    for (unsigned int k = 0; k <= n_cells; ++k)
+    for (unsigned int k = 0; k <= n_cells && edges.empty(); ++k)
       breakpoints.push_back(k);
   }
 
@@ -26,15 +29,26 @@ namespace greville
       return *this;
     NestedKnots result = *this;
     result.breakpoints.clear();
-    for (int k = 0; k < n; k += 2)
-      result.breakpoints.push_back(breakpoints[k]);
+    // Only the small cells of graded knots join: neighbours become more alike.
+    constexpr double most   = 1.5;
+    double           length = breakpoints.back() - breakpoints.front();
+    for (int k = 0; k + 2 <= n && !is_uniform; ++k)
+      length = std::min(length, most * (breakpoints[k + 2] - breakpoints[k]));
+    for (int k = 0; k < n;)
+      {
+        result.breakpoints.push_back(breakpoints[k]);
+        const bool joins =
+          is_uniform ||
+          (k + 2 <= n && breakpoints[k + 2] - breakpoints[k] <= length);
+        k += joins ? 2 : 1;
+      }
     result.breakpoints.push_back(breakpoints.back());
     return result;
   }
 
 
 
-  int
+  double
   NestedKnots::knot(const int k) const
   {
     const int n = n_cells();
@@ -52,7 +66,7 @@ namespace greville
   {
     double x = 0.;
     for (int k = 1; k <= p; ++k)
-      x += double(knot(i - p + k)) / p;
+      x += knot(i - p + k) / p;
     const double period = breakpoints.back() - breakpoints.front();
     if (periodic && x < breakpoints.front())
       x += period;
@@ -85,17 +99,17 @@ namespace greville
     a[p] = 1.f;
     for (int k = 1; k <= p; ++k)
       {
-        const int t = fine_knot(i + k);
+        const double t = fine_knot(i + k);
         for (int j = first; j <= last; ++j)
           {
-            const int low = coarse_knot(j), high = coarse_knot(j + k);
-            const int low_next  = coarse_knot(j + 1),
-                      high_next = coarse_knot(j + k + 1);
-            const float own  = high > low ? float(t - low) / (high - low) : 0.f;
-            const float next = high_next > low_next
-                                 ? float(high_next - t) / (high_next - low_next)
-                                 : 0.f;
-            b[j - first]     = own * a[j - first] + next * a[j - first + 1];
+            const double low = coarse_knot(j), high = coarse_knot(j + k);
+            const double low_next  = coarse_knot(j + 1),
+                         high_next = coarse_knot(j + k + 1);
+            const float own        = high > low ? (t - low) / (high - low) : 0.;
+            const float next       = high_next > low_next
+                                       ? (high_next - t) / (high_next - low_next)
+                                       : 0.;
+            b[j - first] = own * a[j - first] + next * a[j - first + 1];
           }
         a = b;
       }

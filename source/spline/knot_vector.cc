@@ -38,6 +38,19 @@ namespace greville
 
 
   KnotVector
+  KnotVector::open(const unsigned int         degree,
+                   const std::vector<double> &breakpoints)
+  {
+    Require(breakpoints.size() > 1, "A knot vector needs an element.");
+    std::vector<double> knots(degree, breakpoints.front());
+    knots.insert(knots.end(), breakpoints.begin(), breakpoints.end());
+    knots.insert(knots.end(), degree, breakpoints.back());
+    return KnotVector(degree, knots);
+  }
+
+
+
+  KnotVector
   KnotVector::open_uniform(const unsigned int degree,
                            const unsigned int n_elements,
                            const double       lower,

@@ -2,6 +2,7 @@
 
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_tools.h>
+#include <deal.II/grid/manifold.h>
 
 #include <greville/base/errors.h>
 #include <greville/spline/coarse_cells.h>
@@ -12,10 +13,83 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    /// Refines cells at given edges: a new vertex lies at the mean of the
+    /// places of the old ones in units of cells.
+    template <int dim>
+    class EdgeManifold : public Manifold<dim>
+    {
+    public:
+      explicit EdgeManifold(const std::shared_ptr<const CellEdges<dim>> &edges)
+        : edges(edges)
+      {}
+
+      std::unique_ptr<Manifold<dim>>
+      clone() const override
+      {
+        return std::make_unique<EdgeManifold>(edges);
+      }
+
+      Point<dim>
+      get_new_point(const ArrayView<const Point<dim>> &points,
+                    const ArrayView<const double>     &weights) const override
+      {
+        Point<dim> result;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const std::vector<double> &given = (*edges)[d];
+            double                     place = 0.;
+            for (unsigned int k = 0; k < points.size(); ++k)
+              place +=
+                weights[k] *
+                (given.empty() ? points[k][d] : edge_at(given, points[k][d]));
+            result[d] = given.empty() ? place : given[std::lround(place)];
+          }
+        return result;
+      }
+
+      const std::shared_ptr<const CellEdges<dim>> edges;
+
+    private:
+      /// Return the number of the edge that is nearest to a vertex.
+      static unsigned int
+      edge_at(const std::vector<double> &edges, const double x)
+      {
+        const auto next =
+          std::upper_bound(edges.begin() + 1, edges.end() - 1, x);
+        return next - edges.begin() - (x - next[-1] < next[0] - x ? 1 : 0);
+      }
+    };
+  } // namespace
+
+
+
+  template <int dim>
+  const std::vector<double> Lattice<dim>::no_edges;
+
+
+
+  template <int dim>
+  Lattice<dim>::Lattice(const Point<dim> &lower, const Tensor<1, dim> &size)
+    : lower_corner(lower)
+    , upper_corner(lower + size)
+    , sizes(size)
+  {
+    cells.fill(1);
+  }
+
+
+
   template <int dim>
   Lattice<dim>::Lattice(const DistributedTriangulation<dim> &triangulation)
   {
-    const MPI_Comm comm = get_communicator(triangulation);
+    const MPI_Comm           comm = get_communicator(triangulation);
+    const types::manifold_id id   = triangulation.begin(0)->manifold_id();
+    if (id != numbers::flat_manifold_id)
+      if (const auto *manifold = dynamic_cast<const EdgeManifold<dim> *>(
+            &triangulation.get_manifold(id)))
+        all_edges = manifold->edges;
 
     // Smallest and largest corners and cell sizes, with signs such that one
     // reduction suffices.
@@ -38,13 +112,16 @@ namespace greville
     double product = 1;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        lower_corner[d]   = global[d];
-        upper_corner[d]   = -global[dim + d];
+        lower_corner[d] = edges(d).empty() ? global[d] : edges(d).front();
+        upper_corner[d] = edges(d).empty() ? -global[dim + d] : edges(d).back();
         const double size = global[2 * dim + d];
-        Require(size > 0 && -global[3 * dim + d] - size <= 1e-6 * size,
+        Require(size > 0 && (!edges(d).empty() ||
+                             -global[3 * dim + d] - size <= 1e-6 * size),
                 "A spline space needs a mesh whose cells are all boxes of the "
-                "same size.");
-        cells[d] = std::lround((upper_corner[d] - lower_corner[d]) / size);
+                "same size, or a mesh by create_box_mesh().");
+        cells[d] = edges(d).empty()
+                     ? std::lround((upper_corner[d] - lower_corner[d]) / size)
+                     : edges(d).size() - 1;
         product *= cells[d];
       }
     Require(product ==
@@ -64,7 +141,34 @@ namespace greville
   Lattice<dim>::set_sizes()
   {
     for (unsigned int d = 0; d < dim; ++d)
-      sizes[d] = (upper_corner[d] - lower_corner[d]) / cells[d];
+      {
+        sizes[d] = (upper_corner[d] - lower_corner[d]) / cells[d];
+        for (unsigned int cell = 0; cell + 1 < edges(d).size(); ++cell)
+          sizes[d] = std::min(sizes[d], cell_size(d, cell));
+      }
+  }
+
+
+
+  template <int dim>
+  double
+  Lattice<dim>::largest_cell_size(const unsigned int d) const
+  {
+    double h = sizes[d];
+    for (unsigned int cell = 0; cell + 1 < edges(d).size(); ++cell)
+      h = std::max(h, cell_size(d, cell));
+    return h;
+  }
+
+
+
+  template <int dim>
+  double
+  Lattice<dim>::place_between(const std::vector<double> &edges, const double x)
+  {
+    const auto next = std::upper_bound(edges.begin() + 1, edges.end() - 1, x);
+    return double(next - edges.begin() - 1) +
+           (x - next[-1]) / (next[0] - next[-1]);
   }
 
 
@@ -83,6 +187,15 @@ namespace greville
                   ".");
         result.cells[d] /= 2;
       }
+    if (all_edges)
+      {
+        CellEdges<dim> every_second;
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int k = 0; k < edges(d).size(); k += 2)
+            every_second[d].push_back(edges(d)[k]);
+        result.all_edges =
+          std::make_shared<const CellEdges<dim>>(std::move(every_second));
+      }
     result.set_sizes();
     return result;
   }
@@ -96,6 +209,14 @@ namespace greville
     MultiIndex<dim> index;
     for (unsigned int d = 0; d < dim; ++d)
       {
+        if (!edges(d).empty())
+          {
+            const std::vector<double> &given = edges(d);
+            index[d] =
+              std::upper_bound(given.begin() + 1, given.end() - 1, point[d]) -
+              given.begin() - 1;
+            continue;
+          }
         const double h        = cell_size(d);
         const double position = (point[d] - lower_corner[d]) / h;
         index[d] = std::min<double>(std::max(position, 0.), cells[d] - 1);
@@ -119,8 +240,10 @@ namespace greville
                   const Point<dim>              &lower,
                   const Point<dim>              &upper,
                   const MultiIndex<dim>         &n_cells,
-                  const std::array<bool, dim>   &periodic)
+                  const std::array<bool, dim>   &periodic,
+                  const CellEdges<dim>          &edges)
   {
+    bool has_edges = false;
     for (unsigned int d = 0; d < dim; ++d)
       {
         Require(n_cells[d] > 0,
@@ -128,15 +251,48 @@ namespace greville
         Require(lower[d] < upper[d],
                 "The lower corner of a box has to be below its upper corner in "
                 "each direction.");
+        if (edges[d].empty())
+          continue;
+        has_edges = true;
+        Require(edges[d].size() == n_cells[d] + 1 &&
+                  edges[d].front() == lower[d] && edges[d].back() == upper[d] &&
+                  std::adjacent_find(edges[d].begin(),
+                                     edges[d].end(),
+                                     std::greater_equal<double>()) ==
+                    edges[d].end(),
+                "The edges of cells have to increase from the lower to the "
+                "upper corner of a box, one more than there are cells.");
+        Require(!periodic[d],
+                "Cells in a periodic direction have to be equal: there are no "
+                "edges between them.");
       }
 
-    const CoarseCells<dim> trees(n_cells);
-    GridGenerator::subdivided_hyper_rectangle(
-      triangulation,
-      std::vector<unsigned int>(trees.n.begin(), trees.n.end()),
-      lower,
-      upper,
-      true);
+    const CoarseCells<dim>           trees(n_cells);
+    std::vector<std::vector<double>> sizes(dim);
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int k = 0; k < trees.n[d]; ++k)
+        {
+          const unsigned int step = n_cells[d] / trees.n[d];
+          sizes[d].push_back(edges[d].empty()
+                               ? (upper[d] - lower[d]) / trees.n[d]
+                               : edges[d][(k + 1) * step] - edges[d][k * step]);
+        }
+    if (has_edges)
+      GridGenerator::subdivided_hyper_rectangle(
+        triangulation, sizes, lower, upper, true);
+    else
+      GridGenerator::subdivided_hyper_rectangle(
+        triangulation,
+        std::vector<unsigned int>(trees.n.begin(), trees.n.end()),
+        lower,
+        upper,
+        true);
+    if (has_edges)
+      {
+        triangulation.set_all_manifold_ids(0);
+        triangulation.set_manifold(
+          0, EdgeManifold<dim>(std::make_shared<const CellEdges<dim>>(edges)));
+      }
     std::vector<GridTools::PeriodicFacePair<
       typename DistributedTriangulation<dim>::cell_iterator>>
       pairs;

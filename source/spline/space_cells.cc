@@ -55,10 +55,9 @@ namespace greville
     const CellBox<dim> at = box(cell);
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const bool   last = at.index[d] + 1 == mesh_lattice.n_cells()[d];
-        const double upper =
-          last ? mesh_lattice.upper()[d]
-               : mesh_lattice.lower()[d] + (at.index[d] + 1) * at.size[d];
+        const bool   last  = at.index[d] + 1 == mesh_lattice.n_cells()[d];
+        const double upper = last ? mesh_lattice.upper()[d]
+                                  : mesh_lattice.edge(d, at.index[d] + 1);
         if (!(x[d] >= at.lower[d] && (x[d] < upper || (last && x[d] == upper))))
           return false;
       }

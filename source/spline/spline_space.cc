@@ -58,11 +58,21 @@ namespace greville
               anchor_cells[d][i] = (i + n - p / 2) % n;
             continue;
           }
+        extents[d]                       = n + p;
+        const std::vector<double> &edges = mesh_lattice.edges(d);
+        if (!edges.empty())
+          {
+            knot_vectors[d] = KnotVector::open(p, edges);
+            anchor_cells[d].resize(extents[d]);
+            for (unsigned int i = 0; i < extents[d]; ++i)
+              anchor_cells[d][i] = knot_vectors[d].find_element(
+                knot_vectors[d].greville_abscissa(i));
+            continue;
+          }
         knot_vectors[d] = KnotVector::open_uniform(p,
                                                    n,
                                                    mesh_lattice.lower()[d],
                                                    mesh_lattice.upper()[d]);
-        extents[d]      = n + p;
 
         // Greville abscissae in units of cells, in exact integer arithmetic.
         anchor_cells[d].resize(extents[d]);
@@ -412,6 +422,22 @@ namespace greville
     for (unsigned int d = 0; d < dim; ++d)
       x[d] = knot_vectors[d].greville_abscissa(i[d]);
     return x;
+  }
+
+
+
+  template <int dim>
+  double
+  SplineSpace<dim>::smallest_cell_of(const unsigned int i,
+                                     const unsigned int d) const
+  {
+    double h = mesh_lattice.largest_cell_size(d);
+    if (!mesh_lattice.edges(d).empty())
+      for (unsigned int cell = i > p ? i - p : 0;
+           cell <= std::min(i, mesh_lattice.n_cells()[d] - 1);
+           ++cell)
+        h = std::min(h, mesh_lattice.cell_size(d, cell));
+    return h;
   }
 
 

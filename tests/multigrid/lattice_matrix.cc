@@ -54,16 +54,52 @@ namespace
 
 
 
+  // Inserted knots reproduce 1 and x, whose coefficients are Greville points.
+  void
+  test_insertion(const unsigned int degree)
+  {
+    const std::vector<double> edges{
+      0., 0.1, 0.15, 0.5, 0.6, 1.4, 1.5, 2.5, 2.6, 2.65};
+    NestedKnots  fine(degree, edges.size() - 1, false, edges);
+    unsigned int n_levels = 0;
+    for (; fine.n_cells() > 1; ++n_levels)
+      {
+        const NestedKnots coarse = fine.coarser();
+        const KnotVector  knots  = KnotVector::open(degree, fine.edges()),
+                         coarse_knots =
+                           KnotVector::open(degree, coarse.edges());
+        double error = 0.;
+        for (int i = 0; i < fine.n_functions(); ++i)
+          {
+            const NestedKnots::Row row = fine.insertion(i, coarse);
+            double                 one = -1., x = -knots.greville_abscissa(i);
+            for (unsigned int k = 0; k < row.weights.size(); ++k)
+              {
+                one += row.weights[k];
+                x += row.weights[k] *
+                     coarse_knots.greville_abscissa(row.first + k);
+              }
+            error = std::max({error, std::abs(one), std::abs(x)});
+          }
+        check("order " + std::to_string(degree) + ", insertion", error, 1e-6);
+        fine = coarse;
+      }
+    check_range("levels of uneven cells", n_levels, 4, 7);
+  }
+
+
+
   template <int dim>
   void
   test_ball(const unsigned int           degree,
             const unsigned int           n_cells,
-            const std::array<bool, dim> &periodic)
+            const std::array<bool, dim> &periodic,
+            const bool                   is_uniform = true)
   {
-    const std::string what = std::to_string(dim) +
-                             "D, p = " + std::to_string(degree) +
-                             (periodic[0] ? ", periodic" : "");
-    Box<dim>               box(cube<dim>(n_cells), MPI_COMM_WORLD, periodic);
+    const std::string what =
+      std::to_string(dim) + "D, p = " + std::to_string(degree) +
+      (periodic[0] ? ", periodic" : "") + (is_uniform ? "" : ", uneven");
+    Box<dim> box(cube<dim>(n_cells), MPI_COMM_WORLD, periodic, is_uniform);
     const SplineSpace<dim> space(box.mesh, degree);
     Point<dim>             center;
     for (unsigned int d = 0; d < dim; ++d)
@@ -142,9 +178,12 @@ test_main()
 {
   for (const unsigned int degree : {1, 2, 3})
     {
+      test_insertion(degree);
       test_ball<2>(degree, 21, {{false, false}});
       test_ball<2>(degree, 16, {{true, true}});
+      test_ball<2>(degree, 19, {{false, false}}, false);
       test_ball<3>(degree, 11, {{false, false, false}});
     }
   test_ball<3>(2, 12, {{true, false, false}});
+  test_ball<3>(2, 10, {{true, false, false}}, false);
 }

@@ -108,6 +108,53 @@ test_box(const MultiIndex<dim> &cells, const unsigned int p)
 
 
 template <int dim>
+void
+test_uneven(const MultiIndex<dim> &cells, const unsigned int p)
+{
+  Box<dim> box(cells, MPI_COMM_WORLD, {}, false);
+  test<dim>(box.mesh, p);
+
+  // Cells fill the grid between their edges, also those of twice the size.
+  const bool has_parents = cells[0] % 2 == 0;
+  for (const bool on_parents : {false, true})
+    {
+      if (on_parents && !has_parents)
+        continue;
+      const SplineSpace<dim> space(box.mesh, p, on_parents);
+      const Lattice<dim>    &lattice = space.lattice();
+      bool                   ok      = !space.is_uniform();
+      double                 volume  = 0.;
+      for (unsigned int c = 0; c < space.owned_cells().size(); ++c)
+        {
+          const CellBox<dim> at = space.box(c);
+          volume += at.volume();
+          ok &= space.find(at.center) == c && space.contains(c, at.center) &&
+                space.find(at.lower) == c && space.contains(c, at.lower);
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              const double upper = at.lower[d] + at.size[d];
+              ok &=
+                lattice.edge(d, at.index[d]) == at.lower[d] &&
+                std::abs(lattice.edge(d, at.index[d] + 1) - upper) < 1e-14 &&
+                std::abs(lattice.place(d, at.center[d]) - at.index[d] - 0.5) <
+                  1e-12 &&
+                lattice.smallest_near(d, at.index[d]) <= at.size[d] &&
+                at.size[d] <= lattice.largest_cell_size(d);
+            }
+        }
+      double whole = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        whole *= lattice.upper()[d] - lattice.lower()[d];
+      check("  cells", Utilities::MPI::min(int(ok), MPI_COMM_WORLD) == 1);
+      check("  volume",
+            std::abs(Utilities::MPI::sum(volume, MPI_COMM_WORLD) / whole - 1.),
+            1e-13);
+    }
+}
+
+
+
+template <int dim>
 unsigned int
 weight(
   const typename parallel::distributed::Triangulation<dim>::cell_iterator &cell)
@@ -130,6 +177,12 @@ test_main()
     }
   for (unsigned int p = 1; p <= 4; ++p)
     test_box<3>({{4, 2, 6}}, p);
+
+  print() << "cells of different sizes" << std::endl;
+  for (unsigned int p = 1; p <= 5; ++p)
+    test_uneven<2>({{8, 12}}, p);
+  test_uneven<2>({{3, 7}}, 2);
+  test_uneven<3>({{4, 8, 4}}, 3);
 
   print() << "weighted" << std::endl;
   Box<2> box(MultiIndex<2>{{16, 16}});

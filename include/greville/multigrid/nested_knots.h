@@ -8,17 +8,19 @@
 namespace greville
 {
   /// The knots of B-splines of order p in one direction of a lattice and of
-  /// coarser lattices: integers, the breakpoints between its cells. Knots at
-  /// the ends are repeated, or the direction is periodic. Function i has the
-  /// knots number i - p to i + 1.
+  /// coarser lattices: the breakpoints between its cells. Knots at the ends are
+  /// repeated, or the direction is periodic. Function i has the knots number i
+  /// - p to i + 1.
   class NestedKnots
   {
   public:
     NestedKnots() = default;
 
-    NestedKnots(const unsigned int degree,
-                const unsigned int n_cells,
-                const bool         periodic);
+    /// Cells between @p edges; equal ones, of length 1, if there are none.
+    NestedKnots(const unsigned int         degree,
+                const unsigned int         n_cells,
+                const bool                 periodic,
+                const std::vector<double> &edges = {});
 
     bool
     is_periodic() const
@@ -38,13 +40,21 @@ namespace greville
       return int(breakpoints.size()) - 1;
     }
 
+    /// The breakpoints between cells.
+    const std::vector<double> &
+    edges() const
+    {
+      return breakpoints;
+    }
+
     int
     n_functions() const
     {
       return periodic ? n_cells() : n_cells() + p;
     }
 
-    /// Return the knots of cells of twice the size, or the same knots if there
+    /// Return the knots of cells of twice the size, or, if cells have different
+    /// sizes, with the smallest cells joined in pairs; the same knots if there
     /// is one cell or a period would have too few.
     NestedKnots
     coarser() const;
@@ -70,11 +80,12 @@ namespace greville
 
   private:
     /// Return knot number @p k, counted from the first breakpoint.
-    int
+    double
     knot(const int k) const;
 
-    int              p        = 0;
-    bool             periodic = false;
-    std::vector<int> breakpoints;
+    int                 p          = 0;
+    bool                periodic   = false;
+    bool                is_uniform = true;
+    std::vector<double> breakpoints;
   };
 } // namespace greville

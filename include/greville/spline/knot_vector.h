@@ -35,6 +35,11 @@ namespace greville
     /// dealii::ExcMessage if @p knots is not of this kind.
     KnotVector(const unsigned int degree, const std::vector<double> &knots);
 
+    /// Return the open knot vector whose elements lie between the
+    /// @p breakpoints, which increase.
+    static KnotVector
+    open(const unsigned int degree, const std::vector<double> &breakpoints);
+
     /// Return the open uniform knot vector with @p n_elements elements of equal
     /// length on [@p lower, @p upper].
     static KnotVector

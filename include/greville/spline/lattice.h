@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace greville
 {
@@ -63,24 +65,35 @@ namespace greville
 
 
 
-  /// The cells of a box mesh, counted by integers along each axis. The lattice
-  /// is read off a triangulation whose active cells are equal boxes that fill a
-  /// larger box; it needs no memory besides these few numbers. A direction is
-  /// periodic if it is periodic in the triangulation. Lengths carry the unit of
+  /// The edges between the cells of a box in each direction, ascending, with
+  /// both ends; none in a direction of equal cells. Lengths carry the unit of
   /// the mesh.
+  template <int dim>
+  using CellEdges = std::array<std::vector<double>, dim>;
+
+
+
+  /// The cells of a box mesh, counted by integers along each axis: equal cells,
+  /// or in some directions cells between given edges. The lattice is read off a
+  /// triangulation by create_box_mesh(), or another one whose active cells are
+  /// equal boxes that fill a larger box. A direction is periodic if it is
+  /// periodic in the triangulation. Lengths carry the unit of the mesh.
   template <int dim>
   class Lattice
   {
   public:
     Lattice() = default;
 
-    /// Collective. Throws dealii::ExcMessage if @p triangulation is not a box
-    /// of equal cells.
+    /// One cell, of which place() counts others of the same size.
+    Lattice(const dealii::Point<dim>     &lower,
+            const dealii::Tensor<1, dim> &size);
+
+    /// Collective. Throws dealii::ExcMessage if @p triangulation is not such a
+    /// mesh.
     Lattice(const DistributedTriangulation<dim> &triangulation);
 
-    /// Return the lattice of cells of twice the size, each of which joins 2^dim
-    /// cells. Throws dealii::ExcMessage for an odd number of cells in a
-    /// direction.
+    /// Return the lattice of cells each of which joins 2^dim cells. Throws
+    /// dealii::ExcMessage for an odd number of cells in a direction.
     Lattice
     parents() const;
 
@@ -148,10 +161,62 @@ namespace greville
       return upper_corner;
     }
 
+    /// The edges of all cells in a direction; none if they are equal.
+    const std::vector<double> &
+    edges(const unsigned int d) const
+    {
+      return all_edges ? (*all_edges)[d] : no_edges;
+    }
+
+    /// Return the lower edge of a cell, and behind the last cell its upper one.
+    double
+    edge(const unsigned int d, const unsigned int cell) const
+    {
+      const std::vector<double> &given = edges(d);
+      return given.empty() ? lower_corner[d] + sizes[d] * cell : given[cell];
+    }
+
+    /// Return the size of the smallest cells in a direction.
     double
     cell_size(const unsigned int d) const
     {
       return sizes[d];
+    }
+
+    /// Return the size of a cell in a direction.
+    double
+    cell_size(const unsigned int d, const unsigned int cell) const
+    {
+      const std::vector<double> &given = edges(d);
+      return given.empty() ? sizes[d] : given[cell + 1] - given[cell];
+    }
+
+    /// Return the size of the largest cells in a direction.
+    double
+    largest_cell_size(const unsigned int d) const;
+
+    /// Return the place of a coordinate in units of cells from the lower
+    /// corner. Cells beyond the ends have the size of the first or the last
+    /// one.
+    double
+    place(const unsigned int d, const double x) const
+    {
+      return edges(d).empty() ? (x - lower_corner[d]) / sizes[d]
+                              : place_between(edges(d), x);
+    }
+
+    /// Return the size of the smallest one of a cell and its two neighbours.
+    double
+    smallest_near(const unsigned int d, const unsigned int cell) const
+    {
+      if (edges(d).empty())
+        return sizes[d];
+      double h = cell_size(d, cell);
+      if (cell > 0)
+        h = std::min(h, cell_size(d, cell - 1));
+      if (cell + 1 < cells[d])
+        h = std::min(h, cell_size(d, cell + 1));
+      return h;
     }
 
     double
@@ -170,9 +235,17 @@ namespace greville
       result.index = index;
       for (unsigned int d = 0; d < dim; ++d)
         {
-          result.size[d]   = sizes[d];
-          result.lower[d]  = lower_corner[d] + sizes[d] * index[d];
-          result.center[d] = lower_corner[d] + sizes[d] * (index[d] + 0.5);
+          const std::vector<double> &given = edges(d);
+          if (given.empty())
+            {
+              result.size[d]   = sizes[d];
+              result.lower[d]  = lower_corner[d] + sizes[d] * index[d];
+              result.center[d] = lower_corner[d] + sizes[d] * (index[d] + 0.5);
+              continue;
+            }
+          result.lower[d]  = given[index[d]];
+          result.size[d]   = given[index[d] + 1] - given[index[d]];
+          result.center[d] = 0.5 * (given[index[d]] + given[index[d] + 1]);
         }
       return result;
     }
@@ -186,6 +259,12 @@ namespace greville
     void
     set_sizes();
 
+    static double
+    place_between(const std::vector<double> &edges, const double x);
+
+    std::shared_ptr<const CellEdges<dim>> all_edges;
+    static const std::vector<double>      no_edges;
+
     dealii::Point<dim>     lower_corner;
     dealii::Point<dim>     upper_corner;
     dealii::Tensor<1, dim> sizes;
@@ -197,14 +276,18 @@ namespace greville
   /// cells. The number of p4est's trees, which deal.II keeps on every process,
   /// is the smallest that these numbers allow: the numbers of cells divided by
   /// their largest common power of two. In @p periodic directions the cells at
-  /// both ends are neighbours.
+  /// both ends are neighbours. In directions with @p edges, n_cells + 1 from
+  /// the lower to the upper corner, cells lie between these, by a manifold of
+  /// the mesh. Throws dealii::ExcMessage for other numbers of edges, edges that
+  /// do not increase, and edges in periodic directions.
   template <int dim>
   void
   create_box_mesh(DistributedTriangulation<dim> &triangulation,
                   const dealii::Point<dim>      &lower,
                   const dealii::Point<dim>      &upper,
                   const MultiIndex<dim>         &n_cells,
-                  const std::array<bool, dim>   &periodic = {});
+                  const std::array<bool, dim>   &periodic = {},
+                  const CellEdges<dim>          &edges    = {});
 
   /// The settings required of a triangulation for a SplineSpace, which asks
   /// p4est for the owners of points.

@@ -85,6 +85,24 @@ namespace greville
       return mesh_lattice.smallest_cell_size();
     }
 
+    /// Return whether all cells have the same size.
+    bool
+    is_uniform() const
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!mesh_lattice.edges(d).empty())
+          return false;
+      return true;
+    }
+
+    /// Return the size of the smallest one of a cell, by its index in a
+    /// direction, and its two neighbours.
+    double
+    smallest_near(const unsigned int d, const unsigned int index) const
+    {
+      return mesh_lattice.smallest_near(d, index);
+    }
+
     /// Lexicographic positions (in cells_per_direction()) of the owned cells,
     /// ascending.
     const std::vector<std::uint64_t> &

@@ -17,8 +17,8 @@
 namespace greville
 {
   /**
-   * Tensor-product B-splines of order p on open uniform knot vectors over a
-   * distributed box mesh,
+   * Tensor-product B-splines of order p on open knot vectors, whose inner knots
+   * are the edges between the cells of a distributed box mesh,
    * @f[ u(x) = \sum_i c_i \prod_d N_{i_d}(x_d), @f]
    * with one function per Greville point: n + p in a direction of n cells. In a
    * periodic direction of the mesh, knots are uniform, the n functions are
@@ -192,6 +192,11 @@ namespace greville
 
     dealii::Point<dim>
     greville_point(const unsigned int function) const;
+
+    /// Return the size of the smallest cell in the support of function @p i of
+    /// the knots in a direction.
+    double
+    smallest_cell_of(const unsigned int i, const unsigned int d) const;
 
     /// Return whether a function by its local number is one of those that do
     /// not vanish on a side of the grid, 2 d at the lower and 2 d + 1 at the
