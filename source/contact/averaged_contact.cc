@@ -283,13 +283,11 @@ namespace greville
 
 
   template <int dim>
-  AveragedContact<dim>::AveragedContact(const ContactLaw     &law,
-                                        const Point<dim>     &corner,
-                                        const Tensor<1, dim> &cell_size,
-                                        const MPI_Comm        comm)
+  AveragedContact<dim>::AveragedContact(const ContactLaw   &law,
+                                        const Lattice<dim> &lattice,
+                                        const MPI_Comm      comm)
     : contact_law(law)
-    , corner(corner)
-    , cell_size(cell_size)
+    , lattice(lattice)
     , comm(comm)
   {}
 
@@ -314,8 +312,7 @@ namespace greville
             result.gap = std::min(result.gap, point.gap);
           hats.emplace_back(point.x - point.offset_from_hats,
                             oriented_normal(point),
-                            corner,
-                            cell_size);
+                            lattice);
         }
     KeyLaw<dim> law(contact_law, dt, share, memory, tangent != nullptr);
     const auto  forces = forces_of_keys(sums_of_keys(points, hats, contact_law),

@@ -5,6 +5,8 @@
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/point.h>
 
+#include <greville/spline/lattice.h>
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -57,15 +59,14 @@ namespace greville::internal
 
     Hats(const dealii::Point<dim>     &x,
          const dealii::Tensor<1, dim> &normal,
-         const dealii::Point<dim>     &corner,
-         const dealii::Tensor<1, dim> &h)
+         const Lattice<dim>           &lattice)
     {
       constexpr std::int64_t zero = 1 << 19; // of 20 bits
       std::int64_t           cell[dim];
       double                 xi[dim];
       for (unsigned int d = 0; d < dim; ++d)
         {
-          const double position = (x[d] - corner[d]) / h[d];
+          const double position = lattice.place(d, x[d]);
           cell[d]               = std::int64_t(std::floor(position));
           xi[d]                 = position - double(cell[d]);
         }

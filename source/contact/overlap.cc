@@ -22,13 +22,14 @@ namespace greville
       cell *= h[d];
     // All points use keys of one direction.
     const Tensor<1, dim>   up = Point<dim>::unit_vector(dim - 1);
+    const Lattice<dim>     lattice(Point<dim>(), h);
     std::vector<Hats<dim>> hats;
     hats.reserve(points.size());
     // Of both sides, by nodes.
     std::unordered_map<std::uint64_t, std::array<double, 2>> fractions;
     for (const VolumePoint<dim> &point : points)
       {
-        const Hats<dim> &own = hats.emplace_back(point.x, up, Point<dim>(), h);
+        const Hats<dim> &own = hats.emplace_back(point.x, up, lattice);
         for (unsigned int k = 0; k < Hats<dim>::n; ++k)
           fractions[own.keys[k]][point.side] +=
             point.volume / cell * own.values[k];

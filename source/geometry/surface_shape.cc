@@ -96,8 +96,7 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           {
             const auto cell = [&](const double x, const double shift) {
-              const double place =
-                (x - lattice.lower()[d]) / lattice.cell_size(d) + shift;
+              const double place = lattice.place(d, x) + shift;
               return int(std::floor(
                 std::min(std::max(place, -2.), lattice.n_cells()[d] + 1.)));
             };
@@ -116,8 +115,11 @@ namespace greville
             double     radius = 0.;
             for (unsigned int d = 0; d < dim; ++d)
               {
-                const double h = lattice.cell_size(d);
-                center[d]      = lattice.lower()[d] + (cell[d] + 0.5) * h;
+                const int    last_cell = lattice.n_cells()[d] - 1;
+                const int    inside    = std::clamp(cell[d], 0, last_cell);
+                const double h         = lattice.cell_size(d, inside);
+                center[d] =
+                  lattice.edge(d, inside) + (cell[d] - inside + 0.5) * h;
                 radius += (0.5 + 1e-9) * h * std::abs(plane.normal[d]);
               }
             if (std::abs(plane.distance(center)) <= radius)

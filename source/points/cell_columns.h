@@ -22,6 +22,7 @@ namespace greville
         : tables(tables)
         , lower(tables.space->lower_corner()[0])
         , h(tables.space->cell_size(0))
+        , edges(tables.space->lattice().edges(0).data())
       {}
 
       /// Move to a cell. Returns whether it is the next one along x; its
@@ -39,7 +40,13 @@ namespace greville
             return false;
           }
         ++index;
-        this->center[0] = lower + h * (index + 0.5);
+        if (edges)
+          {
+            this->center[0]    = 0.5 * (edges[index] + edges[index + 1]);
+            this->inverse_h[0] = 1. / (edges[index + 1] - edges[index]);
+          }
+        else
+          this->center[0] = lower + h * (index + 0.5);
         this->polynomials[0] += n * n;
         this->offsets[0] += n;
         this->functions = tables.space->cell_functions(cell).data();
@@ -58,6 +65,7 @@ namespace greville
 
       const SpacePolynomials<dim> &tables;
       const double                 lower, h;
+      const double                *edges; // null if cells are equal
       std::uint64_t                position = -1;
       unsigned int                 index = 0, n_cells = 0; // along x
     };

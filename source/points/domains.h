@@ -11,7 +11,8 @@
  * has the same second moments as the stress-free box deformed by F, s_i^2 =
  * sum_j F_ij^2 s0_j^2: a rotated cube keeps its domain, and boxes that fill a
  * body before a stretch along the axes fill it afterwards. Its size is limited
- * to one cell, and it is cut at the edges of the grid.
+ * to the smallest one of its cell and the neighbours, and it is cut at the
+ * edges of the grid.
  */
 namespace greville::internal
 {
@@ -25,25 +26,17 @@ namespace greville::internal
 
 
 
-  template <int dim, typename Number>
+  /// Load the half edges s_d of the domains of a group in the cell of the
+  /// window.
+  template <int dim, int n>
   inline void
-  limit_domain(const SplineSpace<dim> &space, Number (&s)[dim])
+  load_domains(const MaterialPoints<dim>    &points,
+               const double                 *group,
+               const WindowGeometry<dim, n> &window,
+               Simd (&s)[dim])
   {
     using std::min;
     using std::sqrt;
-    for (int d = 0; d < dim; ++d)
-      s[d] = min(Number(sqrt(s[d])), Number(0.5 * space.cell_size(d)));
-  }
-
-
-
-  /// Load the half edges s_d of the domains of a group.
-  template <int dim>
-  inline void
-  load_domains(const MaterialPoints<dim> &points,
-               const double              *group,
-               Simd (&s)[dim])
-  {
     Simd initial[dim];
     load_numbers<dim>(group, points.layout().domain, initial);
     for (int i = 0; i < dim; ++i)
@@ -56,8 +49,8 @@ namespace greville::internal
               load(group + (PointLayout<dim>::F + i * dim + j) * simd_width);
             s[i] += edge * edge;
           }
+        s[i] = min(Simd(sqrt(s[i])), Simd(window.largest_domain[i]));
       }
-    limit_domain<dim>(points.space(), s);
   }
 
 

@@ -19,7 +19,7 @@ namespace greville
     {
       Simd x[dim], s[dim];
       load_basis_positions(points, group, x);
-      load_domains(points, group, s);
+      load_domains(points, group, geometry, s);
       shape.evaluate(geometry, x, s);
     }
 

@@ -400,7 +400,7 @@ namespace greville
         load_basis_positions(points, group, result.x);
         if (window)
           {
-            load_domains(points, group, result.domain);
+            load_domains(points, group, *window, result.domain);
             WindowShape<dim, n> shape;
             Simd                values[dim];
             shape.evaluate(*window, result.x, result.domain);

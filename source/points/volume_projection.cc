@@ -93,9 +93,14 @@ namespace greville
       {
         const unsigned int n     = space.cells_per_direction()[d];
         const unsigned int n_all = (n + 1) / 2;
-        const double       lower = space.lower_corner()[d];
-        const double       upper = lower + 2. * n_all * space.cell_size(d);
-        const bool         wraps = space.is_periodic(d);
+        // An odd last cell is doubled.
+        edges[d].clear();
+        for (unsigned int k = 0; k <= n; k += 2)
+          edges[d].push_back(space.lattice().edge(d, k));
+        if (n % 2 == 1)
+          edges[d].push_back(edges[d].back() +
+                             2. * space.lattice().cell_size(d, n - 1));
+        const bool wraps = space.is_periodic(d);
         Require(!wraps || (n % 2 == 0 && n_all > q),
                 "'Scheme/Volumetric projection' = coarse mesh joins two cells "
                 "in each direction: the number of 'Grid/Cells' in a periodic "
@@ -104,9 +109,10 @@ namespace greville
                   std::to_string(n) + ".");
         extents[d] = wraps ? n_all : n_all + q;
         n_functions *= extents[d];
-        polynomials[d].reinit(
-          wraps ? KnotVector::periodic_uniform(q, n_all, lower, upper)
-                : KnotVector::open_uniform(q, n_all, lower, upper));
+        polynomials[d].reinit(wraps
+                                ? KnotVector::periodic_uniform(
+                                    q, n_all, edges[d].front(), edges[d].back())
+                                : KnotVector::open(q, edges[d]));
       }
 
     // Cells of the coarse mesh may have children on several processes. Owners
@@ -275,9 +281,11 @@ namespace greville
           const CellBox<dim> box = space.box(cell);
           for (unsigned int d = 0; d < dim; ++d)
             {
-              const double       h  = coarsening * box.size[d];
-              const unsigned int i  = box.index[d] / coarsening;
-              geometry.center[d]    = space.lower_corner()[d] + (i + 0.5) * h;
+              const unsigned int i = box.index[d] / coarsening;
+              const double lower = coarsening == 1 ? box.lower[d] : edges[d][i],
+                           h     = coarsening == 1 ? box.size[d]
+                                                   : edges[d][i + 1] - lower;
+              geometry.center[d] = lower + 0.5 * h;
               geometry.inverse_h[d] = 1. / h;
               geometry.polynomials[d] =
                 n == 1 ? &one : polynomials[d].coefficients(i);

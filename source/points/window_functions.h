@@ -74,7 +74,7 @@ namespace greville
         if (window)
           {
             Simd s[dim];
-            load_domains(points, group, s);
+            load_domains(points, group, *window, s);
             WindowShape<dim, n> shape;
             shape.evaluate(*window, x, s);
             shapes.read(shape);

@@ -30,13 +30,21 @@ namespace greville
             const unsigned int n_cells = space.cells_per_direction()[d];
             center[d]                  = box.center[d];
             inverse_h[d]               = 1. / box.size[d];
+            largest_domain[d]          = 0.5 * space.smallest_near(d, index);
             for (unsigned int k = 0; k < 3; ++k)
               {
                 const bool is_there = space.is_periodic(d) ||
                                       (index + k >= 1 && index + k <= n_cells);
+                // Cells in a periodic direction are equal.
+                const double size =
+                  is_there && !space.is_periodic(d)
+                    ? space.lattice().cell_size(d, index + k - 1) / box.size[d]
+                    : 1.;
+                scales[d][k]  = 1. / size;
+                centers[d][k] = 0.5 * (1. + size) * (int(k) - 1);
                 // Boxes end at the edges of the grid.
                 if (k != 1)
-                  ends[d][k / 2] = (is_there ? 1.5 : 0.5) * (int(k) - 1);
+                  ends[d][k / 2] = (is_there ? 0.5 + size : 0.5) * (int(k) - 1);
                 polynomials[d][k] = is_there
                                       ? tables.directions[d].coefficients(
                                           (index + k + n_cells - 1) % n_cells)
@@ -45,9 +53,13 @@ namespace greville
           }
       }
 
-      double              center[dim];
-      double              inverse_h[dim];
-      double              ends[dim][2];
+      double center[dim];
+      double inverse_h[dim];
+      double ends[dim][2];
+      // Of the three cells, in units of the one in the middle: centers, and
+      // inverse sizes.
+      double              centers[dim][3], scales[dim][3];
+      double              largest_domain[dim]; // half edges
       const double       *polynomials[dim][3];
       const unsigned int *functions;
       bool                averages_values;
@@ -97,8 +109,9 @@ namespace greville
               N[d][a] = dN[d][a] = 0.;
             for (int k = 0; k < 3; ++k)
               {
-                const Number begin  = max(lower, Number(k - 1.5));
-                const Number end    = min(upper, Number(k - 0.5));
+                const Number begin =
+                  k == 0 ? lower : max(lower, Number(k - 1.5));
+                const Number end = k == 2 ? upper : min(upper, Number(k - 0.5));
                 const Number length = max(Number(end - begin), Number(0.));
                 if (k == 0)
                   before[d] = length;
@@ -110,11 +123,13 @@ namespace greville
                   first[d] = 0;
                 if (k == 2)
                   last[d] = n_1d;
+                const double center = cell.centers[d][k],
+                             to_own = cell.scales[d][k];
                 add_means<true>(cell.polynomials[d][k],
-                                begin - double(k - 1),
-                                end - double(k - 1),
+                                (begin - center) * to_own,
+                                (end - center) * to_own,
                                 length * scale,
-                                cell.inverse_h[d],
+                                cell.inverse_h[d] * to_own,
                                 N[d] + k,
                                 dN[d] + k);
               }

@@ -165,14 +165,16 @@ namespace greville
           if (body.lattice.is_periodic(d))
             range = {0, grid.cells[d]};
           range.extend(grid.degree, multiple, grid.cells[d]);
-          MultiIndex<dim> corner{};
-          corner[d] = range.first;
           if (range.first > 0)
-            part.grid.lower[d] = body.lattice.box(corner).lower[d];
-          corner[d] = range.end;
+            part.grid.lower[d] = body.lattice.edge(d, range.first);
           if (range.end < grid.cells[d])
-            part.grid.upper[d] = body.lattice.box(corner).lower[d];
-          part.grid.cells[d] = range.end - range.first;
+            part.grid.upper[d] = body.lattice.edge(d, range.end);
+          part.grid.cells[d]              = range.end - range.first;
+          const std::vector<double> edges = grid.edges(d);
+          if (!edges.empty())
+            part.grid.set_edges(d,
+                                {edges.begin() + range.first,
+                                 edges.begin() + range.end + 1});
 
           const double tolerance = 1e-10 * (whole.upper[d] - whole.lower[d]);
           const bool   is_at_wall[2] = {
@@ -205,6 +207,9 @@ namespace greville
     const auto     own    = body_grids.find(body);
     if (own == body_grids.end())
       return result;
+    // Cells of a grid of its own are equal.
+    if (!own->second.cells.empty())
+      result.knots = {};
     if (!own->second.lower.empty())
       result.lower = own->second.lower;
     if (!own->second.upper.empty())

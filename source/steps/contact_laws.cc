@@ -102,9 +102,7 @@ namespace greville
       contact.rigid =
         std::find(names.begin(), names.end(), sides[1][0]) - names.begin();
     contact.modulus = double(n_sides) / compliance;
-    contact.corner  = space->lower_corner();
-    for (unsigned int d = 0; d < dim; ++d)
-      contact.cell_sizes[d] = space->cell_size(d);
+    contact.lattice = space->lattice();
     set_law(contact);
     contacts.push_back(std::move(contact));
   }
@@ -133,14 +131,12 @@ namespace greville
     law.shear_stiffness = shear_share * law.stiffness;
     law.viscosity =
       are_implicit ? 0. : contact.given.damping * contact.impedance;
-    law.friction    = make_friction_law(contact.given.friction,
+    law.friction = make_friction_law(contact.given.friction,
                                      "Contact " + contact.name + "/Friction");
-    law.adhesion    = contact.given.adhesion;
-    law.touching    = are_implicit ? touching_in_cells * contact.cell_size : 0.;
-    contact.average = std::make_unique<AveragedContact<dim>>(law,
-                                                             contact.corner,
-                                                             contact.cell_sizes,
-                                                             comm);
+    law.adhesion = contact.given.adhesion;
+    law.touching = are_implicit ? touching_in_cells * contact.cell_size : 0.;
+    contact.average =
+      std::make_unique<AveragedContact<dim>>(law, contact.lattice, comm);
     // If the other side can move in the opposite direction, the stiffness of
     // each side doubles.
     const bool meets_free =

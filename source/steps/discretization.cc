@@ -86,19 +86,25 @@ namespace greville
     double          n_all_cells = 1.;
     Point<dim>      lower, upper;
     MultiIndex<dim> n_cells;
+    CellEdges<dim>  edges;
     for (unsigned int d = 0; d < dim; ++d)
       {
         lower[d]   = grid.lower[d];
         upper[d]   = grid.upper[d];
         n_cells[d] = grid.cells[d];
+        edges[d]   = grid.edges(d);
         n_all_cells *= n_cells[d];
       }
     check_memory_of_cells(n_all_cells,
                           dim,
                           "The parameter '" + parameter + "'",
                           get_communicator(mesh));
-    create_box_mesh<dim>(
-      mesh, lower, upper, n_cells, Walls<dim>::periodic_directions(walls));
+    create_box_mesh<dim>(mesh,
+                         lower,
+                         upper,
+                         n_cells,
+                         Walls<dim>::periodic_directions(walls),
+                         edges);
     return n_cells;
   }
 

@@ -140,18 +140,22 @@ namespace greville
                                      trial.motion.fastest_wave,
                                      0.};
     const bool points_cross_cells = !parameters.scheme.is_total_lagrangian();
-    std::array<double, dim> inverse_h;
+    // Cells per length, by functions of a direction.
+    std::array<std::vector<double>, dim> inverse_h;
     for (unsigned int d = 0; d < dim; ++d)
-      inverse_h[d] = 1. / space.cell_size(d);
+      for (unsigned int i = 0; i < space.n_functions()[d]; ++i)
+        inverse_h[d].push_back(1. / space.smallest_cell_of(i, d));
     const std::size_t n =
       points_cross_cells ? space.owned_functions().size() : 0;
     for (std::size_t i = 0; i < n; ++i)
       if (field.mass->is_stable(i))
         {
+          const auto index =
+            multi_index<dim>(space.owned_functions()[i], space.n_functions());
           double rate = 0.;
           for (unsigned int d = 0; d < dim; ++d)
-            rate +=
-              std::abs(field.new_velocity[d].local_element(i)) * inverse_h[d];
+            rate += std::abs(field.new_velocity[d].local_element(i)) *
+                    inverse_h[d][index[d]];
           rates[2] = std::max(rates[2], rate);
         }
     Utilities::MPI::max(rates, discretization.communicator(), rates);

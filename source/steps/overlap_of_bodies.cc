@@ -62,6 +62,7 @@ namespace greville
     lower -= 2. * h;
     upper += 2. * h;
     double                        sums[2] = {}; // of spacings, and their number
+    double                        largest = 0.; // spacing
     std::vector<VolumePoint<dim>> points;
     for (unsigned int side = 0; side < 2; ++side)
       for (unsigned int b = 0; b < sides[side].size(); ++b)
@@ -80,6 +81,7 @@ namespace greville
             points.push_back(point);
             sums[0] += extent;
             sums[1] += 1.;
+            largest = std::max(largest, extent);
           });
         }
     Utilities::MPI::sum(ArrayView<const double>(sums, 2),
@@ -87,8 +89,9 @@ namespace greville
                         ArrayView<double>(sums, 2));
     if (sums[1] == 0.)
       return {};
+    largest = Utilities::MPI::max(largest, comm);
     for (unsigned int d = 0; d < dim; ++d)
-      h[d] = std::max(h[d], 2. * sums[0] / sums[1]);
+      h[d] = std::max(h[d], std::max(largest, 2. * sums[0] / sums[1]));
     return largest_overlap(points, h, comm);
   }
 

@@ -195,8 +195,10 @@ namespace greville
     for (unsigned int side = 0; side < 2; ++side)
       for (const Place &place : contact.sides[side])
         sides[side].push_back(&body_of(place));
-    const Overlap<dim> overlap =
-      overlap_of_bodies(sides, contact.cell_sizes, comm);
+    Tensor<1, dim> h;
+    for (unsigned int d = 0; d < dim; ++d)
+      h[d] = contact.lattice.cell_size(d);
+    const Overlap<dim> overlap = overlap_of_bodies(sides, h, comm);
     if (!contact.is_checked)
       contact.first_excess = std::min(overlap.excess, half_of_cell_as_excess);
     if (overlap.excess <= half_of_cell_as_excess + contact.first_excess)

@@ -141,6 +141,11 @@ namespace greville
             ? KnotVector::periodic_uniform(space->degree(), all[d], 0., all[d])
             : space->knots(d),
           all[d]);
+        cell_sizes[d].clear();
+        for (unsigned int i = 0; i < all[d]; ++i)
+          cell_sizes[d].push_back(
+            space->smallest_cell_of((i + extents[d] - shift[d]) % extents[d],
+                                    d));
       }
 
     std::vector<MultiIndex<dim>> functions;
@@ -316,11 +321,19 @@ namespace greville
         velocities[c] = ZeroedArray<double>(n_places);
         results[c]    = ZeroedArray<double>(n_places);
         to_places(velocities[c], velocity[c]);
-        const double factor =
-          (p == 1 ? more_if_linear : 1.) * strength * dt / space->cell_size(c);
-        for (const Line &line : lines)
-          for (int i = line.place + line.begin; i < line.place + line.end; ++i)
-            crossings[i] += factor * std::abs(velocities[c][i]);
+        const double factor = (p == 1 ? more_if_linear : 1.) * strength * dt;
+        for (unsigned int l = 0; l < lines.size(); ++l)
+          {
+            const Line   &line = lines[l];
+            const double *v    = velocities[c].data() + line.place;
+            double       *sums = crossings.data() + line.place;
+            const double  of_line =
+              c == 0 ? 0. : factor / cell_sizes[c][index_of_line(l, c)];
+            for (int x = line.begin; x < line.end && c == 0; ++x)
+              sums[x] += factor / cell_sizes[0][x] * std::abs(v[x]);
+            for (int x = line.begin; x < line.end && c > 0; ++x)
+              sums[x] += of_line * std::abs(v[x]);
+          }
       }
 
     for (unsigned int d = 0; d < dim; ++d)
@@ -335,9 +348,7 @@ namespace greville
               continue;
             // In x each run has its own differences; in other directions, all
             // runs of a line share them.
-            const int  first    = d == 0   ? 0
-                                  : d == 1 ? int(l % n_lines_y) + low_y
-                                           : int(l / n_lines_y) + low_z;
+            const int  first    = d == 0 ? 0 : index_of_line(l, d);
             const auto place_of = [&](const int k) {
               return d == 0 ? line.place + k : lines[l + k * step].place;
             };

@@ -287,7 +287,14 @@ namespace greville
          finest().extended().unknowns().unknown_places())
       if (place != numbers::invalid_unsigned_int)
         mass = std::max(mass, finest().extended().matrix().diagonal(place));
-    sums[1] = mass_factor * mass;
+    // Both belong to the largest cells. In the smallest ones, with h in place
+    // of H, K / M is (H / h)^2 times as large.
+    double graded = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      graded =
+        std::min(graded,
+                 space().cell_size(d) / space().lattice().largest_cell_size(d));
+    sums[1] = graded * graded * mass_factor * mass;
     Utilities::MPI::max(sums, space().communicator(), sums);
     return sums[0] > (1. + stiff) * sums[1];
   }

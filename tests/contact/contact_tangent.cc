@@ -133,7 +133,7 @@ test_derivative(const bool         has_two_sides,
   Tensor<1, dim> h;
   for (unsigned int d = 0; d < dim; ++d)
     h[d] = 0.13 + 0.01 * d;
-  const AveragedContact<dim> contact(law, Point<dim>(), h, comm);
+  const AveragedContact<dim> contact(law, Lattice<dim>(Point<dim>(), h), comm);
   const Case<dim>            all(has_two_sides, 1e-3, pore);
   const Tensor<1, dim>       still;
   const Tensor<1, dim>       start       = slip * all.tangent;
@@ -248,10 +248,8 @@ test_effective_pressure()
   law.shear_stiffness = 5e3;
   law.friction        = make_friction_law("0.3", "Friction");
   law.has_two_sides   = false;
-  const AveragedContact<2> contact(law,
-                                   Point<2>(),
-                                   Tensor<1, 2>({0.13, 0.13}),
-                                   comm);
+  const AveragedContact<2> contact(
+    law, Lattice<2>(Point<2>(), Tensor<1, 2>({0.13, 0.13})), comm);
   // The force, with the pressure 10 Pa for a depth of 1 mm.
   const auto force = [&](const Case<2> &all) {
     Field<2>     unused;
@@ -290,12 +288,10 @@ test_rounds()
   ContactLaw law;
   law.stiffness     = 10.;
   law.has_two_sides = false;
-  const AveragedContact<2> contact(law,
-                                   Point<2>(),
-                                   Tensor<1, 2>({0.13, 0.13}),
-                                   comm);
-  const Case<2>            all(false, 0.);
-  KeyMemory<2>             memory;
+  const AveragedContact<2> contact(
+    law, Lattice<2>(Point<2>(), Tensor<1, 2>({0.13, 0.13})), comm);
+  const Case<2> all(false, 0.);
+  KeyMemory<2>  memory;
   // The spring of stiffness 1 per area is pressed by 1: without a gap, p = 1.
   const double stiffness[3] = {10. / 11., 1. - 1. / 121., 1. - 1. / 1331.};
   for (unsigned int round = 0; round < 3; ++round)

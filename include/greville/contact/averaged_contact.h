@@ -7,6 +7,7 @@
 #include <greville/contact/contact_point.h>
 #include <greville/contact/contact_tangent.h>
 #include <greville/contact/friction_law.h>
+#include <greville/spline/lattice.h>
 
 #include <array>
 #include <cstdint>
@@ -139,12 +140,10 @@ namespace greville
   class AveragedContact
   {
   public:
-    /// The lattice of hat functions is given by one of its corners and the size
-    /// of its cells, m.
-    AveragedContact(const ContactLaw             &law,
-                    const dealii::Point<dim>     &corner,
-                    const dealii::Tensor<1, dim> &cell_size,
-                    const MPI_Comm                comm);
+    /// The hat functions are those between the edges of a lattice.
+    AveragedContact(const ContactLaw   &law,
+                    const Lattice<dim> &lattice,
+                    const MPI_Comm      comm);
 
     /**
      * Collective. Set the force and the slip of all points, whose gaps must be
@@ -175,9 +174,8 @@ namespace greville
     }
 
   private:
-    ContactLaw             contact_law;
-    dealii::Point<dim>     corner;
-    dealii::Tensor<1, dim> cell_size;
-    MPI_Comm               comm;
+    ContactLaw   contact_law;
+    Lattice<dim> lattice;
+    MPI_Comm     comm;
   };
 } // namespace greville

@@ -111,6 +111,7 @@ namespace greville
     unsigned int                       coarsening = 1;
     unsigned int                       q          = 0;
     std::array<SplinePolynomials, dim> polynomials;
+    CellEdges<dim>                     edges; // of pairs of cells
     std::vector<unsigned int>          functions;
     VectorType                         weighted, weight;
 

@@ -45,10 +45,9 @@ namespace greville
     int rigid = -1; // number of the rigid body
     // The constants of the law: for both sides the modulus E', Pa, the
     // impedance of the softer side, Pa s / m, and cells of the coarser grid.
-    ContactParameters      given;
-    double                 modulus = 0., impedance = 0., cell_size = 0.;
-    dealii::Point<dim>     corner;
-    dealii::Tensor<1, dim> cell_sizes;
+    ContactParameters given;
+    double            modulus = 0., impedance = 0., cell_size = 0.;
+    Lattice<dim>      lattice;
     std::unique_ptr<AveragedContact<dim>> average;
     // The motion of both sides: the sum of their speeds in the last step, m /
     // s; their displacement in it, and from the last check for overlaps until

@@ -31,7 +31,8 @@ namespace greville
    * The sum is over the runs of all lines in all directions. The entries of g_s
    * have absolute values with a sum of 2^(p+1), and w_s is the smallest mass of
    * the functions of a run, so that the eigenvalues of c -> z lie between -1
-   * and 0. theta_s is the number of cells that a point crosses in the step,
+   * and 0. theta_s is the number of cells that a point crosses in the step, of
+   * the size of the smallest ones in the supports of the functions of a run,
    * times the strength kappa (five times kappa for p = 1): regions at rest are
    * not filtered. On uniform knots a wave of angle k_d per coefficient is
    * multiplied in each step by
@@ -104,11 +105,23 @@ namespace greville
       return direction == 0 ? 0 : direction == 1 ? 1 : n_lines_y;
     }
 
+    /// Return the place along a direction other than x of all functions of a
+    /// line.
+    int
+    index_of_line(const unsigned int line, const unsigned int direction) const
+    {
+      return direction == 1 ? int(line % n_lines_y) + low_y
+                            : int(line / n_lines_y) + low_z;
+    }
+
     const SplineSpace<dim> *space = nullptr;
 
     // The entries of g_s by direction: entry k of all runs, for k from 0 to p +
     // 1, in the order of their first coefficients.
     std::array<std::vector<double>, dim> differences;
+
+    // The size of the smallest cell of each function of a direction.
+    std::array<std::vector<double>, dim> cell_sizes;
 
     // Functions of this process, and functions of others in the same runs.
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partitioner;
