@@ -20,10 +20,11 @@ def surface_distance(run, x, y):
 
     Beyond the body, its surface is the floor. front is the run-out beyond the last x, m.
     """
-    points, (lower, upper) = run.points(-1, ["size"]), run.grid_box
-    half_cell = (upper[0] - lower[0]) / run.grid_cells[0] / 2
+    points, edges = run.points(-1, ["size"]), run.grid_edges(0)
+    half_cells = np.diff(edges)[np.clip(np.searchsorted(edges, x, "right") - 1, 0, len(edges) - 2)] / 2
     top = points.x[:, 1] + points["size"] / 2
-    height = np.array([top[abs(points.x[:, 0] - place) <= half_cell].max(initial=lower[1]) for place in x])
+    height = np.array([top[abs(points.x[:, 0] - place) <= half].max(initial=run.grid_box[0][1])
+                       for place, half in zip(x, half_cells)])
     return {**statistics_of(abs(height - y), y), "front": run.statistics["front_99"][-1] - x.max()}
 
 

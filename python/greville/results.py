@@ -470,6 +470,12 @@ class Run:
     def grid_cells(self):
         return self._numbers("Grid/Cells", int)
 
+    def grid_edges(self, d):
+        """Return the edges of the cells in direction d."""
+        lower, upper = self.grid_box
+        return np.array(self._numbers(f"Grid/Knots {'xyz'[d]}")) if self.parameters.get(f"Grid/Knots {'xyz'[d]}") else \
+            np.linspace(lower[d], upper[d], self.grid_cells[d] + 1)
+
     @property
     def walls(self):
         """Return the type of each wall: {"Left": "free", ...}."""

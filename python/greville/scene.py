@@ -178,8 +178,7 @@ def add_axes(figure, position, simulation, mesh=False, labels="xy"):
     draw_walls(axes, simulation)
     if mesh and simulation.domain is not None:
         for d, draw in enumerate((axes.axvline, axes.axhline)):
-            cells = int(simulation.parameters["Grid/Cells"].split(",")[d])
-            for x in np.linspace(*simulation.domain[:, d], cells + 1):
+            for x in simulation.run.grid_edges(d):
                 draw(x, color="0.85", linewidth=0.4, zorder=0)
     return axes
 

@@ -19,7 +19,13 @@ namespace greville
     {
       double h = grid.upper[0] - grid.lower[0];
       for (unsigned int d = 0; d < dim; ++d)
-        h = std::min(h, (grid.upper[d] - grid.lower[d]) / grid.cells[d]);
+        {
+          const std::vector<double> edges = grid.edges(d);
+          if (edges.empty())
+            h = std::min(h, (grid.upper[d] - grid.lower[d]) / grid.cells[d]);
+          for (unsigned int k = 1; k < edges.size(); ++k)
+            h = std::min(h, edges[k] - edges[k - 1]);
+        }
       return h;
     }
   } // namespace

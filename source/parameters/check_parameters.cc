@@ -17,31 +17,6 @@ namespace greville
 
   namespace
   {
-    void
-    check_grid(const GridParameters &grid, const unsigned int dim)
-    {
-      const auto needs = [&](const std::size_t  size,
-                             const std::string &name,
-                             const std::string &what) {
-        Require(size == dim,
-                "The parameter '" + name + "' takes " + std::to_string(dim) +
-                  " " + what + " in " + std::to_string(dim) +
-                  "D (see 'Simulation/Dimension'), not " +
-                  std::to_string(size) + ".");
-      };
-      needs(grid.lower.size(), "Grid/Lower corner", "numbers");
-      needs(grid.upper.size(), "Grid/Upper corner", "numbers");
-      needs(grid.cells.size(), "Grid/Cells", "numbers");
-      for (unsigned int d = 0; d < dim; ++d)
-        Require(grid.lower[d] < grid.upper[d],
-                "'Grid/Upper corner' has to be larger than 'Grid/Lower corner' "
-                "in all directions, but " +
-                  text_of(grid.upper[d]) + " is not above " +
-                  text_of(grid.lower[d]) + ".");
-    }
-
-
-
     /// Check that output stays inside the folder that a file names.
     void
     check_output(const std::string &name, const OutputParameters &output)
@@ -233,7 +208,7 @@ namespace greville
   {
     if (grid.is_axisymmetric())
       check_axisymmetry();
-    check_grid(grid, general.dimension);
+    grid.check(general.dimension);
     if (has_body_grids())
       check_body_grids();
     Require(solver.tolerance == 0. || solver.tolerance >= 1e-15,
@@ -380,6 +355,12 @@ namespace greville
         const unsigned int n = grid.cells.size() == dim ? grid.cells[w / 2] : 0,
                            needed =
                              (general.pore_water ? 2 : 1) * (grid.degree + 1);
+        Require(!is_periodic || grid.knots[w / 2].empty(),
+                "The walls '" + WallParameters::names[w] + "' and '" +
+                  WallParameters::names[w + 1] +
+                  "' are periodic, and there are 'Grid/Knots " +
+                  std::string(1, "xyz"[w / 2]) +
+                  "' between them: cells in a periodic direction are equal.");
         Require(!is_periodic || n == 0 || n >= needed,
                 "The parameter 'Grid/Cells' has " + std::to_string(n) +
                   " cells from '" + WallParameters::names[w] + "' to '" +

@@ -347,6 +347,7 @@ namespace greville
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
     locate_files(folder, prm);
+    complete_grid(prm);
     std::ostringstream text;
     prm.print_parameters(text, style);
     used_text = without_common_times(text.str());
@@ -436,6 +437,25 @@ namespace greville
       }
     for (auto &[name, body] : rigid_bodies)
       locate("Rigid body " + name, "Shape file", body.shape_file);
+  }
+
+
+
+  void
+  SimulationParameters::complete_grid(ParameterHandler &prm)
+  {
+    if (grid.is_uniform())
+      return;
+    grid.complete(general.dimension);
+    std::string cells;
+    for (const unsigned int n : grid.cells)
+      cells += (cells.empty() ? "" : ", ") + std::to_string(n);
+    set_parameter(prm, {"Grid"}, "Cells", cells);
+    for (unsigned int d = 0; d < general.dimension; ++d)
+      set_parameter(prm,
+                    {"Grid"},
+                    "Knots " + std::string(1, "xyz"[d]),
+                    std::string(grid.knots[d]));
   }
 
 

@@ -31,13 +31,13 @@ namespace greville
   void
   ReferenceParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Surface file", surface_file)(
-      "CSV file beside the parameter file with the columns x, y of the "
-      "measured final surface, from the left to its front. Unit: m.");
-    add_parameter(prm, "Failure line file", failure_line_file)(
-      "CSV file beside the parameter file with the columns x, y (2D) of the "
-      "measured failure line: the part of the body above it has failed at the "
-      "end. x increases. Unit: m.");
+    for (const auto &[name, file] :
+         {std::make_pair("Surface file", &surface_file),
+          std::make_pair("Failure line file", &failure_line_file)})
+      add_parameter(prm, name, *file)(
+        "CSV file beside the parameter file with the columns x, y (2D) of a "
+        "measured line at the end, from left to right: the surface up to its "
+        "front, or the line above which the body has failed. Unit: m.");
     add_parameter(prm,
                   "Failure displacement",
                   failure_displacement,

@@ -85,8 +85,18 @@ namespace greville
       "Corner of the grid with the smallest coordinates. Unit: m.");
     add_parameter(prm, "Upper corner", upper, List(Double(), 2, 3))(
       "Corner with the largest coordinates. Unit: m.");
-    add_parameter(prm, "Cells", cells, List(Integer(1), 2, 3))(
-      "Cells in each direction. Unit: none.");
+    add_parameter(prm, "Cells", cells, List(Integer(0), 2, 3))(
+      "Cells in each direction. 0 in directions with 'Knots': as many as these "
+      "make; a multiple of that number divides each cell. Unit: none.");
+    for (unsigned int d = 0; d < 3; ++d)
+      add_parameter(prm, "Knots " + std::string(1, "xyz"[d]), knots[d])(
+        "Cells of different sizes in this direction: the edges of all cells, "
+        "or "
+        "fine(BEGIN, END, SIZE) ratio R, for cells of this size in a range, "
+        "from "
+        "which each next cell is at most R times as large; several ranges, and "
+        "the largest size, as in fine(0, 1, 0.1) fine(3, 4, 0.2) ratio 1.3 "
+        "largest 0.5. Empty: equal cells. Unit: m.");
     add_parameter(prm, "Order", degree, Integer(1, SplineSpace<2>::max_degree))(
       "Order p of the B-splines: the degree of their polynomials. In "
       "isogeometric analysis the order is the degree plus one; here it is the "

@@ -139,8 +139,8 @@ namespace greville
             // The formula has no value here because the body has no point.
           }
       });
-      const bool is_on =
-        Utilities::MPI::min(gap, comm) <= body.points.space().cell_size(axis);
+      const bool is_on = Utilities::MPI::min(gap, comm) <=
+                         body.points.space().lattice().largest_cell_size(axis);
       return {Utilities::MPI::sum(own, comm),
               is_on ? Utilities::MPI::sum(above, comm) : 0.};
     }

@@ -97,8 +97,9 @@ namespace greville
         out << '\n';
       }
     else
-      out << "\n  grid: " << cells_text(parameters.grid.cells)
-          << " cells, order " << parameters.grid.degree
+      out << "\n  grid: " << cells_text(parameters.grid.cells) << " cells"
+          << (parameters.grid.is_uniform() ? "" : " of different sizes")
+          << ", order " << parameters.grid.degree
           << (parameters.grid.is_axisymmetric() ? ", axisymmetric" : "")
           << '\n';
     for (const std::string &name : parameters.general.contacts)

@@ -67,12 +67,39 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    std::vector<double>       lower    = {0., 0.};
-    std::vector<double>       upper    = {1., 1.};
-    std::vector<unsigned int> cells    = {16, 16};
-    unsigned int              degree   = 2;
-    std::string               geometry = "plane strain";
-    bool                      per_body = false;
+    std::vector<double>       lower = {0., 0.};
+    std::vector<double>       upper = {1., 1.};
+    std::vector<unsigned int> cells = {16, 16};
+    /// The edges of cells in each direction, or words for them; empty for equal
+    /// cells.
+    std::array<std::string, 3> knots;
+    unsigned int               degree   = 2;
+    std::string                geometry = "plane strain";
+    bool                       per_body = false;
+
+    /// Return the edges of the cells of a direction; none for equal cells.
+    /// Throws dealii::ExcMessage for a text that is no list of edges.
+    std::vector<double>
+    edges(const unsigned int d) const;
+
+    void
+    set_edges(const unsigned int d, const std::vector<double> &edges);
+
+    /// Return whether all cells are equal.
+    bool
+    is_uniform() const
+    {
+      return knots[0].empty() && knots[1].empty() && knots[2].empty();
+    }
+
+    /// Throw dealii::ExcMessage for corners and cells of another dimension, and
+    /// corners in the wrong order.
+    void
+    check(const unsigned int dim) const;
+
+    /// Set the number of cells and the list of edges from words.
+    void
+    complete(const unsigned int dim);
 
     /// Return whether x is the distance from an axis, and quantities are per
     /// radian.

@@ -179,6 +179,11 @@ namespace greville
     locate_files(const std::filesystem::path &folder,
                  dealii::ParameterHandler    &prm);
 
+    /// Set the number of cells and the list of edges of the grid from words,
+    /// also in @p prm.
+    void
+    complete_grid(dealii::ParameterHandler &prm);
+
     /// Find masses and materials of stages, and enter the first stage.
     void
     complete_stages();
