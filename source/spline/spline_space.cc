@@ -431,12 +431,12 @@ namespace greville
   SplineSpace<dim>::smallest_cell_of(const unsigned int i,
                                      const unsigned int d) const
   {
-    double h = mesh_lattice.largest_cell_size(d);
-    if (!mesh_lattice.edges(d).empty())
-      for (unsigned int cell = i > p ? i - p : 0;
-           cell <= std::min(i, mesh_lattice.n_cells()[d] - 1);
-           ++cell)
-        h = std::min(h, mesh_lattice.cell_size(d, cell));
+    if (mesh_lattice.edges(d).empty())
+      return mesh_lattice.cell_size(d);
+    unsigned int cell = i > p ? i - p : 0;
+    double       h    = mesh_lattice.cell_size(d, cell);
+    for (; cell <= std::min(i, mesh_lattice.n_cells()[d] - 1); ++cell)
+      h = std::min(h, mesh_lattice.cell_size(d, cell));
     return h;
   }
 

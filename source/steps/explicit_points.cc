@@ -140,6 +140,7 @@ namespace greville
                                      trial.motion.fastest_wave,
                                      0.};
     const bool points_cross_cells = !parameters.scheme.is_total_lagrangian();
+    const bool is_uniform         = space.is_uniform();
     // Cells per length, by functions of a direction.
     std::array<std::vector<double>, dim> inverse_h;
     for (unsigned int d = 0; d < dim; ++d)
@@ -150,8 +151,10 @@ namespace greville
     for (std::size_t i = 0; i < n; ++i)
       if (field.mass->is_stable(i))
         {
-          const auto index =
-            multi_index<dim>(space.owned_functions()[i], space.n_functions());
+          const MultiIndex<dim> index =
+            is_uniform ? MultiIndex<dim>{}
+                       : multi_index<dim>(space.owned_functions()[i],
+                                          space.n_functions());
           double rate = 0.;
           for (unsigned int d = 0; d < dim; ++d)
             rate += std::abs(field.new_velocity[d].local_element(i)) *

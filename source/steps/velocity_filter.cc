@@ -327,11 +327,15 @@ namespace greville
             const Line   &line = lines[l];
             const double *v    = velocities[c].data() + line.place;
             double       *sums = crossings.data() + line.place;
-            const double  of_line =
-              c == 0 ? 0. : factor / cell_sizes[c][index_of_line(l, c)];
-            for (int x = line.begin; x < line.end && c == 0; ++x)
-              sums[x] += factor / cell_sizes[0][x] * std::abs(v[x]);
-            for (int x = line.begin; x < line.end && c > 0; ++x)
+            if (c == 0 && !space->is_uniform())
+              {
+                for (int x = line.begin; x < line.end; ++x)
+                  sums[x] += factor / cell_sizes[0][x] * std::abs(v[x]);
+                continue;
+              }
+            const double of_line =
+              factor / cell_sizes[c][c == 0 ? 0 : index_of_line(l, c)];
+            for (int x = line.begin; x < line.end; ++x)
               sums[x] += of_line * std::abs(v[x]);
           }
       }
