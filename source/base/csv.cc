@@ -176,7 +176,7 @@ namespace greville
         out << (k > 0 ? "," : "") << words[k];
       out << std::endl;
       Require(out, write_error(file));
-      // Lines would be written to a file that has no name any more.
+      // Otherwise, lines would be written to a file that has been removed.
       struct stat named;
       Require(stat(file.c_str(), &named) == 0, write_error(file));
       Require(inode == 0 || inode == named.st_ino,

@@ -29,7 +29,7 @@ namespace greville
     std::string        word, result;
     while (words >> word)
       result += (result.empty() ? "" : " ") + word;
-    // A value may be as long as its file.
+    // Shorten the message: a value may be as long as its file.
     constexpr std::size_t begin = 2000, end = 1000;
     if (result.size() > 2 * begin)
       result = result.substr(0, begin) + " ... (" +

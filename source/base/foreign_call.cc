@@ -145,7 +145,7 @@ namespace greville
     [[noreturn]] void
     end_process(const char *what)
     {
-      // MPI's threads receive signals of the clock, too.
+      // The timer's signals also reach the threads of MPI.
       const pid_t own   = syscall(SYS_gettid);
       pid_t       other = 0;
       if (!ending_thread.compare_exchange_strong(other, own))
@@ -198,8 +198,8 @@ extern "C"
                 : fault_signals[k].text);
           if (k < n_crashes && last_library[0] != '\0')
             report_crash(fault_signals[k].text);
-          // On return, the failed instruction runs again, with the earlier
-          // action.
+          // On return, the failed instruction runs again under the earlier
+          // handler.
           sigaction(signal, &earlier_actions[k], nullptr);
           if (info->si_code <= 0 || k >= n_crashes)
             raise(signal);

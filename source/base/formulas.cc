@@ -344,7 +344,7 @@ namespace greville
         text << "is " << text_of_value(result) << " at ";
         for (unsigned int i = 0; i < variables.size(); ++i)
           text << (i > 0 ? ", " : "") << variables[i] << " = " << numbers[i];
-        // Values of constant names may be old if others were precomputed.
+        // Constant names may be out of date if only others were precomputed.
         const auto cause =
           std::find_if(names.begin(), names.end(), [&](const Formula &name) {
             return !(std::abs(*name.value) <= largest_value) &&
@@ -374,7 +374,7 @@ namespace greville
     std::uint64_t changed = all ? ~std::uint64_t(0) : 0;
     for (unsigned int i = 0; i < values.size(); ++i)
       {
-        // The comparison holds if a number is NaN, too.
+        // The comparison also holds if a number is NaN.
         if (!(numbers[i] == values[i]))
           changed |= bit_of(i);
         numbers[i] = values[i];

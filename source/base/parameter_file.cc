@@ -184,7 +184,7 @@ namespace greville
                   line.place + ": the parameter '" + line.section + "/" +
                     line.name + "' no longer exists. " + advice);
           std::string hint = did_you_mean(line.name, keys_of(section->second));
-          // Sections of sections come last.
+          // Subsections come last.
           for (const bool is_inner : {false, true})
             for (const auto &other : sections)
               if (hint.empty() && other.second.count(line.name) > 0 &&

@@ -116,7 +116,7 @@ namespace greville
 
 
 
-    /// Move the parameters that all variants of a section have to the section.
+    /// Move parameters that all variants of a section share to the section.
     void
     move_shared_parameters(boost::property_tree::ptree &tree)
     {
@@ -152,13 +152,13 @@ namespace greville
 
 
 
-    /// Rows of variants of sections, and the first variant that has them.
+    /// For rows of a variant of a section, the first variant with these rows.
     using RowsOfVariants = std::map<std::string, std::string>;
 
 
 
-    /// Take the rows that another variant of the @p section has already from
-    /// @p rows. Return a sentence that says where they are.
+    /// Remove from @p rows the rows that another variant of the @p section has.
+    /// Return a sentence that says where they are.
     std::string
     take_repeated(std::vector<std::pair<std::string, std::string>> &rows,
                   const std::string                                &section,
@@ -195,8 +195,8 @@ namespace greville
                                const char                        *key) {
         return entry.get<std::string>(key, "");
       };
-      // Parameters with the same description share a row, for instance those of
-      // the sides of a grid.
+      // Parameters with the same description share a row, for instance the
+      // parameters of the sides of a grid.
       std::vector<std::pair<std::string, std::string>> rows;
       for (const auto &child : tree)
         if (child.second.find("value") != child.second.not_found())

@@ -42,7 +42,7 @@ namespace greville
 
 
 
-    /// Return true if the others come to a barrier within some seconds.
+    /// Return whether all other processes reach a barrier within some seconds.
     bool
     all_arrive(MPI_Request &barrier)
     {
@@ -87,7 +87,7 @@ namespace greville
         MPI_Wait(&barrier, MPI_STATUS_IGNORE);
       else if (!all_arrive(barrier))
         {
-          // The first process that has arrived reports.
+          // The first process that arrives reports the messages.
           std::this_thread::sleep_for(
             std::chrono::milliseconds(500 * std::min(process, 4u)));
           report(program, message);

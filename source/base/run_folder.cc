@@ -192,7 +192,7 @@ namespace greville
                       parameter + "' is in use by another run" +
                       (holder.empty() ? "" : ": " + holder) + ".");
           }
-        // The previous run may have removed it meanwhile.
+        // The previous run may have removed the file meanwhile.
         struct stat opened, named;
         is_there = fstat(lock_descriptor, &opened) == 0 &&
                    stat(file.c_str(), &named) == 0 &&

@@ -53,7 +53,7 @@ namespace greville
 
       ~LibraryCall() override
       {
-        // Numbers in results need decimal points.
+        // The library may have set a locale, but results need decimal points.
         if (std::locale() != locale)
           std::locale::global(locale);
         std::setlocale(LC_ALL, c_locale.c_str());

@@ -230,8 +230,8 @@ namespace greville
     const HDF5Silence silence;
     std::string       message;
     const auto        size = size_of(content, comm);
-    // If a file cannot be made, only the first process finds out, so that
-    // MPI-IO does not report it from all.
+    // The first process makes the file alone: otherwise, MPI-IO would report a
+    // failure on all processes.
     run_on_first(comm, [&]() { make_file(unfinished, size); });
     try
       {

@@ -136,8 +136,7 @@ namespace greville
 
   namespace
   {
-    /// Return the placement of points in a formula of Shape. Its surfaces cut
-    /// cells.
+    /// Return the formula of a shape whose surfaces cut cells, see Shape.
     template <int dim>
     std::string
     shape_of(const std::string &body, const SplineSpace<dim> &space)

@@ -86,7 +86,7 @@ namespace greville
             "'" + section + "' needs a 'Mass' and " + std::to_string(n) +
               " numbers of 'Inertia' in " + std::to_string(dim) +
               "D, all above zero.");
-    // A plate attains the sum.
+    // For a plate, the largest number is equal to the sum of the others.
     const double sum =
       std::accumulate(inertia.begin(), inertia.end(), 0.) * (1. + 1e-9);
     Require(!has_mass || dim == 2 ||

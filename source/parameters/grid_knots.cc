@@ -66,7 +66,7 @@ namespace greville
         set_cells(std::max(1., std::ceil(needed_cells(ratio) - 1e-6)));
       }
 
-      /// Take more cells than needed, with a smaller ratio.
+      /// Use more cells than needed, with a smaller ratio.
       void
       set_cells(const unsigned int n)
       {
@@ -99,12 +99,12 @@ namespace greville
       };
 
       /// Set the pieces in which h is linear, and return the number of cells
-      /// that neighbours of a ratio need.
+      /// that a ratio of neighbours requires.
       double
       needed_cells(const double ratio)
       {
         const double slope = ratio - 1.;
-        // Where both lines meet, and where each one meets the largest size.
+        // Places where both lines meet, and where each meets the largest size.
         const double top =
           std::clamp(0.5 * (begin + end + (h_end - h_begin) / slope),
                      begin,
@@ -139,7 +139,7 @@ namespace greville
         return sum;
       }
 
-      /// Return the distance from the begin to where the integral of 1 / h has
+      /// Return the distance from the start at which the integral of 1 / h has
       /// a value.
       double
       distance(double value) const

@@ -118,8 +118,8 @@ namespace greville
   SimulationParameters::mass_tolerance(const unsigned int degree) const
   {
     const double tight = solver.tight_tolerance();
-    // The norm of the residual hardly sees rows near the axis, whose mass is
-    // proportional to r.
+    // Rows near the axis, whose mass is proportional to r, hardly contribute to
+    // the norm of the residual.
     return solver.tolerance > 0. || general.pore_water ||
                grid.is_axisymmetric() ||
                is_implicit_scheme(scheme.stress_update)

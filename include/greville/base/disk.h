@@ -12,9 +12,9 @@
 namespace greville
 {
   /// Make an empty file on a disk with room for @p size bytes. Throws
-  /// dealii::ExcMessage if there is not enough room: a full disk is then
-  /// detected here, with the system's message, and not in a library, which
-  /// would try to write its remaining data at the end of the program.
+  /// dealii::ExcMessage with the system's message if there is not enough room.
+  /// A library that detects a full disk would try to write its remaining data
+  /// at the end of the program.
   void
   make_file(const std::string &file, const std::uint64_t size);
 
@@ -31,9 +31,9 @@ namespace greville
 
 
 
-  /// Collective. Write a file of the texts of all processes, in the order of
+  /// Collective. Write the texts of all processes to a file, in the order of
   /// the processes, which write at the same time. Throws dealii::ExcMessage on
-  /// all of them if it cannot be written.
+  /// all processes if the file cannot be written.
   void
   write_together(const std::string              &file,
                  const std::vector<std::string> &own,
@@ -44,12 +44,12 @@ namespace greville
   std::pair<std::uint64_t, std::uint64_t>
   share_of(const std::uint64_t n, const MPI_Comm comm);
 
-  /// Return a sum over numbers and their positions, which begin with @p first,
-  /// so that each process can add up its own. It changes with each bit.
+  /// Return a checksum of numbers at the positions from @p first on. The
+  /// checksums of all processes add up to the checksum of all numbers.
   std::uint64_t
   checksum(const std::vector<double> &values, const std::uint64_t first);
 
-  /// Return the checksum of one text after others, whose checksum is @p before.
+  /// Return the checksum of texts, with the checksum @p before, and one more.
   std::uint64_t
   checksum(const std::string &text, const std::uint64_t before);
 

@@ -86,13 +86,13 @@ namespace greville
   void
   throw_on_all(const std::string &message, const MPI_Comm comm);
 
-  /// Collective. Call @p action, which must not communicate, and throw its
-  /// exception on any process on all processes.
+  /// Collective. Call @p action, which must not communicate. If it throws on
+  /// any process, throw its exception on all processes.
   void
   run_on_all(const MPI_Comm comm, const std::function<void()> &action);
 
   /// Collective. Call @p action on the first process, and throw its exception
-  /// on all.
+  /// on all processes.
   void
   run_on_first(const MPI_Comm comm, const std::function<void()> &action);
 

@@ -17,7 +17,7 @@ namespace greville
   public:
     using Function = Formulas::Function;
 
-    /// Throws as Formulas.
+    /// Throws like Formulas.
     Expression(const std::string              &text,
                const std::string              &parameter,
                const std::vector<std::string> &variables,
@@ -26,7 +26,7 @@ namespace greville
           std::vector<std::string>{text}, parameter, variables, functions))
     {}
 
-    /// Return the value, as Formulas::value().
+    /// Return the value, like Formulas::value().
     double
     operator()(const dealii::ArrayView<const double> &values) const
     {
@@ -77,8 +77,8 @@ namespace greville
 
 
   /// A vector whose components are formulas, separated by semicolons in one
-  /// parameter. Throws as split_formulas() and Formulas; zero if constructed
-  /// without arguments.
+  /// parameter. Throws like split_formulas() and Formulas. It is zero if
+  /// constructed without arguments.
   template <int n>
   class VectorExpression
   {

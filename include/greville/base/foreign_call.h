@@ -22,16 +22,16 @@ namespace greville
   class ForeignCall
   {
   public:
-    /// Make faults in calls end the process; to be called before calls whose
-    /// time limit (s) is @p time_limit, or 0 for none.
+    /// Let faults in calls end the process. Call this before calls with the
+    /// time limit @p time_limit, s; 0 stands for no limit.
     static void
     catch_faults(const double time_limit);
 
-    /// Make messages about crashes outside calls name a library.
+    /// Name the library @p file in messages about crashes outside calls.
     static void
     remember_library(const std::string &file);
 
-    /// Return the last of these libraries, empty if there is none.
+    /// Return the last library of remember_library(), empty if there is none.
     static std::string
     library();
 
@@ -44,9 +44,8 @@ namespace greville
     ForeignCall &
     operator=(const ForeignCall &) = delete;
 
-    /// Write a message that the code @p what, such as "has aborted", to a
-    /// @p buffer of @p size letters without allocating memory: for signal
-    /// handlers.
+    /// Write the message that the code @p what, such as "has aborted", to a
+    /// @p buffer of @p size letters. For signal handlers: allocates no memory.
     virtual void
     write_message(char             *buffer,
                   const std::size_t size,

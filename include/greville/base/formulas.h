@@ -53,13 +53,13 @@ namespace greville
     ~Formulas();
 
     /// Return the value of formula number @p k for the @p values of the
-    /// variables. Throws dealii::ExcMessage with the parameter and the values
-    /// of the variables if it is not finite or its magnitude exceeds 1e100.
+    /// variables. Throws dealii::ExcMessage with the parameter and the
+    /// variables if the value is not finite or its magnitude exceeds 1e100.
     double
     value(const unsigned int                     k,
           const dealii::ArrayView<const double> &values) const;
 
-    /// Compute the values of all formulas. Throws as value().
+    /// Compute the values of all formulas. Throws like value().
     void
     evaluate(const dealii::ArrayView<const double> &values,
              const dealii::ArrayView<double>       &results) const;
@@ -73,8 +73,8 @@ namespace greville
     unsigned int
     n_precomputed() const;
 
-    /// Return in @p precomputed the values of the names that depend only on
-    /// constant variables, if a formula or a name of other variables uses them.
+    /// Return in @p precomputed the values of names of constant variables, as
+    /// far as formulas or names of other variables use them.
     void
     precompute(const dealii::ArrayView<const double> &values,
                const dealii::ArrayView<double>       &precomputed) const;
@@ -107,7 +107,7 @@ namespace greville
     double
     checked_value(const unsigned int k) const;
 
-    /// Set the variables and the names that depend on changed ones;
+    /// Set the variables, and the names that depend on changed variables;
     /// @p precomputed may be null.
     void
     set(const dealii::ArrayView<const double> &values,
@@ -123,7 +123,7 @@ namespace greville
 
     // The values of the variables and names; muParser stores their addresses.
     mutable std::deque<double> numbers;
-    // True if the names have values of earlier variables.
+    // True if the values of names belong to earlier values of variables.
     mutable bool is_out_of_date = false;
   };
 

@@ -64,7 +64,7 @@ namespace greville
       return *this;
     }
 
-    /// Return the object: to be called once, at the end.
+    /// Return the object. Call this once, at the end.
     std::string
     text()
     {

@@ -92,8 +92,8 @@ namespace greville
     return text.substr(0, text.find('\n'));
   }
 
-  /// Return a formula of the initial positions x, y (, z) that may use X, Y (,
-  /// Z) as other names of these.
+  /// Return a formula of the initial position x, y (, z) that may also name it
+  /// X, Y (, Z).
   template <int dim>
   std::string
   with_initial_positions(std::string text)

@@ -24,7 +24,7 @@ namespace greville
     std::string place;
     /// The section, from the outermost to the innermost.
     std::vector<std::string> path;
-    /// True if it comes from the command line, which overrides files.
+    /// True if the line comes from the command line, which overrides files.
     bool is_setting = false;
   };
 
@@ -45,8 +45,8 @@ namespace greville
   std::vector<ParameterLine>
   parameter_lines_of(const std::string &text, const std::string &name);
 
-  /// A section, a parameter, or a value of a parameter, that older files have,
-  /// and the advice for them.
+  /// A section, a parameter, or a value of a parameter that only older files
+  /// have, and the advice for it.
   struct FormerParameter
   {
     /// "SECTION/" or "SECTION/PARAMETER"; sections of a stage count, too.
@@ -135,7 +135,7 @@ namespace greville
 
   /// Let @p parameters declare themselves in a section of @p prm by
   /// declare(prm, arguments...). Their members are the defaults, and later
-  /// receive the values read by @p prm: they must not move while @p prm exists.
+  /// receive the values read by @p prm. They must not move while @p prm exists.
   template <typename Parameters, typename... Arguments>
   void
   declare_section(dealii::ParameterHandler &prm,
@@ -151,7 +151,7 @@ namespace greville
   /// Set the values of @p lines in @p prm, in which they have been declared.
   /// Throws dealii::ExcMessage with the line, the parameter, the value, the
   /// allowed values and a suggestion if @p prm does not have a parameter or
-  /// does not allow its value. Suggestions for @p former ones are their advice.
+  /// does not allow its value. For a @p former parameter, this is its advice.
   void
   parse_parameter_lines(dealii::ParameterHandler           &prm,
                         const std::vector<ParameterLine>   &lines,

@@ -4,7 +4,7 @@
 
 #include <deal.II/base/config.h>
 
-/// The same version as in CMakeLists.txt, which source/base/program.cc checks.
+/// The version in CMakeLists.txt; source/base/program.cc compares both.
 #define GREVILLE_PLUGIN_VERSION "1.1.0"
 
 #define GREVILLE_QUOTE_(x) #x

@@ -11,13 +11,13 @@ namespace greville
   /// The treatment of the results of an earlier run in the folder of a new one.
   enum class EarlierResults
   {
-    /// They are moved to the first folder among earlier_1, earlier_2, ... in it
-    /// that does not exist.
+    /// Move the earlier results to the first of the subfolders earlier_1,
+    /// earlier_2, ... that does not exist.
     move_aside,
-    /// The new run ends with a message.
+    /// End the new run with a message.
     refuse,
     remove,
-    /// The new run continues them.
+    /// Continue the earlier results.
     keep
   };
 

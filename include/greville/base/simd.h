@@ -4,7 +4,7 @@
 
 #include <experimental/simd>
 
-// where(mask, v) = x leaves v unchanged then (clang 14, libstdc++ 12).
+// With clang 14 and libstdc++ 12, where(mask, v) = x leaves v unchanged.
 #if defined(__clang__) && defined(__AVX512F__)
 #  error "With clang, AVX-512 gives wrong results: add -mno-avx512f."
 #endif

@@ -65,8 +65,8 @@ namespace greville
     fail_with([&]() { throw_on_all(message, comm); });
   }
 
-  /// Collective. Call an action that has nothing to do with materials, and
-  /// throw StepFailed on all processes if it throws on any.
+  /// Collective. Call an action that does not involve materials, and throw
+  /// StepFailed on all processes if it throws on any.
   template <typename Action>
   void
   run_or_fail(const MPI_Comm comm, const Action &action)

@@ -68,8 +68,8 @@ namespace greville
 
 
 
-  /// Collective. Read a file of write_tables() on any number of processes,
-  /// whose numbers of rows of a table differ by at most one. Throws
+  /// Collective. Read a file of write_tables() on any number of processes.
+  /// Their numbers of rows of a table differ by at most one. Throws
   /// dealii::ExcMessage on all processes if the file cannot be read, is
   /// truncated, or its checksums do not match.
   TablesFile

@@ -10,7 +10,7 @@ namespace greville
 {
   /// Call an action with a number, one of @p numbers, as a compile-time
   /// constant: action(std::integral_constant<int, number>()). Returns whether
-  /// it is one of them.
+  /// the number is one of @p numbers.
   template <int... numbers, typename Action>
   bool
   with_one_of(const int number, const Action &action)

@@ -163,7 +163,7 @@ namespace greville
   /// rest with a pseudo-random load: on the points of a @p body, or on p + 1
   /// Gauss points per direction in all cells if it is empty. With the Courant
   /// number C = dt sqrt((lambda + 2 G) / rho) / h for the mean density and the
-  /// smallest cell side h, c = 4 / dt^2; empty: c = 0.
+  /// smallest cell side h, c = 4 / dt^2; c = 0 without a Courant number.
   template <int dim>
   std::unique_ptr<BenchmarkProblem<dim>>
   make_elastic_benchmark(const ProblemParameters       &parameters,

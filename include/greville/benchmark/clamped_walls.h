@@ -7,8 +7,8 @@
 
 namespace greville
 {
-  /// Return fixed walls: the walls in 'Problem/Clamped walls'; if it is empty,
-  /// all walls or only the lower wall in the last direction.
+  /// Return fixed walls: the walls in 'Problem/Clamped walls', or, if there are
+  /// none, @p all walls or else only the lower wall in the last direction.
   template <int dim>
   Walls<dim>
   clamped_walls(const ProblemParameters &parameters, const bool all)

@@ -25,7 +25,7 @@ namespace greville
     formulas() const;
 
     /// Return the placement of @p n points per cell and direction in the named
-    /// body. Its surfaces cut cells.
+    /// body. The surfaces of the body cut cells.
     template <int dim>
     PointPlacement
     placement(const std::string      &body,

@@ -62,7 +62,7 @@ namespace greville
   bool
   is_explicit_scheme(const std::string &name);
 
-  /// Return whether make_implicit_scheme() has this name. Defined there.
+  /// Return whether make_implicit_scheme() has this name. Defined beside it.
   bool
   is_implicit_scheme(const std::string &name);
 } // namespace greville

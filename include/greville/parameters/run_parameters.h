@@ -92,8 +92,8 @@ namespace greville
 
 
 
-  /// The times at which a run writes its state to the disk. In any case, it
-  /// does so on SIGUSR1, SIGTERM, SIGINT and SIGHUP.
+  /// The times at which a run writes checkpoints. The run also writes a
+  /// checkpoint on SIGUSR1, SIGTERM, SIGINT and SIGHUP.
   struct CheckpointParameters
   {
     void
@@ -125,7 +125,7 @@ namespace greville
 
     double threshold = 1.2;
 
-    // Files cannot set this; 0: the default of steps_between_comparisons().
+    // Not set by files. 0 selects the default of steps_between_comparisons().
     unsigned int check_every = 0;
   };
 } // namespace greville

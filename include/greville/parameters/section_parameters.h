@@ -70,8 +70,8 @@ namespace greville
     std::vector<double>       lower = {0., 0.};
     std::vector<double>       upper = {1., 1.};
     std::vector<unsigned int> cells = {16, 16};
-    /// The edges of cells in each direction, or words for them; empty for equal
-    /// cells.
+    /// The edges of cells in each direction, or a text "fine(...) ..." from
+    /// which they follow; empty for equal cells.
     std::array<std::string, 3> knots;
     unsigned int               degree   = 2;
     std::string                geometry = "plane strain";
@@ -97,7 +97,7 @@ namespace greville
     void
     check(const unsigned int dim) const;
 
-    /// Set the number of cells and the list of edges from words.
+    /// Set the number of cells and the edges from a text "fine(...) ...".
     void
     complete(const unsigned int dim);
 
@@ -151,7 +151,7 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /// Return the tolerance for all but the mass of explicit steps.
+    /// Return the tolerance for all systems except the mass of explicit steps.
     double
     tight_tolerance() const
     {
@@ -159,7 +159,7 @@ namespace greville
     }
 
     /// Return whether the preconditioner is a factorization, the cycle of
-    /// p-multigrid, or the diagonal; if none of these, it is the identity.
+    /// p-multigrid, or the diagonal. Otherwise, it is the identity.
     bool
     has_factorization() const
     {
@@ -187,7 +187,7 @@ namespace greville
   /// A load on the surface of a body with fitted points.
   struct SurfaceLoadParameters
   {
-    /// Declare the parameters of all kinds, and then the own ones of this kind.
+    /// Declare the common parameters, and then the parameters of this kind.
     void
     declare(dealii::ParameterHandler &prm);
 
@@ -206,7 +206,7 @@ namespace greville
     std::string body;
     std::string where;
     std::string kind_name = "traction";
-    /// Its own parameters; null in the reference of all kinds.
+    /// The parameters of this kind only; null in the reference of all kinds.
     std::shared_ptr<SurfaceLoadKind> kind;
 
     std::string pore_pressure;

@@ -37,8 +37,8 @@ namespace greville
     explicit SimulationParameters(
       const std::string &file, const std::vector<std::string> &settings = {});
 
-    /// Use the reference of all parameters, with a body, a load and a material
-    /// of each model.
+    /// Call @p use with the reference of all parameters, with a body, a load
+    /// and a material of each model.
     static void
     use_reference(const UseParameters &use);
 
@@ -113,8 +113,8 @@ namespace greville
     bool
     has_ramp() const;
 
-    /// Replace the sections by those of a stage, which begins at the end of the
-    /// previous one.
+    /// Replace the sections by the sections of a stage, which begins at the end
+    /// of the previous stage.
     void
     enter_stage(const unsigned int stage);
 
@@ -169,7 +169,7 @@ namespace greville
          const dealii::ParameterHandler::OutputStyle style =
            dealii::ParameterHandler::PRM);
 
-    /// Make the members of the sections that @p lines name.
+    /// Add the members for the sections that @p lines name.
     void
     make_sections(const std::vector<ParameterLine> &lines);
 
@@ -179,8 +179,8 @@ namespace greville
     locate_files(const std::filesystem::path &folder,
                  dealii::ParameterHandler    &prm);
 
-    /// Set the number of cells and the list of edges of the grid from words,
-    /// also in @p prm.
+    /// Complete the number of cells and the list of edges of the grid, also in
+    /// @p prm. See GridParameters::complete().
     void
     complete_grid(dealii::ParameterHandler &prm);
 
@@ -192,8 +192,8 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
-    /// Read the parts of the file about stages that @p prm does not read from
-    /// the same lines.
+    /// Read the parts of the file about stages, which @p prm does not read,
+    /// from the same lines.
     void
     make_stages(const std::vector<ParameterLine> &lines);
 
@@ -220,8 +220,8 @@ namespace greville
     void
     check_contacts() const;
 
-    /// Do the part of check() for bodies that come and go and for their
-    /// materials.
+    /// Do the part of check() for bodies that are added or removed, and for
+    /// their materials.
     void
     check_construction() const;
 
@@ -236,9 +236,9 @@ namespace greville
     void
     check_water_of_stage() const;
 
-    /// Return the mass of "auto": lumped if bodies spread into thin layers,
-    /// with friction walls and with APIC; consistent otherwise, and in total
-    /// Lagrangian steps.
+    /// Return the mass for "auto": lumped with APIC, and in updated Lagrangian
+    /// steps also if bodies spread into thin layers or with friction walls;
+    /// otherwise consistent.
     std::string
     default_mass(const SchemeParameters &scheme,
                  const WallParameters   &walls) const;
