@@ -91,7 +91,7 @@ namespace greville
         for (const unsigned int i : coefficients[w])
           abscissae[w].push_back(space.greville_point(i));
       }
-    // If several walls constrain a coefficient, the last one gives its value.
+    // If several walls constrain a coefficient, the last wall gives its value.
     std::vector<unsigned char> others(space.owned_functions().size(), 0);
     for (unsigned int w = 2 * dim; w-- > 0;)
       {

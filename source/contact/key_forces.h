@@ -60,7 +60,7 @@ namespace greville::internal
     Tensor<2, dim> coupling;
     // d (shear stress) / d (mean pore pressure) over the sum of a_s psi_k.
     Tensor<1, dim> by_pore_pressure;
-    // If the key slides: the direction of its shear stress, D_k of sticking.
+    // For a sliding key: the direction of shear stress, and D_k if it stuck.
     Tensor<1, dim> direction;
     Tensor<2, dim> sticking;
 
@@ -129,7 +129,7 @@ namespace greville::internal
 
 
 
-  /// The shear of a key with its derivative; @p slips without adhesion, too.
+  /// The shear of a key with its derivative; slips holds at zero strength, too.
   template <int dim>
   struct KeyShear
   {
@@ -242,7 +242,7 @@ namespace greville::internal
       law, gap, first, last, change, du * n, rate, share, given_pressure);
     if (smallest_gap >= 0. && pressure.value == 0.)
       {
-        // At this kink, the derivative for imminent pressure is used.
+        // At this kink, use the derivative of a closed key.
         if (gap >= law.touching)
           return result;
         result.shares[0]            = weight / w[0];

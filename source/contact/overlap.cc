@@ -20,12 +20,12 @@ namespace greville
     double cell = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       cell *= h[d];
-    // All points use keys of one direction.
+    // All points have the same normal, so that keys depend on nodes only.
     const Tensor<1, dim>   up = Point<dim>::unit_vector(dim - 1);
     const Lattice<dim>     lattice(Point<dim>(), h);
     std::vector<Hats<dim>> hats;
     hats.reserve(points.size());
-    // Of both sides, by nodes.
+    // The volume fractions of both sides, by node.
     std::unordered_map<std::uint64_t, std::array<double, 2>> fractions;
     for (const VolumePoint<dim> &point : points)
       {

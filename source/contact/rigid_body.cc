@@ -24,8 +24,8 @@ namespace greville
     // A path meets the surface if it is closer than this fraction of the reach.
     constexpr double smallest_distance = 1e-6;
 
-    // Half the time (s) over which the spin is a difference quotient; at the
-    // start, all of it.
+    // Half the time (s) between the rotations whose difference gives the spin;
+    // at the start, the whole time.
     constexpr double half_of_quotient = 1e-6;
 
     // The number of places per direction at which a shape of unknown extent is
@@ -301,7 +301,7 @@ namespace greville
     const auto last = surface->closest(end, reach);
     if (!last || motion * last->normal <= 0.)
       return false;
-    // Find the place of entry by steps no longer than the distance.
+    // Find the place of entry by steps up to the distance to the surface.
     auto   first = surface->closest(start, reach);
     double way   = 0.;
     while (first && first->distance > smallest_distance * reach && way < length)
@@ -356,7 +356,7 @@ namespace greville
       }
     catch (const ExceptionBase &)
       {
-        // The formula has no value at a place where it must not be evaluated.
+        // The formula has no value at this place, which may therefore be near.
         return true;
       }
     return false;

@@ -24,8 +24,8 @@ namespace greville
     constexpr double largest_cosine_of_facing = -0.7,
                      smallest_cosine_of_side  = 0.5;
 
-    // The least cover, relative to a plane full of points: less indicates the
-    // end of the surface.
+    // The least weighted area of points near a projection, relative to a plane
+    // full of points: less indicates the end of the surface.
     constexpr double smallest_cover = 0.4;
 
     constexpr unsigned int n_projections = 3;
@@ -229,9 +229,9 @@ namespace greville
 
 
 
-    /// The rows of points for other processes: a point is on the process of its
-    /// box to be projected, and on those of the boxes around it, where others
-    /// are projected onto it.
+    /// The rows of points for other processes. The process of a point's box
+    /// projects the point; the processes of the boxes around it project other
+    /// points onto it.
     template <int dim>
     Rows
     rows_of_points(const std::vector<ContactPoint<dim>> &points,
@@ -292,7 +292,7 @@ namespace greville
       }
 
       /// Project the points in boxes of this process, and return, for each
-      /// sender, numbers, gaps and normals of those that face a surface.
+      /// sender, numbers, gaps and normals of the points that face a surface.
       Rows
       project(const double       reach,
               const unsigned int n_processes,

@@ -199,8 +199,8 @@ namespace greville
           return std::nullopt;
       const double tolerance         = same_closest_point * (x.norm() + size);
       double       smallest_distance = within + tolerance;
-      // Some facets with near boxes bound the distance; if facets are not much
-      // smaller than the search distance, there are only a few.
+      // First, a few near facets bound the distance, unless facets are about as
+      // large as the search distance: then few facets are within it.
       for (const bool is_last : {false, true})
         {
           if (!is_last && within < mean_extent)
@@ -229,7 +229,7 @@ namespace greville
               nearest.emplace_back(entry.second, y);
             }
         }
-      // Distances may differ from those above in the last bit.
+      // Distances may differ from the distances above in the last bit.
       const Point<dim> *point = nullptr;
       smallest_distance       = std::numeric_limits<double>::infinity();
       for (const auto &[facet, y] : nearest)

@@ -13,8 +13,8 @@ namespace greville
 
   namespace
   {
-    // Relative to coordinates: the error of closest points, and the distance
-    // from them at which the sides of the surface are checked.
+    // The error of closest points, and the distance from them at which the
+    // sides of the surface are checked, both relative to coordinates.
     constexpr double converged_distance = 1e-13, beside_surface = 1e-8;
 
     // The number of cells for dual_contours(), for pictures.
@@ -76,7 +76,7 @@ namespace greville
         return true;
       }
 
-      /// Return the shortest vector with these products with the unit normals.
+      /// Return the shortest vector with given products with the unit normals.
       Tensor<1, dim>
       across(std::array<double, dim> products) const
       {

@@ -14,7 +14,7 @@ namespace greville::internal
 
   namespace
   {
-    // Cells across a thin box.
+    // The least number of cells across a thin box.
     constexpr unsigned int least_cells_across = 12;
 
     // Planes intersect in an edge or corner if an eigenvalue of the sum of n

@@ -64,7 +64,7 @@ namespace greville
         for (const int side : {-1, 1})
           if (box.index[d] == (side < 0 ? 0 : n_cells[d] - 1))
             {
-              // The number before the first is the largest, plus one 0 again.
+              // Indices wrap: before 0 is the largest number, plus one 0 again.
               CellBox<dim> outside = box;
               outside.index[d] += side;
               outside.lower[d] += side * box.size[d];

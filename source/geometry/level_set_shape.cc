@@ -21,7 +21,7 @@ namespace greville
     constexpr double same_place = 1e-11;
 
     // The number of bisections of a cell in which curved surfaces meet others.
-    // Each reduces the error of the planes in the last parts by a factor of 8.
+    // Each bisection reduces the error of the last planes by a factor of 8.
     template <int dim>
     constexpr unsigned int max_depth = dim == 2 ? 12 : 4;
 
@@ -80,7 +80,7 @@ namespace greville
                 part.points.clear();
               }
           }
-        // Planes that coincide with faces of the cell.
+        // Add the boundary on planes that coincide with faces of the cell.
         if (side != ShapeTree<dim>::outside)
           for (unsigned int j = 0; j < level_sets.size(); ++j)
             if (const unsigned int d = level_sets[j].axis(); d < dim)
@@ -113,8 +113,8 @@ namespace greville
 
 
 
-      /// Cut a box by a plane along axes; return nothing if the plane misses
-      /// it.
+      /// Cut a box by level set @p j if it is an axis-aligned plane, and return
+      /// whether it is one.
       bool
       cut_along_axes(const unsigned int      j,
                      const BoundingBox<dim> &box,

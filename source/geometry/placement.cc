@@ -108,7 +108,7 @@ namespace greville
             point.id     = position * n_in_cell + k;
             point.cell   = cell;
             point.volume = 1.;
-            // As costly as all the rest, therefore computed on demand only.
+            // Shifts cost as much as all the rest: compute them on demand.
             std::array<double, dim> shift{};
             if (parameters.jitter > 0.)
               {

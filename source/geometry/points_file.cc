@@ -266,8 +266,8 @@ namespace greville
           result.values.push_back(number(row, column));
       }
 
-      /// Return the mass of a point, and set its volume. Throw if these and the
-      /// density contradict each other.
+      /// Return the mass of a point, and set its volume. Throw if mass, volume
+      /// and density contradict each other.
       double
       read_mass(const CsvLine &row, double &volume) const
       {

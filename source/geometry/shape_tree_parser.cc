@@ -304,7 +304,7 @@ namespace greville
     }
 
     /// Return whether a formula consists of coordinates, names of other
-    /// formulas, numbers and operators of numbers.
+    /// formulas, numbers and arithmetic operators.
     bool
     has_no_calls(const std::string &text) const
     {

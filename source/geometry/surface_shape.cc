@@ -20,7 +20,7 @@ namespace greville
 
 
 
-    /// Not normalized.
+    /// Return a normal that is not normalized.
     Tensor<1, 2>
     normal_of(const Facet<2> &facet)
     {

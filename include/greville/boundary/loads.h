@@ -27,8 +27,8 @@ namespace greville
     void
     find_points(std::vector<Body<dim>> &bodies, const MPI_Comm comm) const;
 
-    /// Precompute data that depend only on the initial positions of points,
-    /// after these have changed.
+    /// Precompute data that depend only on the initial positions of points. To
+    /// be called after initial positions have changed.
     void
     precompute(std::vector<Body<dim>> &bodies) const;
 
@@ -46,7 +46,7 @@ namespace greville
     }
 
     /// Set the accelerations of points at time @p t, s, by all loads or,
-    /// without @p with_following, by those that following() does not contain.
+    /// without @p with_following, by loads that are not in following().
     void
     set(std::vector<Body<dim>> &bodies,
         const double            t,

@@ -19,7 +19,7 @@ namespace greville
    * own.
    *
    * A new load is one header with a class that derives from it, and one line in
-   * the list of source/boundary/loads.cc; or a call of add_point_load() in a
+   * the list of source/boundary/loads.cc, or a call of add_point_load() in a
    * program.
    */
   template <int dim>
@@ -37,14 +37,14 @@ namespace greville
     add_fields(PointLayout<dim> &) const
     {}
 
-    /// Collective. Fill these fields, with all points at their initial
+    /// Collective. Fill the load's own fields, with all points at their initial
     /// positions. Throws dealii::ExcMessage if no point bears the load.
     virtual void
     find_points(std::vector<Body<dim>> &, const MPI_Comm) const
     {}
 
     /// Fill the data that depend only on the initial positions of @p points.
-    /// Called whenever these are set.
+    /// Called whenever initial positions are set.
     virtual void
     precompute(MaterialPoints<dim> &) const
     {}

@@ -10,9 +10,9 @@
 
 namespace greville
 {
-  /// The loads on the surfaces of bodies, see SurfaceLoadParameters. Each has a
-  /// Surface in the State, in the same order; behind them are those of bodies
-  /// that contacts name, whose loads others set.
+  /// The loads on the surfaces of bodies, see SurfaceLoadParameters. Each load
+  /// has a Surface in the State, in the same order. The surfaces of bodies in
+  /// contact follow; the contacts set their loads.
   template <int dim>
   class SurfaceLoads
   {

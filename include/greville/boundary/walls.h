@@ -78,9 +78,9 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /// Throw dealii::ExcMessage if formulas of moving walls fail at corners
-    /// between two times, or if a wall that must stay in its place leaves it:
-    /// the wall constrains the coefficients at the edge of the grid, which in
-    /// updated Lagrangian steps no longer touch a body that is a cell away.
+    /// between two times, or if a wall leaves its place although it must stay
+    /// there. A wall constrains the coefficients at the edge of the grid. In
+    /// updated Lagrangian steps, these do not touch a body that is a cell away.
     void
     check_paths(const SplineSpace<dim> &space,
                 const double            start,
@@ -88,7 +88,7 @@ namespace greville
                 const bool              walls_have_to_stay) const;
 
     /// Return the local numbers of the owned coefficients of a component that
-    /// are constrained, for any space. Some may occur twice.
+    /// are constrained, for any space. Some numbers may occur twice.
     std::vector<unsigned int>
     constrained_functions(const SplineSpace<dim> &space,
                           const unsigned int      component) const;
@@ -163,7 +163,7 @@ namespace greville
               sums[w][c] += value(c, coefficients[w][k]);
     }
 
-    /// Return these sums for the coefficients of a field.
+    /// Return the sums of add_constrained() for the coefficients of a field.
     WallSums<dim>
     constrained_sums(const VectorField<dim> &field) const;
 
@@ -176,7 +176,7 @@ namespace greville
                 const double      dt,
                 const VectorType &lumped_mass) const;
 
-    /// Friction walls: stop what goes into them, without friction.
+    /// Stop coefficients that move into friction walls, without friction.
     void
     stop(VectorField<dim> &velocity) const;
 

@@ -23,7 +23,7 @@ namespace greville
     /// The derivatives of the pressure by the gap and of the shear stress by
     /// slip, Pa / m.
     double stiffness = 0., shear_stiffness = 0.;
-    /// The derivative of both by the velocity, Pa s / m.
+    /// The derivative of pressure and shear stress by the velocity, Pa s / m.
     double viscosity = 0.;
     /// The resistance to sliding, null for smooth surfaces; and the adhesion,
     /// which is added to its strength under pressure, Pa.
@@ -140,7 +140,7 @@ namespace greville
   class AveragedContact
   {
   public:
-    /// The hat functions are those between the edges of a lattice.
+    /// The hat functions belong to the nodes of the @p lattice.
     AveragedContact(const ContactLaw   &law,
                     const Lattice<dim> &lattice,
                     const MPI_Comm      comm);

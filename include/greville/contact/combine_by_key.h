@@ -10,9 +10,9 @@
 
 namespace greville
 {
-  /// Collective. Replace each of the @p values by what all processes have for
-  /// its key together: @p add(sum, value) adds one of them. The key modulo the
-  /// number of processes is the process that does it.
+  /// Collective. Replace each of the @p values by the sum over all processes
+  /// for its key: @p add(sum, value) adds one value. The key modulo the number
+  /// of processes is the process that computes the sum.
   template <typename Value, typename Add>
   void
   combine_by_key(std::unordered_map<std::uint64_t, Value> &values,

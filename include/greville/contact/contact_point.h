@@ -29,8 +29,8 @@ namespace greville
     /// point is zero: it faces all surfaces nearby.
     dealii::Point<dim>     x;
     dealii::Tensor<1, dim> normal;
-    /// The distance of the surface in front of a material point, m; otherwise
-    /// 0.
+    /// For a material point, the distance to the surface ahead of it, m;
+    /// otherwise 0.
     double radius = 0.;
     /// The current area, m^2 (in 2D m, in axisymmetry m^2 per radian), and the
     /// area divided by the length in the plane: the distance from the axis in
@@ -58,7 +58,7 @@ namespace greville
     bool is_facing = false;
     /// The distance from the other side less the radius, negative inside, m.
     double gap = 0.;
-    /// The distance from a rigid body, m, wherever it is.
+    /// The distance from a rigid body, m, even if the point does not face it.
     double distance = std::numeric_limits<double>::infinity();
     /// The outward normal of the other side at the closest point.
     dealii::Tensor<1, dim> target_normal;
@@ -68,7 +68,7 @@ namespace greville
 
     /// The contact force, N (2D: N / m), and the slip at the end of the step.
     dealii::Tensor<1, dim> force, new_slip;
-    /// The state of the larger part of the point's keys under pressure.
+    /// The state that most of the point's keys under pressure have, by weight.
     ContactState state = ContactState::open;
     /// The stiffness against a common displacement of all points of its side, N
     /// / m (2D: N / m^2), if requested: a scale of round-off.

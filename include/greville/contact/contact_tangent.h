@@ -52,7 +52,7 @@ namespace greville
     {
       double                 inverse_weights[2] = {0., 0.};
       dealii::Tensor<2, dim> stiffness; // w_k D_k
-      /// The stiffness without the part of sliding that is not symmetric.
+      /// The stiffness without the asymmetric part, which is due to sliding.
       dealii::Tensor<2, dim> symmetric;
       /// The derivative by the mean pore pressure: -w_k tau'_k d_k over the sum
       /// of a_s psi_k.
@@ -84,8 +84,8 @@ namespace greville
               shares[k].weight);
     }
 
-    /// Collective. Begin with the keys of this process, numbered from @p first
-    /// on, and with all @p numbers of keys of its points.
+    /// Collective. Set the keys of this process, numbered from @p first on.
+    /// @p numbers are the numbers of all keys of its points.
     void
     begin(std::vector<Key>                &&own_keys,
           const std::uint64_t               first,

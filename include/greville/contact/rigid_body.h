@@ -43,12 +43,12 @@ namespace greville
     /// Throws dealii::ExcMessage for invalid parameters.
     RigidBody(const std::string &name, const RigidBodyParameters &parameters);
 
-    /// Return its position at the start, at time @p t, s.
+    /// Return the initial position, at time @p t, s.
     RigidPosition<dim>
     position_at_start(const double t) const;
 
-    /// Move it from its position @p now, reached from @p before in the previous
-    /// step, to the end of the step.
+    /// Move the body from its position @p now to the end of the step. The
+    /// previous step began at the position @p before.
     void
     move(RigidPosition<dim>   &now,
          RigidPosition<dim>   &before,
@@ -89,8 +89,8 @@ namespace greville
                 const RigidPosition<dim>       &now) const;
 
     /// Return the largest displacement (m) of a point of the body between two
-    /// positions; of its part in the @p region if the extent of the body is not
-    /// known.
+    /// positions. If the extent of the body is not known, only its part in the
+    /// @p region counts.
     double
     way(const RigidPosition<dim>       &before,
         const RigidPosition<dim>       &now,
@@ -130,8 +130,8 @@ namespace greville
   private:
     static constexpr int n_rotations = dim == 2 ? 1 : 3;
 
-    /// Move it by its formulas: velocities are integrated with three Gauss
-    /// points.
+    /// Move the body by its formulas: velocities are integrated with three
+    /// Gauss points.
     void
     follow(RigidPosition<dim> &position, const double t, const double dt) const;
 
@@ -144,11 +144,11 @@ namespace greville
     double                               mass = 0.;
     dealii::Tensor<2, n_rotations>       inertia;
 
-    /// ClosestSurface::box(), which is expensive.
+    /// The result of ClosestSurface::box(), which is expensive.
     dealii::BoundingBox<dim> extent;
 
-    /// The last mesh, and the box for it, in the initial position: the box
-    /// matters if the extent of the body is not known.
+    /// The last mesh and its box, in the initial position. The box matters only
+    /// if the extent of the body is not known.
     mutable ClosedSurface<dim>       last_mesh;
     mutable dealii::BoundingBox<dim> last_region;
     mutable bool                     has_end = false;

@@ -22,12 +22,12 @@ namespace greville
    * @f]
    * with @f$\omega(s) = (1 - s^2)^2@f$ and r equal to two spacings of points.
    * (The zero set of the first term alone lies outside a curved surface by the
-   * mean sagitta, that of the second one inside by the same amount: on a circle
-   * with points all around y, their mean is exact.) A point x is projected onto
-   * it along n. Only points whose normals are within 60 degrees of the normal
-   * of the nearest point facing x are used, so that edges are not rounded, and
-   * only places covered by points are accepted, so that a surface ends at its
-   * last points.
+   * mean sagitta, the zero set of the second term inside by the same amount: on
+   * a circle with points all around y, their mean is exact.) A point x is
+   * projected onto it along n. Only points whose normals are within 60 degrees
+   * of the normal of the nearest point facing x are used, so that edges are not
+   * rounded, and only places covered by points are accepted, so that a surface
+   * ends at its last points.
    *
    * An axisymmetric surface has its mirror image beyond the axis r = 0, so that
    * it does not end there.

@@ -9,8 +9,8 @@
 
 namespace greville
 {
-  /// Return the shape of the formula or file of @p placement. Throws as
-  /// place_points(), and if the position of the surface is unknown.
+  /// Return the shape of the formula or file of @p placement. Throws like
+  /// place_points(), and also if the position of the surface is unknown.
   template <int dim>
   std::unique_ptr<FittedShape<dim>>
   make_fitted_shape(const PointPlacement   &placement,
@@ -44,7 +44,7 @@ namespace greville
 
   /// Return points on the boundary of a shape in the owned cells, with as many
   /// points per direction as place_fitted_points(). Sides along which the grid
-  /// clips the shape are not part of the boundary. Throws as place_points().
+  /// clips the shape are not part of the boundary. Throws like place_points().
   template <int dim>
   std::vector<SurfacePoint<dim>>
   place_surface_points(const PointPlacement   &placement,

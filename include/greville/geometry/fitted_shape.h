@@ -28,9 +28,9 @@ namespace greville
   public:
     virtual ~FittedShape() = default;
 
-    /// Points that integrate over the part of a cell inside, and over the
-    /// boundary in it, with at least order 2 n where that is smooth. What of
-    /// the boundary lies in the faces of cells belongs to the cell on its inner
+    /// Return points that integrate over the part of a cell inside the shape,
+    /// and over the boundary in the cell, with order 2 n or higher where the
+    /// boundary is smooth. Boundary in a face belongs to the cell on its inner
     /// side. The cell may lie next to the grid.
     virtual CellPart<dim>
     cut(const CellBox<dim> &cell, const unsigned int n) const = 0;
@@ -39,9 +39,9 @@ namespace greville
     contains(const dealii::Point<dim> &x) const = 0;
   };
 
-  /// A shape of level sets. Parts between planes, and those next to one curved
-  /// surface, are found exactly up to the quadrature; where curved surfaces
-  /// meet others cells are divided, and the smallest parts have planes.
+  /// A shape of level sets. Parts between planes, and parts next to one curved
+  /// surface, are exact up to the quadrature. Where curved surfaces meet other
+  /// surfaces, cells are divided, and the smallest parts are bounded by planes.
   template <int dim>
   class LevelSetShape : public FittedShape<dim>
   {

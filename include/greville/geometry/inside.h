@@ -9,7 +9,7 @@
 namespace greville
 {
   /// Return a function that tells whether a place (m) is inside the formula or
-  /// file of @p placement. Throws as place_points().
+  /// file of @p placement. Throws like place_points().
   template <int dim>
   std::function<bool(const dealii::Point<dim> &)>
   make_inside(const PointPlacement   &placement,

@@ -88,7 +88,7 @@ namespace greville
     Plane<dim>
     tangent_plane(const dealii::Point<dim> &xi) const;
 
-    /// Return the direction of a plane along axes, or dim.
+    /// Return the direction of the normal of an axis-aligned plane, or dim.
     unsigned int
     axis() const;
 

@@ -48,8 +48,8 @@ namespace greville
   struct PlacedPoint
   {
     dealii::Point<dim> x;
-    /// The position in the shape: x, or a period away if it is beyond a
-    /// periodic wall.
+    /// The position in the shape: x, or x shifted by a period if the position
+    /// is beyond a periodic wall.
     dealii::Point<dim> image;
     double             volume;
     std::uint64_t      id;

@@ -39,11 +39,11 @@ namespace greville
    * Points are assigned to cells by their positions or, if @p at_reference, by
    * the initial positions in the file.
    *
-   * Throws as place_points(), and if a point is outside the grid or coincides
-   * with another point, if volumes are larger than the grid, if the columns
-   * mass, volume and density contradict each other, if the density is more than
-   * a thousand times larger or smaller than @p density, or if a point of an
-   * axisymmetric body is on the axis.
+   * Throws like place_points(), and also if a point is outside the grid or
+   * coincides with another point, if volumes are larger than the grid, if the
+   * columns mass, volume and density contradict each other, if the density is
+   * more than a thousand times larger or smaller than @p density, or if a point
+   * of an axisymmetric body is on the axis.
    */
   template <int dim>
   PointsOfFile<dim>
