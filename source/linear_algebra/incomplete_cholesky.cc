@@ -404,7 +404,7 @@ namespace greville
       const ColumnsOfRows<decltype(w)::value> at{x};
       for (std::size_t k = size(); k-- > 0;)
         {
-          // Two sums, since the first entries wait for the rows just before.
+          // Use two sums: the first entries wait for the rows just before.
           Columns           sum = inverse_pivots[k] * at[k], other_sum = 0.f;
           std::size_t       e   = column_begin[k];
           const std::size_t end = column_begin[k + 1];

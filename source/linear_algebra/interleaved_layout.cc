@@ -42,7 +42,7 @@ namespace greville
   {
     using Number        = types::global_dof_index;
     const MPI_Comm comm = parts.front()->communicator();
-    // The first own unknowns and their number, of all parts on each process.
+    // The first owned unknown and the number of owned unknowns of each part.
     std::vector<std::pair<Number, Number>> own;
     for (const InterleavedLayout *part : parts)
       own.emplace_back(part->n_owned() > 0 ? part->global_number(0) : 0,

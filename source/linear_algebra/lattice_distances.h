@@ -25,7 +25,7 @@ namespace greville
 
     /// Return the distance of each unknown from the nearest one of the other
     /// kind, owned or ghost, in a lattice whose diagonal neighbors have
-    /// distance 1; @p largest if it is larger. @p order is lexicographic.
+    /// distance 1, but at most @p largest. @p order is lexicographic.
     inline std::vector<int>
     distances_to_other_part(const std::vector<std::array<int, 3>> &positions,
                             const std::vector<unsigned int>       &order,

@@ -96,8 +96,8 @@ namespace greville
   OverlappingCholesky::find_weights(const internal::OverlappingDomain &rows,
                                     const int                          reach)
   {
-    // Ghosts have reach, ..., 1 with growing distance, owned unknowns have
-    // more.
+    // The depth of ghosts falls from reach to 1 with the distance from the
+    // owned unknowns, whose depth is larger.
     const auto distances = internal::distances_to_other_part(
       rows.local_positions(), rows.lexicographic, n_owned, reach);
     using Vector = LinearAlgebra::distributed::Vector<double>;

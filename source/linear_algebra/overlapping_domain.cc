@@ -25,7 +25,7 @@ namespace greville
         const std::map<unsigned int, std::vector<Item>> &messages,
         const MPI_Comm                                   comm)
       {
-        // As bytes, since boost would serialize item by item.
+        // Send bytes, since boost would serialize item by item.
         static_assert(std::is_trivially_copyable<Item>::value, "");
         std::map<unsigned int, std::vector<char>> sent;
         for (const auto &[target, items] : messages)
@@ -64,7 +64,7 @@ namespace greville
 
 
 
-      /// Sort entries by rows, and return where the rows of @p n begin.
+      /// Sort entries by rows, and return where each of the @p n rows begins.
       std::vector<unsigned int>
       sort_by_rows(std::vector<DomainEntry> &entries, const unsigned int n)
       {

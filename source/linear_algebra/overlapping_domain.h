@@ -104,8 +104,8 @@ namespace greville
       is_fixed(const unsigned int variant) const;
 
     private:
-      /// Return R A R^T, from the given entries of this process, and those of
-      /// others that were exchanged last.
+      /// Return R A R^T, from the given entries of this process, and the
+      /// entries of other processes that were exchanged last.
       UpperTriangle
       domain_matrix(const UpperTriangle &own) const;
 
@@ -131,9 +131,9 @@ namespace greville
           visit(of.columns[e], of.values[e]);
       }
 
-      /// Collective. Send the entries with unknowns of other processes there,
-      /// and keep those in own rows. Entries between unknowns of a process are
-      /// sent once.
+      /// Collective. Send the entries with unknowns of other processes to these
+      /// processes, and keep the entries in own rows. Entries between unknowns
+      /// of a process are sent once.
       void
       sum_shared_rows(const UpperTriangle &own);
 
@@ -141,7 +141,7 @@ namespace greville
       void
       find_ghosts(const unsigned int n_layers);
 
-      /// Collective. Add those of the given unknowns that are not known yet.
+      /// Collective. Add the given unknowns that are not known yet.
       void
       add_ghosts(std::vector<UnknownOf> &unknowns);
 
@@ -149,9 +149,9 @@ namespace greville
       std::map<unsigned int, std::vector<UnknownOf>>
       columns_for_others() const;
 
-      /// Return the entries that processes need in addition to those that they
-      /// share: between own rows that they need, once, and in columns of
-      /// others.
+      /// Return the entries that processes need in addition to the entries that
+      /// they share: between own rows that they need, once, and in other
+      /// columns.
       std::map<unsigned int, std::vector<SharedEntry>>
       rows_for_others(const UpperTriangle &own) const;
 

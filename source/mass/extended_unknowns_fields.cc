@@ -19,7 +19,7 @@ namespace greville
     const unsigned int                     width,
     const unsigned int                     component) const
   {
-    // Pointers and bits, for a loop without anything else.
+    // Plain pointers and bits, for a loop without calls.
     std::array<const double *, max_width> from;
     std::array<unsigned int, max_width>   bit;
     const unsigned int                    n = columns.size();

@@ -64,7 +64,7 @@ namespace greville
               return w == 0.;
             }))
           continue;
-        // Points become pairs, direction by direction.
+        // Transform values at points to sums for pairs, direction by direction.
         const MultiIndex<dim> index  = space.box(c).index;
         unsigned int          n_done = 1, n_left = from.size();
         for (unsigned int d = 0; d < dim; ++d, n_done *= n_pairs)

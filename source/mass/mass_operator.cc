@@ -395,7 +395,7 @@ namespace greville
   void
   MassOperator<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
-    // Rows and columns without mass are zero.
+    // Rows and columns of functions without mass are zero.
     cross.vmult(dst, src);
     for (const unsigned int i : inactive_functions)
       dst.local_element(i) = inactive_diagonal * src.local_element(i);

@@ -395,7 +395,7 @@ namespace greville
       std::fill(y + std::size_t(segment.begin) * width,
                 y + std::size_t(segment.end) * width,
                 Number(0.));
-    // Places at a time, whose numbers stay in the cache.
+    // The number of places at a time; their numbers stay in the cache.
     constexpr unsigned int n_at_once = 64;
     for (const Segment &segment : segments)
       for (unsigned int i = segment.begin; i < segment.end; i += n_at_once)

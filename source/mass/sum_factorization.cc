@@ -208,7 +208,7 @@ namespace greville
 
 
 
-    /// The column of a point stays in registers.
+    /// Apply a ColumnKernel. The numbers of a column stay in registers.
     template <int dim, int n_in, int q, int n_out>
     void
     multiply_column(const NativeSimd *const *in,

@@ -315,7 +315,7 @@ namespace greville
     const auto  guess      = norms_of<width>(sums[2], n_fields, dim);
     double      tolerance  = parameters.tolerance;
     bool        is_precise = true;
-    // Single precision does not see the errors of a uniform motion.
+    // Single precision does not resolve the errors of a uniform motion.
     constexpr double smallest_in_single = 1e-5;
     for (unsigned int k = 0; k < n_fields; ++k)
       {
@@ -355,7 +355,7 @@ namespace greville
         const double goal  = std::max(0.8 * tolerance, reduction * start);
         ratio =
           correct<width>(x, r, sums, target, n_fields, goal, max_iterations, k);
-        // Single precision sees this residual well enough.
+        // Single precision resolves this residual well enough.
         if (knows_sums && n_trusted > 0 && ratio <= tolerance &&
             goal >= 2. * reduction * start)
           {

@@ -33,8 +33,7 @@ namespace greville
     ExtendedTerms(const LatticeUnknowns<dim> &coarse,
                   const LatticeLevel<dim>    &fine);
 
-    /// Return whether the row of a function has columns that depend on others,
-    /// or it does itself.
+    /// Return whether a function, or a column of its row, depends on others.
     bool
     touches(const Position &i) const
     {

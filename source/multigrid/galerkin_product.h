@@ -81,8 +81,8 @@ namespace greville
         end[d]   = std::max(end[d], last + 1);
       }
 
-      /// Make each of these lines a part of the box: p functions before and
-      /// behind functions @p first to @p last.
+      /// Extend the lines of the box along x, from p functions before @p first
+      /// to p functions behind @p last.
       void
       include_lines(const int first, const int last)
       {
@@ -185,8 +185,8 @@ namespace greville
       box.include(d, r.first, r.first + int(r.weights.size()) - 1);
     }
 
-    /// Set the blocks of a box to zero, which receives the lines of all coarse
-    /// functions of i.
+    /// Let a box receive the lines of all coarse functions of i, and set its
+    /// blocks to zero.
     void
     begin_blocks(const Position &i, const Terms *own, Box &box)
     {
@@ -482,8 +482,8 @@ namespace greville
       far_blocks.resize(n_merged);
     }
 
-    /// Write the half rows: a block before that on the diagonal is added, as
-    /// its transpose, to the row of the function in its column. Blocks of
+    /// Write the half rows. A block before the diagonal block is added,
+    /// transposed, to the row of the function in its column. Blocks of
     /// functions that are no unknowns, and of constrained components, are left
     /// out.
     void

@@ -15,7 +15,7 @@ namespace greville
 
   namespace
   {
-    // Lattices become coarser until a part has so few rows.
+    // Lattices become coarser until a part has at most this number of rows.
     constexpr unsigned int small_size = 250;
 
     // The distance of parts in a lattice, more than any overlap of domains.
@@ -162,7 +162,7 @@ namespace greville
                 LatticeMatrix<dim>::can_coarsen(last))
               {
                 auto matrix = std::make_unique<LatticeMatrix<dim>>(last);
-                // Bodies of a few functions each have more coarse unknowns.
+                // Many bodies of a few functions have more unknowns if coarser.
                 if (CoarsestSolver<dim>::n_rows(*matrix, false) <=
                     2 * CoarsestSolver<dim>::n_rows(*parts[part], false))
                   {
@@ -171,7 +171,8 @@ namespace greville
                     changes = true;
                   }
               }
-            // The finest lattice has no other matrix of its own functions.
+            // Below the finest level, unchanged parts need a LatticeMatrix,
+            // too.
             if (!block.coarser && levels.size() == 1 && parts.size() > 1)
               {
                 coarse.push_back(

@@ -38,7 +38,7 @@ namespace greville
   {
     const auto fine_positions = fine.unknown_positions();
     const auto fine_bits      = fine.constrained_unknowns();
-    // Positions in rows, and on several processes those of other processes.
+    // Positions of unknowns; on several processes, also positions in rows.
     std::vector<std::pair<Position, unsigned char>> all;
     for (unsigned int u = 0; u < fine_positions.size(); ++u)
       all.emplace_back(fine_positions[u],
@@ -116,7 +116,7 @@ namespace greville
     mine.add_range(n_keys * me / n_processes, n_keys * (me + 1) / n_processes);
     others.add_indices(keys.begin(), keys.end());
     List list(mine, others, comm);
-    // Set all entries, combine those of @p value(k) of all processes, and
+    // Set all entries, combine the entries @p value(k) of all processes, and
     // return the results of the listed functions.
     const auto combine = [&](const double                  initial,
                              const VectorOperation::values operation,

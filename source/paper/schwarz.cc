@@ -83,7 +83,7 @@ namespace greville
 
 
 
-    /// Return the ordering of rows with these positions in the grid.
+    /// Return the ordering of rows with the given @p positions in the grid.
     std::vector<PetscInt>
     permutation_of(const Mat                         local_matrix,
                    const std::string                &ordering,

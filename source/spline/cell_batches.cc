@@ -28,7 +28,7 @@ namespace greville
     unsigned int begin = 0;
     while (begin < cells.size())
       {
-        // The run of neighbours in x that starts here.
+        // Find the run of neighbours in x that starts here.
         const auto   index = multi_index<dim>(cells[begin], extents);
         unsigned int end   = begin + 1;
         while (end < cells.size() && cells[end] == cells[end - 1] + 1 &&

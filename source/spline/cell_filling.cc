@@ -21,8 +21,7 @@ namespace greville
     has_rims      = with_rims;
     neighbors.reinit(space);
     const auto &positions = neighbors.positions();
-    // A value that is no class: the first update() is a change even if no cell
-    // has points.
+    // This value is no class, so that the first update() is always a change.
     classes.assign(positions.size(), 255);
     given.assign(space.owned_cells().size(), 255);
     filled.clear();
@@ -60,7 +59,7 @@ namespace greville
 
 
 
-  /// The steps of find_hosts() and what they share.
+  /// The steps of find_hosts() and their common data.
   template <int dim>
   struct CellFilling<dim>::HostSearch
   {

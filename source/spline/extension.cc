@@ -18,8 +18,8 @@ namespace greville
     // host cells, 1 for other cells with points, 0 beyond the body.
     constexpr double with_host = 1024.;
 
-    // The weight of a host is its squared distance, relative to the distance of
-    // the nearest host, to this power; below the limit it is not used.
+    // The weight of a host is its squared distance over the squared distance of
+    // the nearest host, to this power. Hosts with a smaller share are ignored.
     template <int dim>
     constexpr double distance_power = dim == 2 ? -6. : -50.;
     constexpr double smallest_share = 0.01;
@@ -78,7 +78,7 @@ namespace greville
   void
   Extension<dim>::sort(std::vector<HostOfFunction> &found) const
   {
-    // By functions first, which have few hosts each.
+    // Sort by functions first, which have few hosts each.
     std::vector<std::size_t> end(spline_space->owned_functions().size() +
                                    spline_space->ghost_functions().size() + 1,
                                  0);

@@ -407,7 +407,7 @@ namespace greville
               bernstein(dofs[i]) = in[to_lexicographic[i]];
         }
 
-    // The owner of a dof owns one of its cells, so all owned entries are set.
+    // The owner of a dof owns one of its cells: all owned entries are set.
     bernstein.update_ghost_values();
   }
 

@@ -19,7 +19,7 @@ namespace greville
   {
     if (cycle.smoother != "auto")
       return;
-    // Poisson's ratios of 0.4 and 0.475.
+    // Ratios of the moduli for Poisson's ratios of 0.4 and 0.475.
     constexpr double stiff_ratio = 6., very_stiff_ratio = 20.;
     const double     ratio = moduli[1] > 0.
                                ? moduli[0] / moduli[1]
@@ -197,7 +197,7 @@ namespace greville
     const std::function<SolveResult(const unsigned int iterations)> &run)
   {
     const TangentParameters &parameters = systems.front()->parameters;
-    // Return the digits by which the residual decreases.
+    // Return the number of digits by which the residual decreases.
     const auto digits = [](const SolveResult &result) {
       return std::max(0.5, -std::log10(std::max(result.reduction, 1e-16)));
     };

@@ -287,8 +287,8 @@ namespace greville
          finest().extended().unknowns().unknown_places())
       if (place != numbers::invalid_unsigned_int)
         mass = std::max(mass, finest().extended().matrix().diagonal(place));
-    // Both belong to the largest cells. In the smallest ones, with h in place
-    // of H, K / M is (H / h)^2 times as large.
+    // The entries belong to the largest cells. In the smallest cells, with h in
+    // place of H, K / M is (H / h)^2 times as large.
     double graded = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       graded =

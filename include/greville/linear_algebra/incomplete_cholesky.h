@@ -61,9 +61,9 @@ namespace greville
    * Vectors are interleaved, @p width (1, 2, 4 or 8) of them: entry c of row i
    * is x[i * width + c].
    *
-   * The elimination may end before the last rows. Several matrices that differ
-   * in these rows only share the columns before, and each needs a factorization
-   * of its complement().
+   * The elimination may end before the last rows. Matrices that differ only in
+   * these rows share the columns before them, and each needs a factorization of
+   * its complement().
    */
   class IncompleteCholesky
   {
@@ -83,8 +83,8 @@ namespace greville
               const CholeskyParameters &parameters,
               const unsigned int        n_columns);
 
-    /// Return the Schur complement of the last rows of a matrix, numbered from
-    /// 0 on, which has the eliminated columns. Its diagonal contains the shift
+    /// Return the Schur complement of the last rows, numbered from 0 on, of a
+    /// matrix that has the eliminated columns. Its diagonal contains the shift
     /// and is positive. Fixed rows have a diagonal entry only, the unit().
     UpperTriangle
     complement(const UpperTriangle              &last_rows,

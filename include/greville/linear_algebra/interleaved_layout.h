@@ -56,7 +56,7 @@ namespace greville
       return comm;
     }
 
-    /// Collective at the first call for a width.
+    /// Return the layout of vectors. Collective at the first call for a width.
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
     partitioner(const unsigned int width) const;
 
@@ -70,15 +70,15 @@ namespace greville
         partitioners;
   };
 
-  /// The unknowns of several parts as those of one system: on each process, the
-  /// owned ones of all parts, one part after another.
+  /// The unknowns of several parts as unknowns of one system: on each process,
+  /// the owned unknowns of one part after another.
   struct JoinedLayout
   {
     /// Collective.
     explicit JoinedLayout(const std::vector<const InterleavedLayout *> &parts);
 
     InterleavedLayout layout;
-    /// The number of each local unknown of each part, ascending.
+    /// By part, the numbers of its local unknowns in the system, ascending.
     std::vector<std::vector<unsigned int>> numbers;
   };
 } // namespace greville

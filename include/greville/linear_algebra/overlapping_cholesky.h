@@ -69,7 +69,7 @@ namespace greville
     void
     solve(double *x, const unsigned int width) const;
 
-    /// The same for A / @p unit, for entries of order 1.
+    /// Solve in the same way with A / @p unit, for entries of order 1.
     void
     solve(float *x, const unsigned int width, const double unit) const;
 
@@ -78,7 +78,7 @@ namespace greville
     using Vectors =
       std::array<dealii::LinearAlgebra::distributed::Vector<Number>, 9>;
 
-    /// Solve on the domains, with vectors of them.
+    /// Solve on the domains, with @p vectors of the domains.
     template <typename Number>
     void
     solve(Number            *x,

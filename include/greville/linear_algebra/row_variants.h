@@ -8,9 +8,9 @@
 
 namespace greville
 {
-  /// Matrices of the components of a field that are the same but for a few
-  /// rows, because some unknowns are constrained in some components only.
-  /// Variant 0 is a matrix that is given elsewhere.
+  /// Matrices of the components of a field that differ in a few rows only,
+  /// because some unknowns are constrained in some components only. Variant 0
+  /// is stored elsewhere.
   struct RowVariants
   {
     /// The variant of each component; empty if all have variant 0.
@@ -20,8 +20,8 @@ namespace greville
     /// processes that store it, else 0.
     std::vector<unsigned char> differs;
 
-    /// The entries of variants 1, 2, ... between unknowns whose rows differ, of
-    /// this process; other rows are empty.
+    /// The entries on this process of variants 1, 2, ... between unknowns whose
+    /// rows differ. Other rows are empty.
     std::vector<UpperTriangle> matrices;
 
     /// By owned unknown: bit v says that it is constrained in variant v.

@@ -37,7 +37,7 @@ namespace greville
       return values[row_begin[row]];
     }
 
-    /// Add the means of @p n components of the entries, from the given one on.
+    /// Add the means of @p n components of the entries, from @p component on.
     void
     add(const std::vector<BlockEntry> &entries,
         const unsigned int             component,

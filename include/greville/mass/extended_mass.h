@@ -76,8 +76,8 @@ namespace greville
     void
     begin(const Extension<dim> &extension, const bool changed);
 
-    /// Set M to zero, for a matrix with the unknowns of another one, whose
-    /// begin() has been called before.
+    /// Set M to zero, for a matrix with the unknowns of another one. Call
+    /// begin() of the other matrix before.
     void
     begin(const bool changed);
 
@@ -85,9 +85,9 @@ namespace greville
     void
     finish();
 
-    /// Compute y = A x for @p width columns; constrained entries give and get
-    /// zero. Ghost entries of x are updated. In single precision, y = A / unit
-    /// x with the unit of StencilMatrix::make_single().
+    /// Compute y = A x for @p width columns; constrained entries count as zero
+    /// in x, and are zero in y. Ghost entries of x are updated. In single
+    /// precision, y = A / unit x with the unit of StencilMatrix::make_single().
     template <typename Number>
     void
     vmult(VectorOf<Number>  &y,
@@ -109,9 +109,9 @@ namespace greville
                          const std::vector<VectorField<dim> *> &fields,
                          const unsigned int                     width) const;
 
-    /// rows = E^T M~ field, component by component, at the functions of the
-    /// owned unknowns, without what rows of constrained functions give, as rows
-    /// of A are; zero elsewhere.
+    /// Compute rows = E^T M~ field, component by component, at the functions of
+    /// the owned unknowns; zero elsewhere. As in A, rows of M~ at constrained
+    /// functions do not contribute.
     void
     multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
 
@@ -163,7 +163,7 @@ namespace greville
     std::vector<unsigned char>
     rows_that_differ(const int reach) const;
 
-    /// Return the entry of M~ place_x at a place.
+    /// Return the entry of the product M~ place_x at a place.
     double
     row(const std::size_t place) const;
 

@@ -48,7 +48,8 @@ namespace greville
     void
     constrain(const std::vector<unsigned char> &constrained);
 
-    /// Return the components with a constrained function of mass anywhere.
+    /// Return the components with a constrained function with mass on any
+    /// process.
     const std::array<bool, dim> &
     has_constrained() const;
 
@@ -81,13 +82,14 @@ namespace greville
     void
     initialize_vector(VectorOf<Number> &vector, const unsigned int width) const;
 
-    /// Return the layout, the same object until numbers change.
+    /// Return the layout. It is the same object until the numbers change.
     const std::shared_ptr<const InterleavedLayout> &
     unknown_layout() const;
 
     /// Compute y = E^T B E x for @p width columns and a matrix B between the
     /// places, given as @p product(y, x), which computes y = B x. Constrained
-    /// entries give and get zero. Ghost entries of x are updated.
+    /// entries of x count as zero, and are zero in y. Ghost entries of x are
+    /// updated.
     template <typename Number>
     void
     multiply(
@@ -125,7 +127,7 @@ namespace greville
     void
     distribute(VectorType &x, const unsigned int component) const;
 
-    /// Collective. Apply the transpose of E likewise.
+    /// Collective. Compute x = E^T x for a @p component of the space.
     void
     condense(VectorType &x, const unsigned int component) const;
 
@@ -196,7 +198,7 @@ namespace greville
     void
     collect(Number *y, const unsigned int width, const Number *values) const;
 
-    /// Copy a component of a field to the places, with the ghosts of others.
+    /// Copy a component of a field to the places, with ghost values.
     void
     to_places(const VectorType &component) const;
 
@@ -261,13 +263,13 @@ namespace greville
     void
     number_unknowns();
 
-    /// Set owned unknowns and lumped places. Returns if the unknowns differ.
+    /// Set owned unknowns and lumped places. Returns whether unknowns changed.
     bool
     choose_unknowns();
 
     /// Collective. Append the unknowns of other processes: functions of owned
-    /// cells, and others, without places, that occur in E. Sets the layout
-    /// unless numbers stay, and returns those of ghosts by position.
+    /// cells, and others, without places, that occur in E. Sets the layout if
+    /// numbers change, and returns the numbers of ghosts by position.
     std::map<std::uint64_t, unsigned int>
     number_ghost_unknowns(const std::vector<std::uint64_t> &positions_in_E,
                           const bool                        owned_changed);

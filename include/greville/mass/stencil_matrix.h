@@ -17,8 +17,8 @@ namespace greville
    * over products of splines are: @f$ M_{ij} @f$ depends on @f$ \min(i_d, j_d)
    * @f$ and @f$ |i_d - j_d| @f$ only. The row of the function min(i, j) stores
    * these @f$ (p + 1)^\text{dim} @f$ entries, without column numbers. Entries
-   * of another symmetric matrix are replaced by the mean of those that share a
-   * number, which leaves out what is antisymmetric in a direction.
+   * of another symmetric matrix that share a number are replaced by their mean,
+   * without the part that is antisymmetric in a direction.
    *
    * Vectors are on StencilPlaces. Each line stores the entries from its first
    * row to its last one, so that the matrix needs little more memory than its
@@ -33,9 +33,9 @@ namespace greville
     void
     reinit(const SplineSpace<dim> &space);
 
-    /// The entries of the functions of a line of a cell: x = 0, 1, ..., with a
-    /// line at distance number k = dy + dz (p + 1), for the distances dx = 0,
-    /// ..., p in x, are begin[k * stride + x * (p + 1) + dx].
+    /// The entries of a line of functions of a cell: begin[k * stride + x * (p
+    /// + 1) + dx] couples function x = 0, 1, ... of the line with the function
+    /// at the distance dx = 0, ..., p in line k = dy + dz (p + 1).
     struct CellLine
     {
       double     *begin;
@@ -48,9 +48,9 @@ namespace greville
     void
     find_lines(const unsigned int cell, CellLine *lines);
 
-    /// Set the matrix to zero and allocate the rows of these functions (local
-    /// numbers) and of their images: the functions of all cells that will be
-    /// added. No entry is stored outside them.
+    /// Set the matrix to zero and allocate the rows of @p functions (local
+    /// numbers) and of their images. They are the functions of all cells that
+    /// will be added. No entry is stored outside them.
     void
     set_rows(const std::vector<unsigned int> &functions);
 
@@ -97,7 +97,7 @@ namespace greville
                    const Visit       &visit,
                    const int          reach) const;
 
-    /// The same for all entries.
+    /// Call visit(j, M_ij) for all places j of row @p i, ascending.
     template <typename Visit>
     void
     for_each_entry(const unsigned int i, const Visit &visit) const;
@@ -189,8 +189,8 @@ namespace greville
              !(is_decoupled[i] || is_decoupled[j]);
     }
 
-    /// Return the number of entries with j >= i that share a number with the
-    /// entry M_ij at a distance, (p + 1)^dim, x fastest.
+    /// Return how many entries with j >= i share their stored number with the
+    /// entry M_ij at a @p distance (of (p + 1)^dim, x fastest).
     unsigned int
     n_equal(unsigned int distance) const;
 

@@ -131,10 +131,10 @@ namespace greville
     }
 
     /// Call visit(j, low_line, low, k) for the lines up to the distance
-    /// @p reach from the place @p i, or for those with later places and the own
-    /// one: j is the place with the same x, @p low the place with this x in the
-    /// line low_line with the smaller indices of both, and k = |dy| + |dz| (p +
-    /// 1).
+    /// @p reach from the place @p i, or only for its own line and lines with
+    /// later places. j is the place with the same x, low is the place with this
+    /// x in the line low_line, which has the smaller indices of both lines, and
+    /// k = |dy| + |dz| (p + 1).
     template <bool upper, typename Visit>
     void
     for_each_line(const unsigned int i,

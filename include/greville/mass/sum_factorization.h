@@ -73,8 +73,8 @@ namespace greville
     Function interpolate;
     Function integrate;
 
-    /// The same for one layer of coefficients or points, without the last
-    /// direction and its table.
+    /// The same kernels for one layer of coefficients or points, without the
+    /// last direction and its table.
     Function interpolate_layer;
     Function integrate_layer;
 

@@ -14,7 +14,7 @@ namespace greville
    * process. Its unknowns are the components of the last lattices of all parts,
    * or if @p lowers_order, of the functions of order 1 on them. A function of
    * order 1 is then interpolated by a spline whose coefficients are its values
-   * at the Greville points, which has all linear functions.
+   * at the Greville points, which is exact for linear functions.
    */
   template <int dim>
   class CoarsestSolver
@@ -22,16 +22,16 @@ namespace greville
   public:
     using Blocks = std::vector<SingleVector>;
 
-    /// Matrices have at most so many rows.
+    /// The largest number of rows of a matrix.
     static constexpr unsigned int largest_size = 1200;
 
     /// Return the number of rows of a lattice.
     static std::uint64_t
     n_rows(const LatticeLevel<dim> &lattice, const bool lowers_order);
 
-    /// Collective. The matrix is the sum of @p lattices, one for each part, and
-    /// of 1 / @p unit times the given level of the @p coupling, unless null.
-    /// The lattices are kept by reference.
+    /// Collective. The matrix is the sum of the @p lattices of all parts and,
+    /// unless @p coupling is null, of its given level divided by @p unit. The
+    /// lattices are kept by reference.
     void
     reinit(const std::vector<const LatticeMatrix<dim> *> &lattices,
            const bool                                     lowers_order,
@@ -39,8 +39,8 @@ namespace greville
            const unsigned int                             level,
            const double                                   unit);
 
-    /// Return whether there is a factorized matrix: it has few rows, and a
-    /// factorization.
+    /// Return whether there is a factorized matrix: it has few enough rows, and
+    /// the factorization has succeeded.
     bool
     is_factorized() const
     {
@@ -60,8 +60,8 @@ namespace greville
       std::vector<std::pair<unsigned int, double>> entries;
     };
 
-    /// Call add(column, weight) for the columns, counted from that of the part,
-    /// of a component of a local unknown.
+    /// Call add(column, weight) for the columns of a component of a local
+    /// unknown, counted from the first column of the part.
     template <typename Add>
     static void
     for_each_column(const LatticeMatrix<dim> &lattice,
@@ -70,7 +70,7 @@ namespace greville
                     const unsigned int        component,
                     const Add                &add);
 
-    /// Collective. Add the coupling to the entries, n in a row.
+    /// Collective. Add the coupling to the matrix entries, stored row by row.
     void
     add_coupling(std::vector<double>        &entries,
                  const LatticeCoupling<dim> &coupling,

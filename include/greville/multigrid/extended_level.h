@@ -134,8 +134,8 @@ namespace greville
 
   protected:
     /// Collective. Begin with points at new positions, whose @p filling is kept
-    /// by reference; @p changed says whether it differs from the last call. The
-    /// mass and its weights must then be filled.
+    /// by reference; @p changed says whether the filling differs from the last
+    /// call. The mass and its weights must then be filled.
     void
     begin_level(const CellFilling<dim> &filling, const bool changed);
 
@@ -151,7 +151,7 @@ namespace greville
                       const VectorType            &src,
                       const std::function<void()> &product) const;
 
-    /// Return the scalar matrix, with the unknowns of the mass, whose factors
+    /// Return a scalar matrix, with the unknowns of the mass. Its factors
     /// represent the given components (bits).
     virtual const ExtendedMass<dim> &
     diagonal_block(const unsigned int components) const = 0;

@@ -24,14 +24,14 @@ namespace greville
   /**
    * Conjugate gradients for A x = b with an ExtendedMass, for all components of
    * one or two vector fields together, with one pass over matrix and factors.
-   * The preconditioner is OverlappingCholesky with a drop tolerance, one
-   * factorization of the matrix without constraints for all components, of
-   * which constrained entries are set to zero; or a given one, which may be
-   * nonlinear and need not treat constraints.
+   * The preconditioner is OverlappingCholesky with a drop tolerance: one
+   * factorization of the matrix without constraints for all components.
+   * Constrained entries of its result are set to zero. A given preconditioner
+   * may be nonlinear and need not treat constraints.
    *
-   * A factorization serves until the unknowns change, or until the iterations
-   * that its age has cost exceed the price of a new one. It is made when a
-   * solve needs a preconditioner: bodies in free flight need none.
+   * A factorization is kept until the unknowns change, or until the additional
+   * iterations due to its age cost more than a new one. It is made when a solve
+   * needs a preconditioner: bodies in free flight need none.
    *
    * Iterations are in single precision, with one sum over the processes each
    * (@ref Chronopoulos1989 "Chronopoulos and Gear, 1989"), for the correction
@@ -129,9 +129,9 @@ namespace greville
             const unsigned int         max_iterations) const;
 
     /// Add to @p x a solution of A e = @p residual in single precision, with
-    /// norms of fields below @p goal times the @p target. @p sums are those of
-    /// the residual; the sums of its columns are updated. Counts the iterations
-    /// in @p k. Returns the largest ratio of a norm to its target that the
+    /// norms of fields below @p goal times the @p target. @p sums belong to the
+    /// residual; the sums of its columns are updated. Counts the iterations in
+    /// @p k. Returns the largest ratio of a norm to its target that the
     /// iteration has reached.
     template <int width>
     double
@@ -153,7 +153,7 @@ namespace greville
     const VectorType *lumped_mass = nullptr;
     VectorType        row_sums; // of A, by function, without constraints
 
-    /// The number of solves of which one has its residual checked.
+    /// The largest number of solves between two checks of the residual.
     static constexpr unsigned int max_trusted = 7;
     mutable unsigned int          n_trusted   = 0; // solves to come
 
@@ -162,7 +162,7 @@ namespace greville
 
     bool is_old = true; // unit and the matrix in single precision
 
-    // Of the last solve, to be used again.
+    // Vectors of the last solve, whose memory is used again.
     VectorType         unknowns, rows;
     mutable VectorType residual_rows;
 
@@ -170,7 +170,7 @@ namespace greville
     // preconditioned residual and its product.
     mutable VectorOf<float> e, r, p, s, u, w;
 
-    /// A factorization costs as much as so many iterations.
+    /// The cost of a factorization, in iterations.
     static constexpr unsigned int iterations_of_factorization = 8;
 
     mutable OverlappingCholesky factors;

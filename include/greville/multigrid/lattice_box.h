@@ -16,7 +16,7 @@ namespace greville
   {
     using Position = std::array<int, 3>;
 
-    /// Be the smallest box around the first members of pairs, with a margin.
+    /// Set the smallest box around the first members of pairs, with a margin.
     template <typename Pairs>
     void
     fit(const Pairs &pairs, const Position &margin)

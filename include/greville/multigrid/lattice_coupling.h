@@ -31,9 +31,9 @@ namespace greville
   public:
     using Blocks = std::vector<SingleVector>;
 
-    /// A weight of a key, given by its global number among those of its group,
-    /// and of a global unknown of a part. Constrained components (bits) do not
-    /// have it.
+    /// The weight of a key for a global unknown of a part. @p key is the global
+    /// number of the key in its group. Constrained components (bits) have no
+    /// weight.
     struct Weight
     {
       std::uint64_t                   key;
@@ -49,14 +49,13 @@ namespace greville
       return groups.empty();
     }
 
-    /// Begin a group of keys with the stiffness of those that this process
-    /// owns.
+    /// Begin a group of keys with the stiffness of the keys of this process.
     void
     add_keys(const std::vector<dealii::Tensor<2, dim>> &stiffness);
 
-    /// Collective. Add weights to the keys of the last group, also to those of
-    /// other processes; the sum of all weights of an own key is multiplied by
-    /// its factor. The layout is that of the unknowns of the part.
+    /// Collective. Add weights to the keys of the last group, also to keys of
+    /// other processes. The sum of all weights of an own key is multiplied by
+    /// its factor. The @p layout numbers the unknowns of the part.
     void
     add_weights(const unsigned int         part,
                 const InterleavedLayout   &layout,
@@ -64,8 +63,8 @@ namespace greville
                 const std::vector<double> &factors);
 
     /// Collective. Append a level. @p transfers[part] are the unknowns of the
-    /// coarser level, or null if those of the part stay the same, and
-    /// @p layouts those of the finer level.
+    /// coarser level, or null if the part stays the same. @p layouts belong to
+    /// the finer level.
     void
     coarsen(const std::vector<const LatticeUnknowns<dim> *> &transfers,
             const std::vector<const InterleavedLayout *>    &layouts);
@@ -91,8 +90,8 @@ namespace greville
     owned_entries(const unsigned int                            level,
                   const std::vector<const InterleavedLayout *> &layouts) const;
 
-    /// An entry of G: of a component of a key, and of unknown * dim + component
-    /// of a part, with global unknowns.
+    /// An entry of G in the row of a component of a key. Its column is unknown
+    /// * dim + component, for a global unknown of a part.
     struct Entry
     {
       unsigned int component, part;

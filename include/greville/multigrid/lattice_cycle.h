@@ -23,12 +23,12 @@ namespace greville
    * A V-cycle on lattices that are coarsened by two in each direction at the
    * same order of the splines, with Galerkin products, for one or several
    * *parts* that a LatticeCoupling can couple. Vectors and matrices have single
-   * precision. The smoother is a Chebyshev polynomial over IC(0) of
-   * the mean diagonal block, or of each block, of the unknowns of all parts
-   * together, in domains of processes that overlap by a layer, or by two on the
-   * finest lattice of order 3. The couplings within a process belong to it. A
-   * part whose lattice cannot become coarser, or has few functions, stays the
-   * same on the coarser levels of other parts.
+   * precision. The smoother is a Chebyshev polynomial over IC(0) of the mean
+   * diagonal block, or of each block, of the unknowns of all parts together, in
+   * domains of processes that overlap by a layer, or by two on the finest
+   * lattice of order 3. The couplings within a process are included. A part
+   * whose lattice cannot become coarser, or has few functions, stays the same
+   * on the coarser levels of other parts.
    *
    * The last level is a CoarsestSolver.
    */
@@ -59,7 +59,7 @@ namespace greville
       vmult({&dst}, {&src});
     }
 
-    /// The same for all parts.
+    /// Apply one cycle to the vectors of all parts.
     void
     vmult(const std::vector<VectorType *>       &dst,
           const std::vector<const VectorType *> &src) const;
@@ -77,7 +77,7 @@ namespace greville
     struct Level
     {
       std::vector<Block> blocks;
-      /// Of the unknowns of all parts, one part after another.
+      /// The factors for the unknowns of all parts, one part after another.
       std::vector<OverlappingCholesky> factors;
       bool                             is_smoothed        = true;
       double                           largest_eigenvalue = 1.;
@@ -99,8 +99,8 @@ namespace greville
     void
     make_smoother(const unsigned int l);
 
-    /// Collective. Compute an upper bound of the eigenvalues of the
-    /// preconditioned matrix, as a rule.
+    /// Collective. Estimate the largest eigenvalue of the preconditioned
+    /// matrix, in most cases from above.
     void
     estimate_eigenvalue(const unsigned int l);
 
@@ -108,7 +108,7 @@ namespace greville
     void
     precondition(const Level &level, Blocks &dst, const Blocks &src) const;
 
-    /// Compute y = A x on level l, without its unit.
+    /// Compute y = A x on level l. A is not divided by the unit of the level.
     void
     multiply(const unsigned int l, Blocks &y, Blocks &x) const;
 
@@ -116,8 +116,8 @@ namespace greville
     void
     subtract_product(const unsigned int l, Blocks &x) const;
 
-    /// Add the smoother's correction for the residual b to x; b keeps the
-    /// residual but for the last step.
+    /// Add the smoother's correction for the residual b to x. All steps but the
+    /// last one update b.
     void
     smooth(const unsigned int l) const;
 

@@ -50,8 +50,8 @@ namespace greville
     virtual std::vector<std::pair<Position, unsigned char>>
     constrained_functions() const = 0;
 
-    /// Call visit(position, terms) for the functions with rows whose
-    /// coefficient is a sum over unknowns, with their positions and weights.
+    /// Call visit(position, terms) for the extended functions with rows; the
+    /// terms are positions and weights of the unknowns.
     virtual void
     for_each_extended(const std::function<void(const Position &, const Terms &)>
                         & /*visit*/) const

@@ -20,7 +20,7 @@ namespace greville
     using FarBlock = typename LatticeLevel<dim>::FarBlock;
 
     /// Collective. @p fine is used by this call only. Without @p coarsen, the
-    /// product is that of the same lattice, E^T B E.
+    /// lattice stays the same, and the product is E^T B E.
     explicit LatticeMatrix(const LatticeLevel<dim> &fine,
                            const bool               coarsen = true);
 

@@ -10,10 +10,10 @@
 namespace greville
 {
   /// The unknowns on the lattice of twice the size below a level, and the knot
-  /// insertion P from them, which is multilinear for order 1. They are all
-  /// coarse functions from which a component of an unknown of the finer level
-  /// is interpolated. Components from which a constrained one is interpolated
-  /// are constrained.
+  /// insertion P from them, which is multilinear for order 1. The unknowns are
+  /// all coarse functions from which a component of an unknown of the finer
+  /// level is interpolated. Components from which a constrained one is
+  /// interpolated are constrained.
   template <int dim>
   class LatticeUnknowns
   {
@@ -127,8 +127,8 @@ namespace greville
       return unknown_at[unknown_places[u] + distance(line) + x];
     }
 
-    /// Return the distance of places in lines; lines are counted from that of
-    /// the own place as in HalfStencil.
+    /// Return the distance of places in lines, which are counted from the own
+    /// line as in HalfStencil.
     std::ptrdiff_t
     distance(const int line) const
     {
@@ -175,15 +175,15 @@ namespace greville
     void restrict(SingleVector &coarse, const SingleVector &fine) const;
 
   private:
-    /// The coarse functions of a process: components that unknowns of the finer
-    /// level need (bits), and whether rows refer to the function.
+    /// The coarse functions of a process. By function: the components (bits)
+    /// that finer unknowns need, and whether rows refer to it.
     struct Wanted
     {
       LatticeBox                 box;
       std::vector<unsigned char> needed, is_listed;
     };
 
-    /// Return the number of functions beyond each end with an insertion.
+    /// Return the number of functions beyond each end with stored insertions.
     int
     margin() const
     {

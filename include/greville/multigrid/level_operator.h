@@ -101,10 +101,10 @@ namespace greville
         x.local_element(i) = 0.;
     }
 
-    /// Return incomplete factorizations of the diagonal blocks of the
-    /// components, or one of their mean for all components, for smoothers: a
-    /// symmetric positive definite B with dst = B src for all components. Null
-    /// if there is none.
+    /// Return a symmetric positive definite B, dst = B src for all components,
+    /// for smoothers: incomplete factorizations of the diagonal blocks of the
+    /// components, or one of the mean block for all components. Null if there
+    /// is none.
     virtual std::unique_ptr<Preconditioner>
     factorization(const CholeskyParameters & /*parameters*/,
                   const bool /*by_components*/) const

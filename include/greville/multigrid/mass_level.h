@@ -25,7 +25,7 @@ namespace greville
       , density_weights(space, space.degree() + 1, density)
     {}
 
-    /// As above with @p weights, which the caller fills before assemble().
+    /// Use @p weights, which the caller fills before assemble().
     MassLevel(const SplineSpace<dim> &space, DensityWeights<dim> weights)
       : spline_space(&space)
       , density_weights(std::move(weights))
@@ -129,8 +129,8 @@ namespace greville
     }
 
   protected:
-    // The matrix with extended B-splines, or if entries are needed; all
-    // functions with mass are then unknowns unless an extension is given.
+    // The matrix, if B-splines are extended or entries are needed. Without an
+    // extension, all functions with mass are unknowns.
     std::unique_ptr<ExtendedMass<dim>> entries;
 
   private:

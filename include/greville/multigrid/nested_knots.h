@@ -59,9 +59,9 @@ namespace greville
     NestedKnots
     coarser() const;
 
-    /// Return the cell of the Greville point of function @p i, the mean of its
-    /// inner knots, and the part of the cell before it, 0 at the first
-    /// breakpoint of the cell; the last breakpoint has a cell of its own.
+    /// Return the cell of the Greville point of function @p i (the mean of its
+    /// inner knots), and the fraction of the cell before this point. The last
+    /// breakpoint of all has a cell of its own.
     std::pair<unsigned int, double>
     greville_point(const int i) const;
 
@@ -74,7 +74,7 @@ namespace greville
     };
 
     /// Return the row of function @p i, which may be any integer in a periodic
-    /// direction, for the @p coarse knots, a part of these.
+    /// direction, for the @p coarse knots, a part of the knots of this object.
     Row
     insertion(const int i, const NestedKnots &coarse) const;
 

@@ -12,9 +12,9 @@
 
 namespace greville
 {
-  /// A function that makes an approximation of the inverse of the mass matrix
-  /// of a level with the weight of the transfer, which is the weight of the
-  /// level, or 1 if @p unit_weight. It is applied in place.
+  /// A function that makes an approximate inverse of the mass matrix of a
+  /// level, to be applied in place. The weight of the mass is the weight of the
+  /// level, or 1 if @p unit_weight.
   template <int dim>
   using MakeInverseMass = std::function<std::unique_ptr<Preconditioner>(
     const LevelOperator<dim> &level, const bool unit_weight)>;
@@ -51,12 +51,12 @@ namespace greville
    * ("density") or 1 ("unit"). Inactive coefficients do not take part. All
    * components of an operator have the same transfer.
    *
-   * With extended B-splines, P acts on all coefficients of a spline, which the
-   * matrix @f$ E_l @f$ of LevelOperator::distribute() computes, and the
-   * coefficients of extended functions are dropped from its result. The
-   * prolongation is then @f$ D_k^{-1} P E_l @f$, its transpose
-   * @f$ E_l^T P^T D_k^{-1} @f$, and the restriction
-   * @f$ D_l^{-1} P^T E_k @f$. Constants are therefore preserved.
+   * With extended B-splines, P acts on all coefficients of a spline. The matrix
+   * @f$ E_l @f$ of LevelOperator::distribute() computes them. The coefficients
+   * of extended functions are dropped from the result of P. The prolongation is
+   * then @f$ D_k^{-1} P E_l @f$, its transpose @f$ E_l^T P^T D_k^{-1} @f$, and
+   * the restriction @f$ D_l^{-1} P^T E_k @f$. Constants are therefore
+   * preserved.
    */
   template <int dim>
   class OrderTransfer : public dealii::MGTransferBase<VectorType>

@@ -68,9 +68,9 @@ namespace greville
                                                   const bool symmetric)>;
 
   /// Add a smoother to the list, in place of one with the same name, for both
-  /// dimensions, before parameters are read. @p needs_matrix is true if it
-  /// works on LevelOperator::matrix(), @p by_components if it takes vectors of
-  /// one component only.
+  /// dimensions, before parameters are read. @p needs_matrix is true if the
+  /// smoother works on LevelOperator::matrix(), @p by_components if it takes
+  /// vectors of one component only.
   template <int dim>
   void
   add_smoother(const std::string       &name,

@@ -17,7 +17,7 @@ namespace greville
 
     /// Collective. Make the operators. vmult() applies the assembled matrix if
     /// @p apply_matrix, which implies @p with_matrix. ICT needs
-    /// @p with_entries, which both imply.
+    /// @p with_entries, which the other two imply.
     void
     assemble(const bool with_matrix,
              const bool apply_matrix,

@@ -153,7 +153,7 @@ namespace greville
     bool                    all_are_hosts = false, has_rims = false;
     Walls                   contact_walls{};
 
-    // The classes of local cells (see CellNeighbors) or of owned cells.
+    // The local cells, and the classes of the cells.
     CellNeighbors<dim>         neighbors;
     std::vector<unsigned char> classes;
     // The classes of owned cells that follow from the arguments of update():

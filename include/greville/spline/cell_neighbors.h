@@ -30,13 +30,13 @@ namespace greville
     find(const std::uint64_t position) const;
 
     /// The local number of the neighbor of a local cell on a side, 2 d or 2 d +
-    /// 1 in direction d; invalid_unsigned_int behind the sides of the grid, and
-    /// where it is not local.
+    /// 1 in direction d; invalid_unsigned_int if the side is a side of the
+    /// grid, or the neighbor is not local.
     unsigned int
     neighbor(const unsigned int cell, const unsigned int side) const;
 
-    /// Collective. Of each local cell, the owned ones given, the others are
-    /// overwritten by their owners. The values are exact as doubles.
+    /// Collective. Overwrite the @p values of local cells that are not owned by
+    /// the values of their owners. Values must be exact as doubles.
     template <typename Value>
     void
     exchange(std::vector<Value> &values) const
@@ -66,8 +66,8 @@ namespace greville
     std::vector<unsigned int>                           line_begin;
     std::uint64_t                                       first_line = 0;
 
-    // Places in the buffer, which has the cells of the mesh: those of the ghost
-    // layer, and with their cells, those of which the values are sent.
+    // Places in the buffer, which has an entry for each cell: of the cells of
+    // the ghost layer, and of the owned cells whose values are sent.
     std::vector<unsigned int>                          ghost_places;
     std::vector<std::pair<unsigned int, unsigned int>> sent;
     mutable VectorType                                 buffer;

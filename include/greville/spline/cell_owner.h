@@ -7,7 +7,7 @@
 namespace greville
 {
   /// Return the process that owns the cell @p index of a triangulation with the
-  /// lattice @p lattice. Not collective: p4est stores the begin of each process
+  /// lattice @p lattice. Not collective: p4est stores where each process starts
   /// along its curve, and the search takes logarithmic time. (deal.II's
   /// find_point_owner_rank() visits all coarse cells for each point.)
   template <int dim>

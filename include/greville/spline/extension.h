@@ -12,9 +12,9 @@ namespace greville
    * - *inactive*: its cells are empty,
    * - *stable*: at least one of its cells is a *host*, a well-filled cell
    *   whose polynomials are extended to the cells around (see CellFilling),
-   * - *extended*: none is, but a cell has a host. Its coefficient is that of
-   *   the polynomial which the spline is on the host: the blossom b of this
-   *   polynomial at the inner knots of the function i (de Boor and Fix),
+   * - *extended*: no cell is a host, but at least one has a host. Its
+   *   coefficient is the coefficient of the host's polynomial: the blossom b of
+   *   this polynomial at the inner knots of the function i (de Boor and Fix),
    *   @f[ c_i = b(t_{i+1}, \dots, t_{i+p}) = \sum_j E_{ij} c_j, @f]
    *   direction by direction, with the @f$ (p + 1)^\text{dim} @f$ functions j
    *   of the host, which are all stable. Polynomials of order p are therefore
@@ -23,8 +23,8 @@ namespace greville
    *   hole in the body belongs to all of its sides: with the weights
    *   @f$ d^{-12} @f$ of the distance d of host and function in 2D, and over
    *   the nearest hosts in 3D (doc/results/mass_of_points.md has the effect),
-   * - *lumped*: it sees fragments only. Such functions stay, but not their
-   *   products with others: see ExtendedMass.
+   * - *lumped*: its cells are fragments only. Such functions stay, but without
+   *   their products with other functions: see ExtendedMass.
    *
    * Numbers of functions are the local ones of the space; all functions of
    * owned cells have a class on each process.
@@ -129,7 +129,7 @@ namespace greville
     void
     sort(std::vector<HostOfFunction> &found) const;
 
-    /// Make rows, or copy those of @p old functions with the same hosts.
+    /// Make rows, or copy the rows of @p old functions with the same hosts.
     void
     make_rows(const ExtendedFunctions &old);
 

@@ -84,7 +84,7 @@ namespace greville
   public:
     Lattice() = default;
 
-    /// One cell, of which place() counts others of the same size.
+    /// Make a lattice of one cell; place() counts further cells of this size.
     Lattice(const dealii::Point<dim>     &lower,
             const dealii::Tensor<1, dim> &size);
 
@@ -205,7 +205,7 @@ namespace greville
                               : place_between(edges(d), x);
     }
 
-    /// Return the size of the smallest one of a cell and its two neighbours.
+    /// Return the smallest size among a cell and its two neighbours.
     double
     smallest_near(const unsigned int d, const unsigned int cell) const
     {

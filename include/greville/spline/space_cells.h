@@ -40,8 +40,8 @@ namespace greville
       return comm;
     }
 
-    /// The cells as one lattice, for the few parts that need all of them to be
-    /// alike. Others use the functions on cells below.
+    /// Return the cells as one lattice, for the few parts that need all cells.
+    /// Other parts use the functions on cells below.
     const Lattice<dim> &
     lattice() const
     {
@@ -95,8 +95,8 @@ namespace greville
       return true;
     }
 
-    /// Return the size of the smallest one of a cell, by its index in a
-    /// direction, and its two neighbours.
+    /// Return the smallest size among a cell, by its index in a direction, and
+    /// its two neighbours.
     double
     smallest_near(const unsigned int d, const unsigned int index) const
     {

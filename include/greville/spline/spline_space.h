@@ -198,9 +198,9 @@ namespace greville
     double
     smallest_cell_of(const unsigned int i, const unsigned int d) const;
 
-    /// Return whether a function by its local number is one of those that do
-    /// not vanish on a side of the grid, 2 d at the lower and 2 d + 1 at the
-    /// upper end of direction d. Periodic directions have no sides.
+    /// Return whether the function with a local number does not vanish on a
+    /// side of the grid: 2 d at the lower and 2 d + 1 at the upper end of
+    /// direction d. Periodic directions have no sides.
     bool
     on_side(const unsigned int function, const unsigned int side) const;
 

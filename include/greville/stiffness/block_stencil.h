@@ -63,7 +63,7 @@ namespace greville
     void
     vmult(double *y, const double *x) const;
 
-    /// The same without a change of precision.
+    /// Compute y = B x without a change of precision.
     void
     multiply(Number *y, const Number *x) const;
 

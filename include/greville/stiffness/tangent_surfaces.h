@@ -59,8 +59,8 @@ namespace greville
       const std::function<void(std::size_t s, unsigned int f, double value)>
         &visit) const;
 
-    /// Collective. Set the norms of the stiffness of these points, N / m (2D: N
-    /// / m^2), which is not assembled, for stiffness_scale().
+    /// Collective. Set the norms, N / m (2D: N / m^2), of the stiffness of
+    /// these points for stiffness_scale(). This stiffness is not assembled.
     void
     set_stiffness_of_points(
       const std::vector<const MaterialPoints<dim> *> &surfaces,

@@ -123,7 +123,7 @@ namespace greville
     double
     force_scale() const;
 
-    /// Return the norm of these contributions for a displacement gradient of
+    /// Return the norm of the cell contributions for a displacement gradient of
     /// one, with the moduli of the last evaluate() with stiffness: the unit of
     /// round-off of internal forces.
     double
