@@ -119,7 +119,7 @@ namespace greville
     const double change_of_phi = degree * (friction_angle - last_angle) *
                                  slope * reduction / (a * a + b * b);
     const double sine = std::sin(phi), cosine = std::cos(phi);
-    // of c cos(phi)
+    // The change of c cos(phi).
     const double change = change_of_c * cosine - c * sine * change_of_phi;
     return {cosine * change_of_phi,
             2. * change,
@@ -138,7 +138,7 @@ namespace greville
                                     double (&by_trial)[3][3],
                                     Principal &by_parameter) const
   {
-    // The names are those of returned().
+    // The names are the same as in returned().
     Region region;
     returned(t, s, &region);
     const double K = elastic.bulk, G = elastic.shear;
@@ -157,8 +157,8 @@ namespace greville
     if (region == Region::apex)
       return;
 
-    // Derivatives of f by t[0], t[1], t[2] and the parameter, and derivatives
-    // of the second plane.
+    // Derivatives by t[0], t[1], t[2] and the parameter: f of the first plane,
+    // f2 of the second plane.
     const double by_larger = 1. + phi, by_smaller = phi - 1.;
     double       f[]   = {by_larger,
                           0.,
@@ -207,7 +207,7 @@ namespace greville
         for (unsigned int i = 0; i < 3; ++i)
           (j < 3 ? by_trial[i][j] : by_parameter[i]) += change[i];
       }
-    // The two stresses of an edge are equal.
+    // The two stresses that meet at an edge are equal.
     if (region != Region::plane)
       {
         const unsigned int i = right ? 1 : 0;

@@ -18,8 +18,8 @@ namespace greville
 
   namespace
   {
-    /// Return the position among all six components of component k of those
-    /// present.
+    /// Return the position among all six components of component k of the
+    /// components that are present.
     int
     component(const int k, const int ndi)
     {

@@ -13,7 +13,7 @@ namespace greville
 {
   namespace internal
   {
-    /// The geometry of a cell, which moves from cell to cell.
+    /// The geometry of the current cell of a loop.
     template <int dim, int n>
     class MovingCell : public CellGeometry<dim, n>
     {
@@ -26,8 +26,8 @@ namespace greville
       {}
 
       /// Move to a cell. Returns whether it is the next one along x; its
-      /// functions are then those of the previous cell without the first
-      /// column, and a new column.
+      /// functions are then the functions of the previous cell without the
+      /// first column, and a new column.
       inline __attribute__((always_inline)) bool
       go_to(const unsigned int cell)
       {
@@ -173,7 +173,7 @@ namespace greville
         : buffer(buffer)
       {}
 
-      /// Begin a cell with these functions, see MovingCell::go_to().
+      /// Begin a cell with the given functions, see MovingCell::go_to().
       inline __attribute__((always_inline)) void
       begin(const unsigned int *cell_functions, const bool is_next)
       {

@@ -11,7 +11,7 @@
  * has the same second moments as the stress-free box deformed by F, s_i^2 =
  * sum_j F_ij^2 s0_j^2: a rotated cube keeps its domain, and boxes that fill a
  * body before a stretch along the axes fill it afterwards. Its size is limited
- * to the smallest one of its cell and the neighbours, and it is cut at the
+ * to the smallest size among its cell and the neighbours, and it is cut at the
  * edges of the grid.
  */
 namespace greville::internal

@@ -12,8 +12,8 @@ namespace greville
   namespace internal
   {
     /// Return a bound of the square of the ratio of wave speeds in the
-    /// reference configuration to those in the current one, from F^-1: the
-    /// largest sum of a row of F^-1 F^-T.
+    /// reference configuration to the wave speeds in the current one, from
+    /// F^-1: the largest sum of a row of F^-1 F^-T.
     template <int dim>
     inline Simd
     square_of_stretch(const Simd (&inverse)[dim][dim])

@@ -37,7 +37,7 @@ namespace greville
     template <int dim, typename Pass>
     struct GridValues
     {
-      /// Positions for the basis functions.
+      /// Positions at which the basis functions are evaluated.
       Simd x[dim];
       Simd fields[Pass::n_fields * dim];
       /// The gradient of the first field.

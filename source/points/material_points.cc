@@ -136,7 +136,7 @@ namespace greville
     const std::size_t size = std::size_t(point_layout.size) * width;
     if (data.size() >= n_groups * size)
       return;
-    // AlignedVector would double its memory.
+    // An AlignedVector that grows in place would double its memory.
     dealii::AlignedVector<double> larger;
     larger.resize_fast(n_groups * size);
     std::copy_n(data.begin(), links.size() * size, larger.begin());
@@ -307,7 +307,7 @@ namespace greville
     for (unsigned int place = 0; place < old.size(); ++place)
       if (!is_used[place])
         fill(place, none);
-    // The others form cycles.
+    // The other groups form cycles.
     for (unsigned int place = 0; place < old.size(); ++place)
       if (old[place] != none && old[place] != place)
         {

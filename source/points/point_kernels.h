@@ -212,7 +212,7 @@ namespace greville
       static_assert(simd_width == 4, "Four vectors of four lanes.");
       typedef double V __attribute__((vector_size(32)));
       V              v[4];
-      // One by one: the processor forwards no wider loads of recent stores.
+      // Load one by one: wider loads would wait for the recent stores.
       for (int k = 0; k < 4; ++k)
         std::memcpy(v + k, static_cast<const void *>(values + k), sizeof(V));
       const V first = __builtin_shufflevector(v[0], v[1], 0, 4, 2, 6) +
@@ -307,10 +307,10 @@ namespace greville
 
 
 
-    /// Compute the inverse deformation gradients (in 2D in the plane) of a
-    /// group since the initial configuration, which map gradients with respect
-    /// to reference positions to gradients with respect to current ones.
-    /// @p initial_F is the field of PointLayout.
+    /// Compute the inverses of the deformation gradients (in 2D in the plane)
+    /// of a group since the initial configuration. They map gradients with
+    /// respect to reference positions to gradients with respect to current
+    /// positions. @p initial_F is the field of PointLayout.
     template <int dim>
     inline void
     load_inverse_F(const double      *group,

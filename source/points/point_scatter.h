@@ -29,7 +29,7 @@ namespace greville
     template <int dim>
     struct PointValues
     {
-      /// Positions for the basis functions.
+      /// Positions at which the basis functions are evaluated.
       Simd x[dim];
       Simd mass, velocity[dim];
       /// The factors of N and grad N in the force.
@@ -298,7 +298,8 @@ namespace greville
               for (int i = 0; i < dim; ++i)
                 {
                   Simd &force = sum[Fields::first_force + i];
-                  // Two fused operations; a sum of both products is one more.
+                  // Two fused operations; a sum of both products takes a third
+                  // one.
                   force =
                     (force + shape.dN[0][a] * row.along[i]) + N * row.across[i];
                 }

@@ -83,7 +83,7 @@ namespace greville
     inline __attribute__((always_inline)) void
     apply(const double *C, const Simd *H, Simd *T)
     {
-      // In registers, which no store to T can change.
+      // Keep these in registers, which no store to T can change.
       Simd of_pairs[n], sums[n];
       std::copy_n(H, n, of_pairs);
       for (Simd &sum : sums)
@@ -267,7 +267,7 @@ namespace greville
       static constexpr bool         has_moments = n == 2 && !with_hoop;
       static constexpr unsigned int many        = 24;
 
-      /// The same sum by moments of C.
+      /// Compute the same sum by moments of C.
       void
       sum_moments(const CellGeometry<dim, n> &geometry,
                   const double               *group,
@@ -336,7 +336,7 @@ namespace greville
       void
       contract(const double *C, const int i, const int k, const int q)
       {
-        // Only component r has the pair of f_zz.
+        // Only component r has the additional pair, of f_zz.
         const auto pair_of = [](const int component, const int direction) {
           return direction < dim  ? component * dim + direction
                  : component == 0 ? dim * dim

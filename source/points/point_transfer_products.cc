@@ -25,10 +25,10 @@ namespace greville
 
 
 
-    /// y += K x on this process, where values lie function by function and
-    /// product(group, shape, u, sums) adds what a group of points has of K x
-    /// for the values u of its cell. Cells that reach their neighbours by the
-    /// windows @p without are left out.
+    /// Compute y += K x on this process, for values stored function by
+    /// function. product(group, shape, u, sums) adds the contribution of a
+    /// group of points to K x for the values u of its cell. Cells that reach
+    /// their neighbours by the windows @p without are left out.
     template <int dim, int n, bool derivatives, typename Product>
     void
     multiply_cells(const MaterialPoints<dim>   &points,
@@ -76,8 +76,8 @@ namespace greville
 
 
 
-    /// The same for the cells that reach their neighbours, whose points see
-    /// windows.
+    /// Compute y += K x for the cells that reach their neighbours, whose points
+    /// use windows.
     template <int dim, int n, typename Product>
     void
     multiply_windows(const MaterialPoints<dim>   &points,
@@ -356,8 +356,8 @@ namespace greville
 
 
 
-    /// Collective. y = K x or y += K x, where multiply(size, x, y) is the
-    /// product on this process, of values that lie function by function.
+    /// Collective. Compute y = K x or y += K x. multiply(size, x, y) is the
+    /// product on this process, for values stored function by function.
     template <int dim, typename Multiply>
     void
     multiply_fields(const SplineSpace<dim> &space,

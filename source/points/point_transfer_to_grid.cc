@@ -100,7 +100,7 @@ namespace greville
 
 
     /// Add the points of a body to the fields of the functions in a buffer, and
-    /// to the filled parts of cells unless these are null.
+    /// to @p filled_parts of cells unless null.
     template <int dim,
               int n,
               typename Fields,
@@ -113,11 +113,11 @@ namespace greville
                double                      *buffer,
                double                      *filled_parts)
     {
-      // A local object: the compiler knows that its sums overlap nothing else.
+      // A local object: the compiler knows that its sums alias no other memory.
       Scatter<dim, n, Fields> scatter(points, tables, windows, buffer);
       using Layout         = PointLayout<dim>;
       const Layout &layout = points.layout();
-      // Numbers that lie in front of those that no pass needs.
+      // The number of leading numbers of a point that the passes need.
       const unsigned int n_read =
         layout.is_total_lagrangian()
           ? layout.size

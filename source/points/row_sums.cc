@@ -94,7 +94,8 @@ namespace greville
         add_to(dissipation, heat);
       }
 
-    // In 3D, a tangent bounds the cubic root: (2 s + V / s^2) / 3 for any s.
+    // In 3D, the tangent at any s is an upper bound of the cubic root: V^(1/3)
+    // <= (2 s + V / s^2) / 3.
     Lanes V = V0 * lanes_at(group + Layout::J * n_lanes);
     if (points.layout().is_axisymmetric())
       V /= x[0];

@@ -204,7 +204,7 @@ namespace greville
         lanes_law->update_lanes(lanes);
       }
 
-      /// The same for laws that take one point at a time.
+      /// Do the same for laws that take one point at a time.
       void
       update_points(const GroupTrial<dim> &trial)
       {

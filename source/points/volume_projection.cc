@@ -93,7 +93,7 @@ namespace greville
       {
         const unsigned int n     = space.cells_per_direction()[d];
         const unsigned int n_all = (n + 1) / 2;
-        // An odd last cell is doubled.
+        // If the number of cells is odd, the last cell is doubled.
         edges[d].clear();
         for (unsigned int k = 0; k <= n; k += 2)
           edges[d].push_back(space.lattice().edge(d, k));

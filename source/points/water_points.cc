@@ -293,8 +293,8 @@ namespace greville
                                          const double                 kick,
                                          StencilMatrix<dim> &matrix) const
   {
-    // Where the points themselves make the divergence of the free motion, as
-    // they are not Gauss points, it is small.
+    // The divergence of the free motion is small if it only results from points
+    // that are not Gauss points.
     const double smallest =
       0.1 / std::pow(pressure_tables.space->smallest_cell_size(), 2);
     with_order(functions.space->degree(), [&](const auto size) {
@@ -348,7 +348,7 @@ namespace greville
       for_each(
         drained,
         [&](const DrainedTerm &term, const double *q, const auto &slopes) {
-          // The symmetric form, also for seepage faces.
+          // Use the symmetric form of Nitsche's method, also for seepage faces.
           using Kind = typename DrainedTerm::Kind;
           if (term.kind == Kind::flux ||
               (term.kind == Kind::seepage && terms.outflow(term) <= 0.))

@@ -56,8 +56,8 @@ namespace greville
       double center[dim];
       double inverse_h[dim];
       double ends[dim][2];
-      // Of the three cells, in units of the one in the middle: centers, and
-      // inverse sizes.
+      // Centers and inverse sizes of the three cells, in units of the middle
+      // cell.
       double              centers[dim][3], scales[dim][3];
       double              largest_domain[dim]; // half edges
       const double       *polynomials[dim][3];

@@ -28,7 +28,7 @@ namespace greville
     this->begin_level(filling, changed);
     matrix.begin(changed);
 
-    // Volumes at Gauss points, which are not zero in cells with points.
+    // Set the volumes at Gauss points, positive in all cells with points.
     const QGauss<dim>    gauss(this->space().degree() + 1);
     constexpr double     smallest = 1e-3;
     DensityWeights<dim> &weights  = this->mass_weights;

@@ -12,7 +12,7 @@ namespace greville
   {
     /// ln(P / a), see PressureElasticity, and q = sqrt(3 J2), Pa.
     double log_pressure, q;
-    /// V / V before the step.
+    /// The volume over the volume before the step.
     double volume;
   };
 

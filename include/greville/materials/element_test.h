@@ -24,7 +24,7 @@ namespace greville
     std::vector<double> initial_stress = {1e5};
     /// The values at which the controlled strain turns or ends, in order.
     std::vector<double> strains = {0.2};
-    /// The number of steps between two of these values.
+    /// The number of steps between two of the values in strains.
     unsigned int steps       = 200;
     double       strain_rate = 1e-2; // 1 / s
     /// The initial void ratio, for laws that have none of their own.
@@ -54,9 +54,9 @@ namespace greville
 
 
   /**
-   * Lead a material point through a test of a soil laboratory. With F = S F_0
-   * from the state at the start and z for the axis, a step sets S and finds its
-   * unknown entry by Newton's method with Material::tangents():
+   * Apply the strain path of a soil laboratory test to a material point. With F
+   * = S F_0 from the state at the start and z for the axis, a step sets S and
+   * finds its unknown entry by Newton's method with Material::tangents():
    *
    * - isotropic: S = exp(-e / 3) 1 for the volumetric strain e;
    * - oedometer: S = diag(1, 1, exp(-e)) for the axial strain e;

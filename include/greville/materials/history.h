@@ -15,7 +15,7 @@ namespace greville
   {
     static constexpr unsigned int n_first = 12;
 
-    /// Make room for @p n numbers; all beyond the first n_first are zero.
+    /// Make room for @p n numbers. Numbers beyond the first n_first are zero.
     void
     resize(const unsigned int n)
     {

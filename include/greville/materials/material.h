@@ -43,8 +43,8 @@ namespace greville
 
   /**
    * Base class of constitutive laws, which compute Cauchy stresses from the
-   * deformation of points. A material knows nothing of grids and acts on many
-   * points per call.
+   * deformation of points. A material does not depend on the grid, and updates
+   * many points per call.
    *
    * A new material is one header with a class that derives from MaterialLaw,
    * and one line in the list of source/materials/material.cc; or a call of
@@ -168,9 +168,9 @@ namespace greville
     }
 
     /// Return whether neighboring points share their changes of volume
-    /// (PointTransfer::share_volume()). Laws whose pressure depends on J only
-    /// need this, since J is not otherwise coupled to the positions of points
-    /// and its errors accumulate.
+    /// (PointTransfer::share_volume()). Laws whose pressure depends only on J
+    /// need this: J is not coupled to the positions of points in any other way,
+    /// so its errors accumulate.
     virtual bool
     shares_volume() const
     {

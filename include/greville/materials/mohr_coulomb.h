@@ -166,7 +166,7 @@ namespace greville
     Surface
     make_surface(const double alpha, const double reduction) const;
 
-    /// Return sorted stresses to a given surface.
+    /// Apply the return of sorted stresses to a given surface.
     Principal
     returned(const Principal &t,
              const Surface   &s,

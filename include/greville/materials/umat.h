@@ -57,7 +57,7 @@ namespace greville
   public:
     static constexpr const char *name = "umat";
 
-    /// Return the UMAT of a library. Throws as function_of_library().
+    /// Return the UMAT of a library. Throws like function_of_library().
     static void *
     find_function(const std::string &library, const std::string &parameter);
 

@@ -30,7 +30,7 @@ namespace greville
       dpred,
       constants, // CELENT, TEMP, DTEMP
       integers,  // NDI to KSTEP, in the order of lay_out()
-                 // These are written before each call.
+                 // These arguments are written before each call.
       stran,
       dstran,
       time,
@@ -39,7 +39,7 @@ namespace greville
       dfgrd0,
       dfgrd1,
       dtime,
-      // The UMAT writes these.
+      // The UMAT writes these arguments.
       ddsddt,
       drplde,
       results, // RPL, DRPLDT, PNEWDT, SSE, SPD, SCD

@@ -81,7 +81,7 @@ namespace greville
       return outer_force;
     }
 
-    /// Collective. Add to r for a pressure, Pa.
+    /// Collective. Add the leak at a pressure, Pa, to r.
     void
     add_rows(const VectorType &p, VectorType &rows)
     {

@@ -19,17 +19,17 @@ namespace greville
 
   /**
    * The positions of the numbers of a material point, counted in doubles from
-   * the begin of the point. Symmetric tensors are stored as xx, yy, zz, xy (in
-   * 3D then xz, yz), the deformation gradient row by row, in 2D followed by
-   * F_zz. The numbers that all points have are followed by named fields: the
+   * the first number of the point. Symmetric tensors are stored as xx, yy, zz,
+   * xy (in 3D then xz, yz), the deformation gradient row by row, in 2D followed
+   * by F_zz. The numbers that all points have are followed by named fields: the
    * history variables of the material, and as many of the following as are
    * needed:
    *   "affine", dim x dim numbers: the matrix of APIC, row by row, 1 / s,
    *   "load", dim numbers: the acceleration by loads, m / s^2,
    *   "initial_F", dim x dim numbers: the deformation gradient (in 2D in the
    *     plane) from the stress-free state to the initial one,
-   *   "projected_J", one number: the ratio of volumes that the material sees
-   *     where changes of volume are projected (VolumeProjection),
+   *   "projected_J", one number: the ratio of volumes that the material uses
+   *     if changes of volume are projected (VolumeProjection),
    *   "domain", dim numbers: half of the edges of the box around the point of
    *     the stress-free state over which gradients are averaged, m,
    *   "radius0", one number: of axisymmetric points (x is the distance r from
@@ -67,7 +67,7 @@ namespace greville
     static constexpr unsigned int n_fixed = id + 1;
 
     /// Return the position of entry (i, j) of a stress or deformation gradient,
-    /// counted from its begin.
+    /// counted from its first number.
     static constexpr unsigned int
     stress_index(const unsigned int i, const unsigned int j)
     {
@@ -118,8 +118,8 @@ namespace greville
     /// deformation since the configuration of their basis functions.
     unsigned int initial_F = 0;
 
-    /// The number of "projected_J", 0 if there is none. J and F always belong
-    /// to the motion.
+    /// The number of "projected_J", 0 if there is none. J and F always result
+    /// from the motion, without projection.
     unsigned int projected_J = 0;
 
     /// The number of "radius0", 0 in plane strain.

@@ -28,10 +28,10 @@ namespace greville
    *
    * Cell matrices serve preconditioners, which need to be symmetric positive
    * semidefinite. If C is not symmetric, the symmetric part can be indefinite:
-   * without dilatancy, flow makes it so. Cell matrices therefore contain the
-   * factor H = (C^T C)^(1/2) of the polar decomposition C = Q H, which has the
-   * null space of C (the direction of plastic flow), and is C if C is symmetric
-   * positive semidefinite.
+   * without dilatancy, plastic flow makes it indefinite. Cell matrices
+   * therefore contain the factor H = (C^T C)^(1/2) of the polar decomposition C
+   * = Q H, which has the null space of C (the direction of plastic flow), and
+   * is C if C is symmetric positive semidefinite.
    */
   template <int dim>
   class PointTangents
@@ -81,8 +81,8 @@ namespace greville
     void
     multiply(const double *C, const Lanes *H, Lanes *T) const;
 
-    /// Compute y += K x for vectors on the places of a matrix on the space,
-    /// with dim components each.
+    /// Compute y += K x for vectors of dim components on the StencilPlaces of
+    /// @p stencil.
     void
     add_product(double                   *y,
                 const double             *x,

@@ -74,10 +74,9 @@ namespace greville
     reinit(const SplineSpace<dim> &space,
            const CellWindows<dim> *windows = nullptr);
 
-    /// Collective. Overwrite each vector that is given with the sums over all
+    /// Collective. Set each vector, unless null, to the sums over all
     /// @p bodies, which must be on cells of the space. Mass and momentum must
-    /// be given together. If @p filled_parts is given, it is set as by
-    /// filling().
+    /// be given together. @p filled_parts, unless null, is set as by filling().
     void
     points_to_grid(const std::vector<const MaterialPoints<dim> *> &bodies,
                    VectorType                                     *mass,
@@ -168,7 +167,7 @@ namespace greville
     resize_numbers(const unsigned int stride);
 
     /// Collective. Copy a vector to number @p k of each function, or add these
-    /// numbers up into it.
+    /// numbers up into the vector.
     void
     read_number(const VectorType &vector, const unsigned int k);
 

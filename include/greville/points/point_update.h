@@ -30,7 +30,7 @@ namespace greville
     /// Grid acceleration a; if given, points are kicked by it.
     const VectorField<dim> *acceleration = nullptr;
     /// Grid velocity v: points are moved by it if @p move. In a kick, PIC and
-    /// APIC points take it over.
+    /// APIC points take this velocity.
     const VectorField<dim> *velocity = nullptr;
     /// Grid velocity w; if given, its gradient deforms the points.
     const VectorField<dim> *deformation = nullptr;
@@ -53,7 +53,7 @@ namespace greville
     double strength_reduction = 1.;
     /// The row that a kick sums up, or null: points as they are before the
     /// kick, with velocities interpolated by the fraction row_fraction between
-    /// those before and after the kick.
+    /// the velocities before and after the kick.
     RowSums<dim> *row          = nullptr;
     double        row_fraction = 0.;
   };
@@ -91,13 +91,13 @@ namespace greville
   /// The results of grid_to_points() on this process.
   struct PointReport
   {
-    /// The largest c + |v| (m / s) with the speed c of pressure waves, and c.
+    /// The largest c + |v| and c, m / s, with the speed c of pressure waves.
     double    fastest_signal = 0., fastest_wave = 0.;
     PointSums sums;
     /// Cells that at least one point has left.
     std::vector<unsigned int> left_cells;
-    /// The first point with J <= 0 or NaN in stress or position: id, and
-    /// reason.
+    /// The id of the first point with J <= 0, or with NaN in stress or
+    /// position, and the reason.
     std::int64_t bad_point = -1;
     std::string  bad_reason;
   };

@@ -25,8 +25,8 @@ namespace greville
     void
     copy(const MaterialPoints<dim> &points);
 
-    /// Overwrite @p points, which must be the copied points or others of the
-    /// same space, with the copy, which has its own layout.
+    /// Overwrite @p points by the copy, with the layout of the copy. They must
+    /// be the copied points or other points of the same space.
     void
     restore(MaterialPoints<dim> &points) const;
 
@@ -35,7 +35,7 @@ namespace greville
     memory_consumption() const;
 
   private:
-    /// Consecutive points with the same numbers.
+    /// Consecutive points with the same mass, stress-free volume and high_id.
     struct Run
     {
       double      mass, volume0, high_id; // id / 2^32, rounded down

@@ -100,8 +100,8 @@ namespace greville
 
     /// Energies are computed for the @p material, and omitted if it is null.
     /// Only points with y above @p runout_above count for run-out fronts.
-    /// outer_points() collects the outermost of them with the mass
-    /// @p outer_mass, see OuterPoints; none if it is 0.
+    /// outer_points() collects the outermost of these points with the mass
+    /// @p outer_mass, see OuterPoints; none if the mass is 0.
     RowSums(const Material *material  = nullptr,
             const double runout_above = std::numeric_limits<double>::lowest(),
             const double outer_mass   = 0.);

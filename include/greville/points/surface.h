@@ -27,7 +27,7 @@ namespace greville
   {
     std::string         name;
     MaterialPoints<dim> points;
-    /// The number of its body.
+    /// The number of the body.
     unsigned int body = 0;
     /// The contact to which the load belongs and whose data the points store;
     /// empty if none. Points in contact have the fields "slip", "new_slip",

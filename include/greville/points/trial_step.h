@@ -23,7 +23,7 @@ namespace greville
 
 
   /// Up to four points of a cell in a trial step, in the configuration at its
-  /// begin. Lanes without a point have zeros, except for positions and domains.
+  /// start. Lanes without a point have zeros, except for positions and domains.
   template <int dim>
   struct TrialGroup
   {
@@ -35,13 +35,12 @@ namespace greville
 
     /// The position at which basis functions are evaluated, m.
     Lanes x[dim];
-    /// The first Piola-Kirchhoff stress relative to the begin, times the volume
-    /// at the start: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per
-    /// radian).
+    /// The first Piola-Kirchhoff stress relative to the start, times the volume
+    /// there: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per radian).
     Pairs stress;
-    /// If requested: V dP / df in PointTangents, and the sums over i and j of V
-    /// dP_ij / df_ij, in the axes of the end, over their number, for i = j
-    /// (compression) and for other pairs (shear).
+    /// If requested: V dP / df in PointTangents, and the means of V dP_ij /
+    /// df_ij, in the axes of the end, over i = j (compression) and over other
+    /// pairs (shear).
     double *tangent;
     Lanes   compression, shear;
     /// For points with projected volumes: the change of f in an isotropic
@@ -199,8 +198,8 @@ namespace greville
                    const std::vector<dealii::Point<dim>> &points,
                    const Visit                           &visit) const;
 
-    /// Add the full contribution times a vector on the places of a matrix on
-    /// the space, with dim components each.
+    /// Add the full contribution times a vector of dim components on the
+    /// StencilPlaces of a matrix.
     void
     add_product(double                                    *y,
                 const double                              *x,

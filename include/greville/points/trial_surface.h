@@ -9,7 +9,7 @@
 
 namespace greville
 {
-  /// A surface point in a trial step, in the configuration at its begin.
+  /// A surface point in a trial step, in the configuration at its start.
   template <int dim>
   struct TrialSurfacePoint
   {

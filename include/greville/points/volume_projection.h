@@ -7,8 +7,8 @@
 
 namespace greville
 {
-  /// The projected J of a body's points, the derivatives of their P by its
-  /// logarithm, and the share of these included in a stiffness matrix.
+  /// For a body's points: the projected J, the derivatives of P by its
+  /// logarithm, and the share of these derivatives in a stiffness matrix.
   template <int dim>
   struct ProjectedBody
   {
@@ -61,8 +61,8 @@ namespace greville
   public:
     /// Collective. The space of order p is kept by reference. If @p coarse, the
     /// cells of the projection have twice the size. Throws dealii::ExcMessage
-    /// if a periodic direction has too few cells or an odd number of them for
-    /// that.
+    /// if @p coarse and a periodic direction has too few cells or an odd
+    /// number.
     void
     reinit(const SplineSpace<dim>        &space,
            DistributedTriangulation<dim> &triangulation,

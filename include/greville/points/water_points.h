@@ -63,9 +63,9 @@ namespace greville
            const std::vector<unsigned int> &parents,
            const bool                       is_axisymmetric = false);
 
-    /// The positions of the points' numbers for the pressure, Pa, and for BDF2
-    /// the inflow of water in the last step per stress-free volume, which is
-    /// invalid otherwise.
+    /// The positions of the points' numbers for the pressure, Pa, and the
+    /// inflow of water in the last step per stress-free volume. Without BDF2,
+    /// the position of the inflow is invalid.
     struct Numbers
     {
       unsigned int pressure, change;
@@ -120,12 +120,12 @@ namespace greville
 
     /// Add the Schur complement: the derivative of r by p at the start of the
     /// step, and the contribution of the displacement that follows the
-    /// pressure. If @p kick is 0, the latter is the contribution of stiff soil
-    /// without inertia, the sum of V q q over the modulus of pressure waves of
-    /// each point. Otherwise it is the contribution of soil without stiffness
-    /// and with its mass times @p kick (s^2), the sum of V / rho grad q . grad
-    /// q and, at free surfaces, of V div u q q with the u of set_free_motion().
-    /// The functions may have any order on the same cells as the pressures.
+    /// pressure. If @p kick is 0, the displacement is for stiff soil without
+    /// inertia: the sum of V q q over the modulus of pressure waves of each
+    /// point. Otherwise, it is for soil without stiffness and with its mass
+    /// times @p kick (s^2): the sum of V / rho grad q . grad q and, at free
+    /// surfaces, of V div u q q with the u of set_free_motion(). The functions
+    /// may have any order on the same cells as the pressures.
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
                          const double                 kick,
@@ -144,7 +144,7 @@ namespace greville
 
     /// Return volumes of water on this process in the last evaluate(), m^3 (2D:
     /// m^2): the inflow to the pores in the step, and the outflow through all
-    /// boundaries and through each of them.
+    /// boundaries and through each boundary.
     const std::vector<double> &
     volumes() const
     {

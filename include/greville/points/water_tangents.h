@@ -49,7 +49,7 @@ namespace greville
       double                          *forces, *rows;
     };
 
-    /// Add both derivatives; only df for u = 0 if the displacement is null.
+    /// Add df and dr. If the displacement is null, add only df, for u = 0.
     void
     add_product(const Fields &fields) const;
 

@@ -127,7 +127,7 @@ namespace greville
       double                 radial = 0.;
       double                 value  = 0.;
       dealii::Tensor<1, dim> gradient;
-      // See Term: round-off of value and gradient is relative to these.
+      // See Term: round-off of value and gradient is relative to these sizes.
       double value_size = 0., gradient_size = 0.;
     };
 

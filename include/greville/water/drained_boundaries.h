@@ -42,7 +42,7 @@ namespace greville
       return of_surfaces.count(k) > 0;
     }
 
-    /// Add the points of these walls and surfaces, with their conditions at a
+    /// Add the points of drained walls and surfaces, with their conditions at a
     /// @p time, to @p points. @p filled contains the filled fraction of each
     /// cell of the displacement. Throws dealii::ExcMessage if a formula has no
     /// value.
