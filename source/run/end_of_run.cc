@@ -323,7 +323,7 @@ namespace greville
       }
     catch (const StepGivenUp &error)
       {
-        // The last good state has single precision.
+        // The last good state was stored in single precision.
         go_back();
         const double fraction = std::min(before[0].step_fraction, smallest);
         ramp.failed_at = std::min(ramp.failed_at, time + fraction * step);

@@ -402,7 +402,7 @@ namespace greville
   void
   FieldOutput<dim>::write_held(const MPI_Comm comm)
   {
-    // The files are lost if one cannot be written.
+    // If one file cannot be written, the other files are lost, too.
     auto files = std::move(held);
     drop_held();
     for (File &file : files)

@@ -15,8 +15,8 @@ namespace greville
 
   namespace
   {
-    /// Return whether a field is not always a column already, and is defined
-    /// for single points and for means.
+    /// Return whether a field is defined for single points and for means, and
+    /// is not among the columns that are always written.
     bool
     is_for_probes(const std::string &field)
     {

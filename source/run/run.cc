@@ -41,7 +41,7 @@ namespace greville
 
 
 
-    /// Return the walls and components whose forces are known in some stage.
+    /// Return the walls and components whose forces are known in any stage.
     template <int dim>
     std::vector<std::pair<unsigned int, unsigned int>>
     reactions_of(const SimulationParameters &parameters)

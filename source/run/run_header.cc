@@ -15,7 +15,8 @@ namespace greville
 
   namespace
   {
-    // Fraction of the weight. Bodies without stresses have 1.
+    // The largest imbalance without a note, as a fraction of the weight. Bodies
+    // without stresses have 1.
     constexpr double largest_imbalance = 1.5;
 
 

@@ -157,11 +157,11 @@ namespace greville
               warnings.push_back(refused.second);
             begin_with(simulations, other, parameters);
           }
-        // Possibly the files of the other run.
         probes = Probes<dim>(parameters.output.probes,
                              parameters.output.fields,
                              simulations.bodies_of_all_stages().list,
                              comm);
+        // This may move the files of the other run.
         if (options.prepare_folder)
           options.prepare_folder();
         notes.begin();

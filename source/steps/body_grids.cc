@@ -207,7 +207,7 @@ namespace greville
     const auto     own    = body_grids.find(body);
     if (own == body_grids.end())
       return result;
-    // Cells of a grid of its own are equal.
+    // A body grid with its own number of cells has equal cells.
     if (!own->second.cells.empty())
       result.knots = {};
     if (!own->second.lower.empty())

@@ -341,7 +341,7 @@ namespace greville
     // Apply the rest of the kick at the current positions of the points.
     if (!velocities_are_late(state))
       return;
-    // A step that is finished twice has the same end.
+    // Forget factorizations, so that finishing a step twice gives the same end.
     field.mass->forget();
     const auto reactions = state.reactions;
     row                  = nullptr; // left by a failed step

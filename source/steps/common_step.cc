@@ -56,7 +56,7 @@ namespace greville
     for (Simulation<dim> *simulation : simulations)
       {
         simulation->remember();
-        // All simulations keep the state of the same step.
+        // Let all simulations keep the state of the same step.
         if (is_shared)
           simulation->last_good.take(simulation->current);
       }
@@ -77,7 +77,7 @@ namespace greville
       simulation.begin_step();
       propose();
     });
-    // All simulations keep this state, or none.
+    // Let all simulations keep this state, or none of them.
     if (enters_stage)
       for_each([](Simulation<dim> &simulation) {
         simulation.last_good.take(simulation.current);

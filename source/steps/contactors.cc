@@ -41,11 +41,11 @@ namespace greville
 
 
     /// Return the gap at which the outermost layer of points of this @p spacing
-    /// ends, if @p lowest is the smallest gap nearby. The layer is one spacing
+    /// ends. @p lowest is the smallest gap nearby. The layer is one spacing
     /// thick. It ends midway between two rows if no point is closer than half a
     /// spacing. A point that @p joins the layer is at most half of its spacing
-    /// behind the foremost one: a second row that comes closer would otherwise
-    /// enter the mean gap, and the contact energy would jump.
+    /// behind the foremost point. Otherwise, a second row would enter the mean
+    /// gap as it comes closer, and the contact energy would jump.
     double
     end_of_layer(const double lowest, const double spacing, const bool joins)
     {
@@ -298,8 +298,8 @@ namespace greville
         if (point.side == 1)
           points.push_back(point);
     find_gaps(contact, points, reach);
-    // The layer begins at the lowest point if that is inside already: otherwise
-    // points above would hide it in the mean.
+    // The layer begins at the lowest point if this point is inside already.
+    // Otherwise, points above would hide it in the mean.
     result.lowest = lowest_in_boxes(points, contact.cell_size, comm);
     return result;
   }

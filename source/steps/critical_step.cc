@@ -67,7 +67,7 @@ namespace greville
       };
 
       // A vector x with x^T B^-1 x = x^T (dt^2 / 4 K + dt / 2 C) x has the step
-      // dt; the critical step is the smallest of all.
+      // dt. The critical step is the smallest step of all vectors.
       std::vector<double> x(start.size()), y(start.size());
       if (!(step > 0.))
         {

@@ -60,7 +60,7 @@ namespace greville
     kick.move        = false;
     update_points(state.bodies, discretization.transfer(), kick, state.time);
     before.restore(state.bodies, 1. - row->fraction);
-    // The end of the step replaces these fields.
+    // These fields are replaced at the end of the step.
     for (unsigned int d = 0; d < dim; ++d)
       {
         VectorType &v = state.field.velocity[d],

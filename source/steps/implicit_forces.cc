@@ -173,7 +173,7 @@ namespace greville
     refuse(discretization.walls().have_friction(),
            "'Walls' = friction",
            "in implicit steps, walls are fixed, sliding or moving.");
-    // The library's own contacts are checked above.
+    // Contacts of the library are checked above; these are from programs.
     refuse(
       !make_contacts(parts).empty(),
       "a contact of add_contact()",
@@ -497,8 +497,8 @@ namespace greville
                                            const double share)
   {
     // Surface loads one by one, and then loads that follow the points of
-    // bodies; at the start, old_loads contains the latter. Contacts count their
-    // own work.
+    // bodies; at the start, old_loads contains the loads that follow points.
+    // Contacts count their own work.
     const unsigned int n_surfaces = loads.surfaces().n_loads();
     const auto         add_power  = [&](const unsigned int      k,
                                const VectorField<dim> &load,

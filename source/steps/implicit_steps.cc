@@ -74,7 +74,7 @@ namespace greville
   {
     if (state.n_rejections > 0)
       {
-        // The last trial has the smallest step.
+        // The last trial is a step of the smallest length.
         const double smallest = parameters.implicit.smallest_step;
         if (state.step_fraction <= smallest)
           throw StepFailed(describe_failure(state), false);

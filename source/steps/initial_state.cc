@@ -97,8 +97,8 @@ namespace greville
   void
   check_overlap(const BodyList<dim> &bodies, const SplineSpace<dim> &space)
   {
-    // Filled fractions of cells. If the previous bodies fill more than this one
-    // leaves free, two of them overlap.
+    // Filled fractions of cells. If the previous bodies fill more of a cell
+    // than the new body leaves free, two bodies overlap.
     const unsigned int  n_cells = space.owned_cells().size();
     std::vector<double> before(n_cells, 0.), own(n_cells);
     for (unsigned int b = 0; b < bodies.size(); ++b)
@@ -130,7 +130,7 @@ namespace greville
 
 
 
-  // Checks the points of each of two bodies that are inside of the other one.
+  // Check, for each two bodies, the points of one that are inside the other.
   // Bodies that touch may share a layer of points on their common boundary.
   template <int dim>
   void

@@ -165,7 +165,7 @@ namespace greville
             norm  = trial_r.l2_norm();
             if (wrong.empty() && !std::isfinite(norm))
               wrong = "the residual is infinite or NaN";
-            // Round-off may keep the residual from falling below 10 limits.
+            // Round-off may stop the residual within 10 times the limit.
             if (is_free || (wrong.empty() &&
                             (norm <= (1. - decrease * row.step) * best.norm ||
                              norm <= 10. * limit(now))))

@@ -132,7 +132,7 @@ namespace greville
       }
     current           = state;
     current.partition = discretization.partition();
-    // The state may refer to another simulation, which may end before this one.
+    // The state may refer to another simulation, which may be destroyed first.
     for (Body<dim> &body : current.bodies)
       {
         body.parameters = &parameters.bodies.at(body.name);

@@ -15,8 +15,8 @@ namespace greville
     // Steps between two snapshots.
     constexpr unsigned int remember_every = 50;
 
-    // Cells with lumped mass without a warning, as a fraction of those with
-    // points.
+    // The largest number of cells with lumped mass without a warning, as a
+    // fraction of cells with points.
     constexpr double largest_fraction_of_fragments = 0.05;
   } // namespace
 

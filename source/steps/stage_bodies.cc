@@ -151,7 +151,7 @@ namespace greville
       }
 
       /// Return whether the points of this process, with their deformation and
-      /// history, have the same stress with both materials.
+      /// history, have the same stress with the old and the new material.
       bool
       fits() const
       {

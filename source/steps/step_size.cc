@@ -14,10 +14,10 @@ namespace greville
 
   namespace
   {
-    // More steps are due to an error in a parameter.
+    // The largest number of steps; more result from an error in a parameter.
     constexpr double most_steps = 1e9;
 
-    // Estimates of the critical step of which the smallest counts.
+    // The number of estimates of the critical step; the smallest counts.
     constexpr unsigned int n_estimates = 3;
 
     // With consistent mass, the largest number of cells that a point crosses in

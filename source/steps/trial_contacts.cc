@@ -512,8 +512,8 @@ namespace greville
   void
   TrialContacts<dim>::add_work() const
   {
-    // The forces in the middle or at the end of the step; without inertia, the
-    // means of both ends.
+    // Use the forces in the middle or at the end of the step; without inertia,
+    // use the means of the forces at both ends.
     const double part_of_new = steps.front()->scheme.is_static ? 0.5 : 1.;
     for (const Side &side : sides)
       {

@@ -13,8 +13,8 @@ namespace greville
 
   namespace
   {
-    // Kinks of linear functions cross points, which excites the filtered modes
-    // more.
+    // Points cross the kinks of linear functions, which excites the filtered
+    // modes more.
     constexpr double more_if_linear = 5.;
 
 

@@ -16,7 +16,7 @@ namespace greville
                 const std::string          &file,
                 const RunOptions           &options);
 
-  /// Collective. Take the @p directory as the folder of a run. Throws as the
+  /// Collective. Take the @p directory as the folder of a run. Throws like the
   /// constructor of RunFolder.
   RunFolder
   take_folder(const SimulationParameters &parameters,

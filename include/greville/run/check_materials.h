@@ -26,8 +26,8 @@ namespace greville
   print_materials(std::ostream &out, const BodyList<dim> &bodies);
 
   /// Return the largest difference between Material::tangents() and finite
-  /// differences of update(), relative to the norm of the latter. The path is
-  /// compression and shear by @p strain in @p dim dimensions from the state
+  /// differences of update(), relative to the norm of the differences. The path
+  /// is compression and shear by @p strain in @p dim dimensions from the state
   /// @p point, in ten steps of length MaterialPoint::dt.
   double
   tangent_error(const Material    &material,

@@ -29,9 +29,9 @@ namespace greville
 
   /// Collective. Write @p content, the format and the version of the program to
   /// the file checkpoint_NNNNNNNNNN.h5 of @p folder, named after the number of
-  /// steps; then remove all older checkpoints but one. Once there has been a
-  /// complete checkpoint, there is one at any moment. Returns the file. Throws
-  /// dealii::ExcMessage if it cannot be written; older checkpoints then remain.
+  /// steps; then remove all older checkpoints but one. Thus, one complete
+  /// checkpoint exists at any time. Returns the file. Throws dealii::ExcMessage
+  /// if it cannot be written; older checkpoints then remain.
   std::string
   write_checkpoint(const std::string &folder,
                    const unsigned int n_steps,

@@ -23,7 +23,7 @@ namespace greville
              const std::vector<std::string> &columns);
 
     /// Return whether 'End when' of a stage holds for a @p row, with the values
-    /// of the columns. Throws as Expression.
+    /// of the columns. Throws like Expression.
     bool
     holds(const unsigned int stage, const std::vector<double> &row) const;
 

@@ -94,7 +94,7 @@ namespace greville
                      const dealii::BoundingBox<dim> &region,
                      const MPI_Comm                  comm);
 
-    /// From now on hold the text of files in memory. Calls for the same name
+    /// From now on, keep the texts of files in memory. Calls for the same name
     /// add to the same file.
     void
     hold()
@@ -102,7 +102,7 @@ namespace greville
       holds = true;
     }
 
-    /// Collective. Write the held files, and hold no more.
+    /// Collective. Write the files in memory, and keep no more files there.
     void
     write_held(const MPI_Comm comm);
 
@@ -139,7 +139,7 @@ namespace greville
     };
 
     /// Collective. Write the @p data of all processes as the next file of
-    /// @p name, or hold it.
+    /// @p name, or keep it in memory.
     template <typename DataOutType>
     void
     write_next(const std::string &name,

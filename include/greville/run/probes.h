@@ -112,7 +112,7 @@ namespace greville
     add_shape(const std::string &shape, const BodyList<dim> &bodies);
 
     /// Return the number of values of a probe in the file. In `sums`, the
-    /// volume and the velocity and volume of a second pass follow them.
+    /// volume follows, and the velocity and volume of a second pass.
     unsigned int
     n_values() const
     {

@@ -22,8 +22,8 @@ namespace greville
   /// Collective. Set up a run as run_simulations() does, take some steps in
   /// memory, and write the estimated cost of the run to std::cout: sizes, time
   /// step, number of steps, time and memory. Writes no file but the initial
-  /// points, to the folder @p drawing if it is not empty. Throws as
-  /// run_simulations() would up to there.
+  /// points, to the folder @p drawing if it is not empty. Throws like the same
+  /// part of run_simulations().
   void
   check_simulations(const std::string &file,
                     const MPI_Comm     comm,

@@ -109,7 +109,7 @@ namespace greville
     make_mark() const;
 
     /// Write a checkpoint of the current state, from which the files continue
-    /// at a mark. Returns its content.
+    /// at a @p mark. Returns the content of the checkpoint.
     TablesFile
     write_checkpoint(const Mark &mark);
 
@@ -172,7 +172,7 @@ namespace greville
     void
     watch(const unsigned int part, const double weight, const bool is_kicked);
 
-    /// Write the row and fields that the last step has completed.
+    /// Write the requested row and fields that the last step has completed.
     void
     write_late();
 
@@ -183,7 +183,7 @@ namespace greville
     void
     write_fields();
 
-    /// Hold the files of a part.
+    /// Keep the files of a part in memory.
     void
     hold_fields(const unsigned int part);
 

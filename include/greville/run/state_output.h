@@ -23,7 +23,7 @@ namespace greville
 
   /// Collective. Write the points of a part, the surfaces that carry loads or
   /// are in contact, and with the first part the rigid bodies. The @p output
-  /// must hold its files, because parts share one for their points.
+  /// must keep its files in memory, because parts share the file of points.
   template <int dim>
   void
   write_bodies(FieldOutput<dim>              &output,

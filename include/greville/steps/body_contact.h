@@ -55,9 +55,9 @@ namespace greville
     double speed = 0., last_way = 0., way = 0.;
     bool   is_checked   = false;
     double first_excess = 0.;
-    // Data of check_gains(): the gain of the last warning, the energy stored
-    // by the pressure at the start, the energy given before the run was
-    // resumed, J, and whether the latter has been counted.
+    // Data of check_gains(): the gain of the last warning, the energy stored by
+    // the pressure at the start, the energy given before the run was resumed,
+    // J, and whether this energy has been counted.
     double warned_gain      = 0.;
     double stored_energy    = -1.;
     bool   is_start_counted = false;

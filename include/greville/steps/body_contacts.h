@@ -41,8 +41,8 @@ namespace greville
     void
     act();
 
-    /// Begin an explicit step of the parts of length @p dt (s) with these
-    /// loads: store results and slip, and move rigid bodies to its end.
+    /// Begin an explicit step of length @p dt (s) with the loads of act():
+    /// store results and slip, and move rigid bodies to the end of the step.
     void
     begin_step(const double dt);
 
@@ -212,8 +212,8 @@ namespace greville
               const double                    reach);
 
     /// Throw if added bodies overlap, by their shapes, or if points of a body
-    /// are inside the other side by more than half a cell. The latter is
-    /// checked whenever both have moved by a quarter of a cell.
+    /// are inside the other side by more than half a cell. Points inside are
+    /// checked whenever both sides have moved by a quarter of a cell.
     void
     check_overlaps(Contact &contact);
 

@@ -197,7 +197,7 @@ namespace greville
     void
     inform_guard();
 
-    /// Take the acceleration of the trial, or find it.
+    /// Use the acceleration of the trial, or compute it if there is none.
     void
     take_acceleration(State<dim> &state, const double dt);
 
@@ -248,7 +248,7 @@ namespace greville
     void
     show(State<dim> &state, PointUpdate<dim> kick);
 
-    /// Begin the late row, if requested, before the step, or end it.
+    /// Begin the late row before the step, or complete it, if it is requested.
     void
     begin_row(const State<dim> &state);
 

@@ -7,8 +7,8 @@
 namespace greville
 {
   /// A common step of several simulations with the same times and stages. Its
-  /// length is the shortest step that one of them proposes. If one rejects it,
-  /// all try a shorter step; if one fails, all are restored.
+  /// length is the shortest step that any simulation proposes. If one rejects
+  /// the step, all try a shorter step; if one fails, all are restored.
   template <int dim>
   class CommonStep
   {

@@ -166,7 +166,7 @@ namespace greville
     std::unique_ptr<ExtendedMassSolver<dim>> mass_solver;
     // Implicit steps have a mass of their own. This matrix is assembled when a
     // solve needs it, from the list of bodies of the last update(), which
-    // follows the state.
+    // refers to the current state.
     bool has_matrix = false, is_assembled = false;
     bool has_new_unknowns                                      = false;
     const std::vector<const MaterialPoints<dim> *> *bodies     = nullptr;

@@ -64,8 +64,8 @@ namespace greville
     apply(ContactStep<dim> &)
     {}
 
-    /// Remove the components that this contact blocks from a velocity that was
-    /// computed from the points.
+    /// Set the components that this contact blocks to zero in a velocity that
+    /// was computed from the points.
     virtual void
     stop(VectorField<dim> &) const
     {}

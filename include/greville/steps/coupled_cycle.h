@@ -27,7 +27,7 @@ namespace greville
            const std::function<std::unique_ptr<LatticeCoupling<dim>>()>
              &make_coupling);
 
-    /// Apply the cycle to the first blocks.
+    /// Apply the cycle to the first blocks: the displacements of the parts.
     void
     vmult(std::vector<VectorType>       &dst,
           const std::vector<VectorType> &src) const;

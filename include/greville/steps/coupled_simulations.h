@@ -169,9 +169,9 @@ namespace greville
     void
     show_finished(const std::function<void()> &show);
 
-    /// Collective. Request the row of the current state of all parts from the
-    /// next step, see Simulation; @p watch and @p show also get the number of
-    /// the part.
+    /// Collective. Request that the next step sums up the row of the current
+    /// state of all parts, see Simulation; @p watch and @p show also get the
+    /// number of the part.
     void
     ask_for_row(const std::function<void(const unsigned int part,
                                          const double       weight,
@@ -186,15 +186,15 @@ namespace greville
     std::vector<std::string>
     take_warnings();
 
-    /// Return the cuts of the last step, with their reasons, once.
+    /// Return the reasons for shortening the last step, and remove them.
     std::vector<std::string>
     take_cuts();
 
-    /// Return the records of Newton's method in the last step, once.
+    /// Return the records of Newton's method in the last step, and remove them.
     std::vector<NewtonRecord>
     take_newton();
 
-    /// Return sums over the parts, see Simulation.
+    /// Return StepLog::seconds, added up over the parts.
     std::map<std::string, double>
     part_times() const;
 

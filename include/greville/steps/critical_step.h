@@ -31,9 +31,9 @@ namespace greville
    * their largest viscosities, which do not depend on the state of a point: a
    * torn fluid has no pressure, but keeps its viscosity. Without viscosity, dt
    * is 2 / omega with the largest eigenvalue omega^2 of B K; without stiffness,
-   * 2 / gamma with the largest eigenvalue gamma of B C. Since K and C enter
-   * together, a stiff body beside a viscous one does not give a step that is
-   * too short for both.
+   * 2 / gamma with the largest eigenvalue gamma of B C. K and C enter together:
+   * a sum of separate estimates would be too short a step for a stiff body
+   * beside a viscous one.
    *
    * With the exact mass, B = M^-1. Otherwise, velocities of points that are
    * mapped to the grid by an approximate inverse A of M (lumped, FMPM) are

@@ -37,8 +37,8 @@ namespace greville
 
     /// Return the power of damping on this process, W (2D: W / m), if points
     /// have the momentum P before and P' after the kick, and @p momenta is P +
-    /// P': a kick dt' a adds dt' a . (P + P') / 2 to their kinetic energy, of
-    /// which the damping's part of a is counted.
+    /// P': a kick dt' a adds dt' a . (P + P') / 2 to their kinetic energy. Only
+    /// the part of a that is due to damping counts.
     double
     power(const GridField<dim> &field, const VectorField<dim> &momenta) const;
 

@@ -39,9 +39,9 @@ namespace greville
                    const MPI_Comm              comm);
 
     /// Collective. Distribute the cells among the processes by @p partition.
-    /// Returns whether the mesh has changed, after which everything must be
-    /// made anew by reinit(). It does not change if cells already have this
-    /// distribution, if the partition has no rows, and on one process.
+    /// Returns whether the mesh has changed; reinit() must then make everything
+    /// anew. It does not change if cells already have this distribution, if the
+    /// partition has no rows, and on one process.
     bool
     repartition(const std::shared_ptr<const Partition> &partition);
 

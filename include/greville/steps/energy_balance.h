@@ -117,7 +117,7 @@ namespace greville
     /// Return the spurious gain of energy, as a fraction of the largest energy
     /// or work so far. Since damping may only dissipate, a rise of D since its
     /// lowest value counts as gain. Known temporary oscillations of E by
-    /// @p swing do not count.
+    /// @p energy_swing do not count.
     double
     gain(const EnergyTotals &now, const double energy_swing = 0.);
 

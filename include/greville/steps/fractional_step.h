@@ -77,8 +77,8 @@ namespace greville
           const double                  kick,
           GridField<dim>               &field);
 
-    /// Compute moved from displacement by the action of friction walls, and
-    /// transform a direction of displacement into one of moved.
+    /// Compute the member moved from displacement by friction walls, and
+    /// replace a @p direction of displacement by the direction of moved.
     void
     slide(VectorField<dim> *direction = nullptr);
 

@@ -112,10 +112,10 @@ namespace greville
       return lumped_mass.local_element(function) > 0.;
     }
 
-    /// Collective. Compute the momentum @p b of points that a velocity @p x,
-    /// the solution of M x = b, does not represent because of its constraints,
-    /// as a velocity: (b - M x)_i / m_i at constrained coefficients, its part
-    /// along constrained directions, and zero elsewhere.
+    /// Collective. Compute, as a velocity, the part of the momentum @p b of
+    /// points that the solution @p x of M x = b does not represent because of
+    /// constraints: (b - M x)_i / m_i at constrained coefficients, only its
+    /// part along constrained directions, and zero elsewhere.
     void
     constrained_residual(VectorField<dim>       &residual,
                          const VectorField<dim> &b,
@@ -137,7 +137,7 @@ namespace greville
     {}
 
     /// Return whether the points determine an owned function: its coefficient
-    /// does not depend on only a few points.
+    /// depends on more than a few points.
     virtual bool
     is_stable(const unsigned int) const
     {
@@ -174,8 +174,8 @@ namespace greville
 
     /// Return whether functions with hardly any mass are extended for surfaces
     /// in contact, although not for solve(). If so, loads of surfaces must be
-    /// condensed, b = E^T b, and they move with distributed velocities, v = E
-    /// v. E is the matrix of ExtendedUnknowns.
+    /// condensed, b = E^T b, and surfaces move with distributed velocities, v =
+    /// E v. E is the matrix of ExtendedUnknowns.
     virtual bool
     extends_surfaces() const
     {

@@ -33,8 +33,8 @@ namespace greville
    * energy would grow. In schemes with a, a and a' therefore include only the
    * other forces, and contacts act as impulses at the end of the step (@ref
    * Kane1999 "Kane et al., 1999"; @ref Chen2013 "Chen et al., 2013"): to v'
-   * they add @f$dt M^{-1} f_c@f$, and to u half of that times dt. In the
-   * equation for u this is @f$f_c@f$ times contact_weight(). These steps keep a
+   * they add @f$dt M^{-1} f_c@f$, and to u half of this times dt, which adds
+   * @f$f_c@f$ times contact_weight() to the equation for u. These steps keep a
    * body at rest on another one, dissipate energy in impacts, and are of first
    * order if contact forces change.
    */
@@ -53,7 +53,7 @@ namespace greville
     /// velocity does not represent. Removing it would also dissipate energy.
     bool keeps_constrained_momentum = false;
 
-    /// Return whether a occurs in the equations.
+    /// Return whether the acceleration a occurs in the equations.
     bool
     needs_acceleration() const
     {

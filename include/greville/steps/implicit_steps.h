@@ -110,7 +110,8 @@ namespace greville
     void
     find_acceleration(State<dim> &state);
 
-    /// Collective. Find the acceleration by contact_load; false: there is none.
+    /// Collective. Find the acceleration by contact_load; false if there is
+    /// none.
     bool
     find_contact_acceleration();
 
@@ -289,8 +290,8 @@ namespace greville
     bool        forces_vanish    = false;         // when Newton's method failed
     std::string rejection;
 
-    // Iterations of the last tried step: of Newton's method, the largest number
-    // of the linear solver in one of them, and the sum over all.
+    // The numbers of iterations of the last tried step: of Newton's method, and
+    // of the linear solver: the largest per Newton iteration, and the sum.
     unsigned int n_newton = 0, n_linear = 0, n_all_linear = 0;
   };
 } // namespace greville

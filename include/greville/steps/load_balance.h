@@ -14,8 +14,8 @@ namespace greville
 
 
 
-  /// Collective. Return the largest work of a process over the mean: the time
-  /// of a step relative to perfectly balanced work, as far as it is
+  /// Collective. Return the largest work of a process over the mean work. This
+  /// is the time of a step relative to balanced work, as far as time is
   /// proportional to points and cells.
   double
   imbalance(const double work, const MPI_Comm comm);

@@ -75,8 +75,8 @@ namespace greville
    * solved to the relative tolerance 0.9 (|r_k| / |r_(k-1)|)^2 (@ref
    * Eisenstat1996 "Eisenstat and Walker, 1996", choice 2) between the
    * parameters' bounds, so that convergence is quadratic. On entry, @p x is the
-   * guess; if the method fails from there and the residual of zero is much
-   * smaller, it starts again from zero.
+   * guess; if the method fails from this guess, and the residual at x = 0 is
+   * much smaller, it starts again from x = 0.
    */
   NewtonResult
   solve_newton(VectorType             &x,

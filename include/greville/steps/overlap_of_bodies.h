@@ -39,7 +39,7 @@ namespace greville
               const dealii::Point<dim> &x,
               const std::string        &other);
 
-  /// Return this text for an overlap.
+  /// Return the same text for the point of an overlap.
   template <int dim>
   std::string
   overlap_text(const Sides<dim> &sides, const Overlap<dim> &overlap);

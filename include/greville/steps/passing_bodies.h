@@ -26,8 +26,8 @@ namespace greville
 
     /// Collective. Add warnings to the log of the first part. Overlaps are
     /// checked at the start, in every tenth explicit step and in each implicit
-    /// one, if both bodies may have moved by a quarter of a cell since the last
-    /// check.
+    /// step, if both bodies may have moved by a quarter of a cell since the
+    /// last check.
     void
     check();
 

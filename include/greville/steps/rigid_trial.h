@@ -43,7 +43,8 @@ namespace greville
     guess() const;
 
     /// Return the position of the body after a share of the step, with the
-    /// velocity at the end, which includes the effect of a @p load if given.
+    /// velocity at the end, which includes the effect of the @p load unless
+    /// null.
     RigidPosition<dim>
     position(const Vector &q,
              const double  share,

@@ -122,16 +122,16 @@ namespace greville
     void
     finish();
 
-    /// Collective. Call @p show with the state after finish(), then continue
-    /// from the state before it as after set_state().
+    /// Collective. Call @p show with the state after finish(). Then return to
+    /// the state before finish(), as by set_state().
     void
     show_finished(const std::function<void()> &show);
 
-    /// Collective. Request the row of the current state from the next step, see
-    /// LateRow; late_row() returns it after the step. @p outer_mass is the mass
-    /// of the outermost points that may determine the run-out, @p watch and @p
-    /// show are as in LateRow. set_state() and a failed step cancel the
-    /// request.
+    /// Collective. Request that the next step sums up the row of the current
+    /// state, see LateRow; late_row() returns it afterwards. @p outer_mass is
+    /// the mass of the outermost points that may determine the run-out,
+    /// @p watch and @p show are as in LateRow. set_state() and a failed step
+    /// cancel the request.
     void
     ask_for_row(const double                         outer_mass,
                 const decltype(LateRow<dim>::watch) &watch = {},
@@ -250,7 +250,7 @@ namespace greville
     void
     start_stage();
     // Collective. Replace bodies and materials of the previous stage, whose
-    // bodies had this energy, by those of the current stage.
+    // bodies had this energy, by the bodies and materials of the current stage.
     void
     change_bodies_from(const std::vector<const Material *> &materials,
                        const double                         energy);
@@ -285,7 +285,7 @@ namespace greville
                                " s: the run ends.");
     }
 
-    // Collective. Restore the last good state and the sections of its stage,
+    // Collective. Restore the last good state and the parameters of its stage,
     // and throw StepGivenUp with the message for a step of this length.
     void
     restore();

@@ -8,8 +8,8 @@
 
 namespace greville
 {
-  /// A copy of a state with its points as PointsCopy: half of the memory, in
-  /// single precision.
+  /// A copy of a state in half of the memory: its points are PointsCopy objects
+  /// in single precision.
   template <int dim>
   class Snapshot
   {

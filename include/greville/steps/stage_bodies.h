@@ -20,8 +20,8 @@ namespace greville
 
   /// Collective. Make the points of a body, with its initial state at the start
   /// of the current stage: its K0 procedure includes the layers that are
-  /// present then. Throws dealii::ExcMessage as make_points(), and if an
-  /// initial displacement moves points out of the grid.
+  /// present then. Throws like make_points(), and also if an initial
+  /// displacement moves points out of the grid.
   template <int dim>
   void
   add_points(Body<dim>                  &body,

@@ -22,7 +22,7 @@ namespace greville
   {
     /// The largest c + |v|, with the speed c of pressure waves, m / s.
     double fastest = 0.;
-    /// The largest c, m / s.
+    /// The largest speed c of pressure waves, m / s.
     double wave = 0.;
     /// The number of cells that a point crosses per second.
     double crossing_rate = 0.;
@@ -100,7 +100,7 @@ namespace greville
   {
     /// The time t, and the time to which velocities belong, s.
     double time = 0., velocity_time = 0.;
-    /// The lengths of the last step for t and for the velocities, s.
+    /// The lengths of the last step in time and in velocity_time, s.
     double step = 0., velocity_step = 0.;
 
     /// The stage, see SimulationParameters::stages.
@@ -151,8 +151,8 @@ namespace greville
     /// (2D: m^2): the inflow to the pores, and the outflow through all
     /// boundaries and through each wall, each surface, and the free surface.
     std::vector<double> water;
-    /// The volumes in the last step, and its length; 0 if it belongs to another
-    /// stage.
+    /// The volumes of water in the last step, and the length of this step, s; 0
+    /// if the step belongs to another stage.
     std::vector<double> water_of_step;
     double              water_step = 0.;
 

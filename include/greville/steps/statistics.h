@@ -54,7 +54,7 @@ namespace greville
     double                 mass = 0.;
     dealii::Tensor<1, dim> momentum;
     /// The angular momentum about the origin, with APIC including the affine
-    /// matrices. In 2D, the first entry.
+    /// matrices. In 2D, only the first entry is used.
     dealii::Tensor<1, 3> angular_momentum;
     /// The kinetic energy, with APIC including the affine matrices.
     double                 kinetic       = 0.;
@@ -62,8 +62,8 @@ namespace greville
     double                 dissipation   = 0.;
     double                 gravitational = 0.;
     dealii::Tensor<1, dim> center;
-    /// The largest x of a point above Output/Front above, the largest y, both
-    /// with half of the point's size, and the result of runout_quantile().
+    /// The largest x of a point above Output/Front above, the largest y (both
+    /// plus half of the point's size), and the result of runout_quantile().
     Largest       runout, height, runout_99;
     unsigned int  iterations    = 0;
     double        largest_speed = 0.;
@@ -131,7 +131,7 @@ namespace greville
   runout_quantile(const std::vector<const RowSums<dim> *> &sums,
                   const MPI_Comm                           comm);
 
-  /// Collective. Return this quantile for all points above @p runout_above.
+  /// Collective. Return the same quantile for all points above @p runout_above.
   template <int dim>
   Largest
   runout_quantile(

@@ -25,13 +25,13 @@ namespace greville
 
 
   /// Reports of the parts of a simulation besides their results: the seconds
-  /// that they take on this process, warnings, cuts of steps, and Newton's
-  /// method; and a label that distinguishes the simulation from others in
-  /// common steps, such as " of 'Body disk'".
+  /// that they take on this process, warnings, cuts (the reasons for shortening
+  /// a step), and Newton's method; and a label that distinguishes the
+  /// simulation from others in common steps, such as " of 'Body disk'".
   struct StepLog
   {
-    /// Return the warnings, or the cuts or the records of Newton's method in
-    /// the last step, once.
+    /// Return the warnings, the cuts of the last step, or its records of
+    /// Newton's method, and remove them.
     std::vector<std::string>
     take_warnings()
     {

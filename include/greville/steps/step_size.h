@@ -67,12 +67,11 @@ namespace greville
     propose(State<dim> &state, const StepScheme &scheme);
 
     /// Collective. Return whether the acceleration of a field and the
-    /// accelerations of the two previous steps, which the field has @p kept,
-    /// show a mode for which the step @p dt is too long. Undamped, a'' = -M^-1
-    /// K a, so their second difference is a step of the power method, which
-    /// detects an unstable mode from its first steps on. Accelerations that
-    /// change speeds by less than 1e-8 of c + |v| in a step are noise and are
-    /// ignored.
+    /// accelerations of the two previous steps, which are in @p kept, show a
+    /// mode for which the step @p dt is too long. Undamped, a'' = -M^-1 K a, so
+    /// their second difference is a step of the power method, which detects an
+    /// unstable mode from its first steps on. Accelerations that change speeds
+    /// by less than 1e-8 of c + |v| in a step are noise and are ignored.
     bool
     has_unstable_mode(const State<dim>      &state,
                       const FieldState<dim> &kept,

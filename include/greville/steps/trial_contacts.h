@@ -55,12 +55,12 @@ namespace greville
       return free_bodies.size() * RigidTrial<dim>::n_unknowns;
     }
 
-    /// Collective. Initialize the vector of these unknowns, which belongs to
-    /// the first process, for motion with constant velocity.
+    /// Collective. Initialize the vector of the unknowns of rigid bodies, which
+    /// belongs to the first process, for motion with constant velocity.
     void
     initialize_rigid(VectorType &q) const;
 
-    /// Collective. Set the unknowns for evaluate().
+    /// Collective. Set the unknowns of rigid bodies for evaluate().
     void
     set_rigid(const VectorType &q);
 
@@ -210,7 +210,7 @@ namespace greville
     std::vector<ContactTangent<dim>>            tangents;
     std::vector<VectorField<dim>>               forces;
     std::vector<KeyMemory<dim>>                 memories;
-    // The number of tangents of this trial and, by contact, of those before
+    // The number of tangents of this trial and, by contact, of tangents before
     // which keys of this process have started or stopped sliding, or reversed.
     unsigned int              n_tangents = 0;
     std::vector<unsigned int> n_changes;
