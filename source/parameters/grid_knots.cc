@@ -16,6 +16,9 @@ namespace greville
 
   namespace
   {
+    /// The largest number of cells in a direction.
+    constexpr double most_cells = 1e6;
+
     const std::string form =
       "'0, 0.1, 0.3, 1' (edges of cells) or 'fine(0.2, 0.6, 0.01) ratio 1.4'";
 
@@ -198,11 +201,11 @@ namespace greville
             const double begin = number(match[1]), end = number(match[2]),
                          h = number(match[3]);
             Require(begin >= lower && begin < end && end <= upper && h > 0. &&
-                      h <= end - begin &&
+                      h <= end - begin && end - begin <= most_cells * h &&
                       (fine.empty() || fine.back().end <= begin),
                     problem + "a range fine(BEGIN, END, SIZE) has to lie in "
                               "the grid, behind the range before it, and hold "
-                              "a cell of its size.");
+                              "a cell of its size, and at most a million.");
             fine.push_back(
               {begin,
                end,
@@ -297,7 +300,9 @@ namespace greville
               std::abs(result.back() - upper[d]) <= tolerance &&
               std::adjacent_find(result.begin(),
                                  result.end(),
-                                 std::greater_equal<double>()) == result.end(),
+                                 [](const double a, const double b) {
+                                   return !(a < b);
+                                 }) == result.end(),
             problem + "edges of cells have to increase from " +
               text_of(lower[d]) + " to " + text_of(upper[d]) +
               ", the corners of the grid.");
@@ -366,11 +371,13 @@ namespace greville
         const std::vector<double> given   = edges(d);
         const unsigned int        n_given = given.size() - 1;
         const unsigned int        n_parts = std::max(1u, cells[d] / n_given);
-        Require(cells[d] == 0 || cells[d] == n_parts * n_given,
+        Require(cells[d] == 0 ||
+                  (cells[d] == n_parts * n_given && cells[d] <= most_cells),
                 "The parameter 'Grid/Cells' has " + std::to_string(cells[d]) +
                   " cells in " + std::string(1, "xyz"[d]) + ", where '" +
                   name_of(d) + "' makes " + std::to_string(n_given) +
-                  ": 0 takes these, and a multiple divides each one.");
+                  ": 0 takes these, and a multiple, at most a million, divides "
+                  "each one.");
         std::vector<double> all;
         for (unsigned int k = 0; k < n_given; ++k)
           for (unsigned int part = 0; part < n_parts; ++part)
