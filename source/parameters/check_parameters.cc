@@ -259,6 +259,19 @@ namespace greville
                   "/Contactors' = material points does not support "
                   "'Scheme/Formulation' = total Lagrangian, in which surfaces "
                   "stay whole: take surface points.");
+        // Areas and distances of contactors come from the mean size of points,
+        // and those of surface points from the largest ones of both bodies.
+        const auto sides     = contact.sides();
+        const auto is_graded = [&](const std::string &body) {
+          return bodies.count(body) > 0 && !grid_of(body).is_uniform();
+        };
+        for (const auto &side : sides)
+          Require(std::none_of(side.begin(), side.end(), is_graded) ||
+                    (!contact.is_by_material_points() &&
+                     rigid_bodies.count(sides[1][0]) > 0),
+                  "'Grid/Knots' do not support 'Contact " + name +
+                    "': in cells of different sizes, contacts are those of "
+                    "surface points with a rigid body.");
       }
     for (const auto &[name, body] : rigid_bodies)
       {

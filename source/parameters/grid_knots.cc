@@ -19,6 +19,10 @@ namespace greville
     /// The largest number of cells in a direction.
     constexpr double most_cells = 1e6;
 
+    const std::string too_many =
+      "The parameters 'Grid/Knots' make more than a million cells in a "
+      "direction.";
+
     const std::string form =
       "'0, 0.1, 0.3, 1' (edges of cells) or 'fine(0.2, 0.6, 0.01) ratio 1.4'";
 
@@ -66,7 +70,23 @@ namespace greville
         , ratio(ratio)
         , largest(largest)
       {
-        set_cells(std::max(1., std::ceil(needed_cells(ratio) - 1e-6)));
+        const double n = std::ceil(needed_cells(ratio) - 1e-6);
+        Require(n <= most_cells, too_many);
+        set_cells(std::max(1., n));
+      }
+
+      double
+      smallest_wanted() const
+      {
+        return std::min(h_begin, h_end);
+      }
+
+      /// Return how many more cells fit that are not smaller than wanted.
+      unsigned int
+      n_spare() const
+      {
+        const double n = std::floor((end - begin) / smallest_wanted() + 1e-6);
+        return std::max(n - n_cells, 0.);
       }
 
       /// Use more cells than needed, with a smaller ratio.
@@ -230,27 +250,42 @@ namespace greville
           const double begin = k == 0 ? lower : fine[k - 1].end,
                        end   = k == fine.size() ? upper : fine[k].begin;
           if (end - begin > 1e-9 * (upper - lower))
-            graded.emplace_back(begin,
-                                end,
-                                k == 0 ? none : fine[k - 1].h(),
-                                k == fine.size() ? none : fine[k].h(),
-                                ratio,
-                                std::min(largest, upper - lower));
+            {
+              graded.emplace_back(begin,
+                                  end,
+                                  k == 0 ? none : fine[k - 1].h(),
+                                  k == fine.size() ? none : fine[k].h(),
+                                  ratio,
+                                  std::min(largest, upper - lower));
+              Require(end - begin >= graded.back().smallest_wanted() / ratio,
+                      problem + "beside a range of cells of " +
+                        text_of(graded.back().smallest_wanted()) +
+                        " m there are " + text_of(end - begin) +
+                        " m left: end the range there.");
+            }
           if (k < fine.size())
             n_cells += fine[k].n_cells;
         }
       for (const GradedRange &other : graded)
         n_cells += other.n_cells;
-      // Cells are halved from coarse ones: few of these fit into the memory.
-      const unsigned int multiple = n_cells > 16 ? 8 : 2;
-      const auto         longest  = std::max_element(graded.begin(),
-                                            graded.end(),
-                                            [](const auto &a, const auto &b) {
-                                              return a.n_cells < b.n_cells;
-                                            });
-      if (longest != graded.end())
-        longest->set_cells(longest->n_cells +
-                           (multiple - n_cells % multiple) % multiple);
+      Require(n_cells <= most_cells, too_many);
+      // Cells are halved from coarse ones, of which each process keeps all.
+      const auto widest = std::max_element(graded.begin(),
+                                           graded.end(),
+                                           [](const auto &a, const auto &b) {
+                                             return a.n_spare() < b.n_spare();
+                                           });
+      for (unsigned int multiple = n_cells > 16 ? 8 : 2;
+           multiple > 1 && widest != graded.end();
+           multiple /= 2)
+        {
+          const unsigned int added = (multiple - n_cells % multiple) % multiple;
+          if (added > widest->n_spare())
+            continue;
+          if (added > 0)
+            widest->set_cells(widest->n_cells + added);
+          break;
+        }
 
       std::vector<double> edges{lower};
       auto                next     = graded.begin();
@@ -300,8 +335,8 @@ namespace greville
               std::abs(result.back() - upper[d]) <= tolerance &&
               std::adjacent_find(result.begin(),
                                  result.end(),
-                                 [](const double a, const double b) {
-                                   return !(a < b);
+                                 [tolerance](const double a, const double b) {
+                                   return !(b - a > tolerance);
                                  }) == result.end(),
             problem + "edges of cells have to increase from " +
               text_of(lower[d]) + " to " + text_of(upper[d]) +

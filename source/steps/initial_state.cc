@@ -325,16 +325,15 @@ namespace greville
     if (!parameters.general.pore_water || parameters.water.bulk_modulus > 0. ||
         is_drained(parameters))
       return;
-    const Point<dim>     &lower           = space.lower_corner();
-    const Point<dim>     &upper           = space.upper_corner();
-    const WallParameters &walls           = parameters.walls;
-    double                box             = 1.;
-    unsigned int          largest_n_cells = 1;
+    const Point<dim>     &lower = space.lower_corner();
+    const Point<dim>     &upper = space.upper_corner();
+    const WallParameters &walls = parameters.walls;
+    double                box = 1., thinnest = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       {
         box *= upper[d] - lower[d];
-        largest_n_cells =
-          std::max(largest_n_cells, space.cells_per_direction()[d]);
+        thinnest =
+          std::min(thinnest, space.cell_size(d) / (upper[d] - lower[d]));
         for (const unsigned int w : {2 * d, 2 * d + 1})
           if (!(walls.is_periodic(w) ||
                 (w == 0 && parameters.grid.has_axis()) ||
@@ -350,7 +349,7 @@ namespace greville
           parameters.scheme.is_total_lagrangian() ? p.volume0() : p.volume();
       });
     volume = Utilities::MPI::sum(volume, space.communicator());
-    Require(volume < (1. - negligible_layer / largest_n_cells) * box,
+    Require(volume < (1. - negligible_layer * thinnest) * box,
             "The pore pressure is undetermined: the parameter 'Water/Bulk "
             "modulus' is 0 (incompressible water), the bodies fill the grid, "
             "all walls constrain the normal motion, and none of 'Walls/... "
