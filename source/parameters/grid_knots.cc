@@ -236,11 +236,13 @@ namespace greville
         else
           throw ExcMessage(problem + "'" + Utilities::trim(rest) +
                            "' is not understood: write " + form + ".");
-      Require(
-        !fine.empty() && ratio > 1. && largest > 0.,
-        problem + "write " + form +
-          ", with a ratio of neighbours above 1, and 'largest SIZE' for a "
-          "limit.");
+      double coarsest = 0.;
+      for (const FineRange &own : fine)
+        coarsest = std::max(coarsest, own.h());
+      Require(!fine.empty() && ratio > 1. && largest >= coarsest,
+              problem + "write " + form +
+                ", with a ratio of neighbours above 1, and 'largest SIZE' for "
+                "a limit that is not below these sizes.");
 
       constexpr double         none = std::numeric_limits<double>::max();
       std::vector<GradedRange> graded;
