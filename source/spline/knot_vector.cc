@@ -59,12 +59,11 @@ namespace greville
     Require(n_elements > 0 && lower < upper,
             "A knot vector needs at least one element, and a lower end below "
             "its upper end.");
-    std::vector<double> knots(degree, lower);
+    std::vector<double> breakpoints;
     for (unsigned int i = 0; i <= n_elements; ++i)
-      knots.push_back(
+      breakpoints.push_back(
         i == n_elements ? upper : lower + (upper - lower) * i / n_elements);
-    knots.insert(knots.end(), degree, upper);
-    return KnotVector(degree, knots);
+    return open(degree, breakpoints);
   }
 
 
