@@ -187,10 +187,17 @@ namespace greville
 
 
 
-    /// Return the edges of a text of fine(BEGIN, END, SIZE) ... ratio R largest
-    /// H.
-    std::vector<double>
-    graded_edges(const std::string &text,
+    /// The text fine(BEGIN, END, SIZE) ... ratio R largest H.
+    struct Grading
+    {
+      std::vector<FineRange> fine;
+      double ratio = 0., largest = std::numeric_limits<double>::max();
+    };
+
+
+
+    Grading
+    read_grading(const std::string &text,
                  const double       lower,
                  const double       upper,
                  const std::string &problem)
@@ -211,8 +218,8 @@ namespace greville
                              "' is not a number: write " + form + ".");
           }
       };
-      std::vector<FineRange> fine;
-      double      ratio = 0., largest = std::numeric_limits<double>::max();
+      Grading     result;
+      auto       &fine = result.fine;
       std::string rest = text;
       for (std::smatch match; !Utilities::trim(rest).empty();
            rest = match.suffix())
@@ -232,46 +239,29 @@ namespace greville
                static_cast<unsigned int>(std::ceil((end - begin) / h - 1e-6))});
           }
         else if (std::regex_search(rest, match, word))
-          (match[1] == "ratio" ? ratio : largest) = number(match[2]);
+          (match[1] == "ratio" ? result.ratio : result.largest) =
+            number(match[2]);
         else
           throw ExcMessage(problem + "'" + Utilities::trim(rest) +
                            "' is not understood: write " + form + ".");
       double coarsest = 0.;
       for (const FineRange &own : fine)
         coarsest = std::max(coarsest, own.h());
-      Require(!fine.empty() && ratio > 1. && largest >= coarsest,
+      Require(!fine.empty() && result.ratio > 1. && result.largest >= coarsest,
               problem + "write " + form +
                 ", with a ratio of neighbours above 1, and 'largest SIZE' for "
                 "a limit that is not below these sizes.");
+      return result;
+    }
 
-      constexpr double         none = std::numeric_limits<double>::max();
-      std::vector<GradedRange> graded;
-      unsigned int             n_cells = 0;
-      for (std::size_t k = 0; k <= fine.size(); ++k)
-        {
-          const double begin = k == 0 ? lower : fine[k - 1].end,
-                       end   = k == fine.size() ? upper : fine[k].begin;
-          if (end - begin > 1e-9 * (upper - lower))
-            {
-              graded.emplace_back(begin,
-                                  end,
-                                  k == 0 ? none : fine[k - 1].h(),
-                                  k == fine.size() ? none : fine[k].h(),
-                                  ratio,
-                                  std::min(largest, upper - lower));
-              Require(end - begin >= graded.back().smallest_wanted() / ratio,
-                      problem + "beside a range of cells of " +
-                        text_of(graded.back().smallest_wanted()) +
-                        " m there are " + text_of(end - begin) +
-                        " m left: end the range there.");
-            }
-          if (k < fine.size())
-            n_cells += fine[k].n_cells;
-        }
-      for (const GradedRange &other : graded)
-        n_cells += other.n_cells;
-      Require(n_cells <= most_cells, too_many);
-      // Cells are halved from coarse ones, of which each process keeps all.
+
+
+    /// Add cells to one of the ranges, so that their number is a multiple of 8,
+    /// 4 or 2: cells are halved from coarse ones, of which each process keeps
+    /// all.
+    void
+    round_cells(std::vector<GradedRange> &graded, const unsigned int n_cells)
+    {
       const auto widest = std::max_element(graded.begin(),
                                            graded.end(),
                                            [](const auto &a, const auto &b) {
@@ -286,16 +276,70 @@ namespace greville
             continue;
           if (added > 0)
             widest->set_cells(widest->n_cells + added);
-          break;
+          return;
         }
+    }
 
+
+
+    /// Return the ranges beside fine ones.
+    std::vector<GradedRange>
+    graded_ranges(const Grading     &grading,
+                  const double       lower,
+                  const double       upper,
+                  const std::string &problem)
+    {
+      const auto              &fine = grading.fine;
+      constexpr double         none = std::numeric_limits<double>::max();
+      std::vector<GradedRange> graded;
+      unsigned int             n_cells = 0;
+      for (std::size_t k = 0; k <= fine.size(); ++k)
+        {
+          const double begin = k == 0 ? lower : fine[k - 1].end,
+                       end   = k == fine.size() ? upper : fine[k].begin;
+          if (end - begin > 1e-9 * (upper - lower))
+            {
+              graded.emplace_back(begin,
+                                  end,
+                                  k == 0 ? none : fine[k - 1].h(),
+                                  k == fine.size() ? none : fine[k].h(),
+                                  grading.ratio,
+                                  std::min(grading.largest, upper - lower));
+              Require(end - begin >=
+                        graded.back().smallest_wanted() / grading.ratio,
+                      problem + "beside a range of cells of " +
+                        text_of(graded.back().smallest_wanted()) +
+                        " m there are " + text_of(end - begin) +
+                        " m left: end the range there.");
+            }
+          if (k < fine.size())
+            n_cells += fine[k].n_cells;
+        }
+      for (const GradedRange &other : graded)
+        n_cells += other.n_cells;
+      Require(n_cells <= most_cells, too_many);
+      round_cells(graded, n_cells);
+      return graded;
+    }
+
+
+
+    std::vector<double>
+    graded_edges(const std::string &text,
+                 const double       lower,
+                 const double       upper,
+                 const std::string &problem)
+    {
+      const Grading grading = read_grading(text, lower, upper, problem);
+      const std::vector<GradedRange> graded =
+        graded_ranges(grading, lower, upper, problem);
       std::vector<double> edges{lower};
       auto                next     = graded.begin();
       const auto          grade_to = [&](const double x) {
         if (next != graded.end() && next->begin < x)
           (next++)->append_edges(edges);
       };
-      for (const FineRange &own : fine)
+      for (const FineRange &own : grading.fine)
         {
           grade_to(own.begin);
           edges.back() = own.begin;
