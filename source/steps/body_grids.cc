@@ -15,13 +15,13 @@ namespace greville
 
   namespace
   {
-    /// The lattice of the whole grid of a body, and the cells of the body in
+    /// The lattice of a body's grid before it is cut, and the body's cells in
     /// it.
     template <int dim>
     struct BodyOnGrid
     {
       Lattice<dim> lattice;
-      /// The range [first, end) of cells that holds all points.
+      /// The range [first, end) of cells contains all points.
       MultiIndex<dim> first, end;
 
       void
@@ -80,8 +80,8 @@ namespace greville
 
 
     /// The range of cells of a part in one direction. extend() adds @p margin
-    /// cells on each side, and then more until their number is a multiple of
-    /// @p multiple, if the grid has them.
+    /// cells on each side. If the grid has enough cells, it adds more until
+    /// their number is a multiple of @p multiple.
     struct Range
     {
       unsigned int first, end;
@@ -121,8 +121,8 @@ namespace greville
 
 
 
-    /// Return a power of two. If it divides all numbers of cells, meshes are
-    /// small on each process, see create_box_mesh().
+    /// Return a power of two. If the numbers of cells are multiples of it, each
+    /// process stores a small mesh, see create_box_mesh().
     unsigned int
     common_factor(const unsigned int fewest_cells)
     {
@@ -134,8 +134,8 @@ namespace greville
 
 
 
-    /// Return the smallest factor of the numbers of cells: cells of the pore
-    /// pressure have twice the size.
+    /// Return the number of which numbers of cells are multiples: cells of the
+    /// pore pressure have twice the size.
     unsigned int
     smallest_factor(const SimulationParameters &part)
     {
@@ -207,7 +207,7 @@ namespace greville
     const auto     own    = body_grids.find(body);
     if (own == body_grids.end())
       return result;
-    // A body grid with its own number of cells has equal cells.
+    // A body grid with its own number of cells has cells of equal size.
     if (!own->second.cells.empty())
       result.knots = {};
     if (!own->second.lower.empty())

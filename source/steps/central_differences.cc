@@ -60,7 +60,8 @@ namespace greville
     StepScheme scheme;
     scheme.deforms_by_mapped_velocity = deforms_by_mapped_velocity();
     scheme.apic                       = apic;
-    // A smaller FLIP share has a shorter step; dt is not known yet.
+    // A smaller FLIP share has a shorter critical step. As dt is not known yet,
+    // use the smallest share.
     scheme.flip =
       std::min(parameters.scheme.flip,
                discretization.flip_share(state, state.velocity_step));
@@ -146,7 +147,7 @@ namespace greville
   void
   CentralDifferences<dim>::begin_step(State<dim> &state)
   {
-    // Gravity at both ends of the step enters its work.
+    // The work of gravity contains its values at both ends of the step.
     fail_with(
       [&]() {
         loads.gravity(state.time);
@@ -197,7 +198,7 @@ namespace greville
     set_guesses(state);
     constrain(state);
     add_gravity(state.time);
-    // Do not solve for forces of round-off.
+    // Do not solve for forces that are only round-off.
     solve({&field.velocity, &field.acceleration},
           {&field.momentum, &field.force},
           {1., dt > 0. ? negligible_kick / dt : 0.});
@@ -261,7 +262,7 @@ namespace greville
                  parameters.scheme.filter,
                  trial.step);
     field.mass->extend(correction);
-    // Without walls the filter conserves momentum.
+    // Without walls, the filter conserves momentum.
     walls.add_constrained(field.momentum_of_walls,
                           [&](const unsigned int c, const unsigned int i) {
                             return -lumped.local_element(i) *
@@ -341,7 +342,8 @@ namespace greville
     // Apply the rest of the kick at the current positions of the points.
     if (!velocities_are_late(state))
       return;
-    // Forget factorizations, so that finishing a step twice gives the same end.
+    // Forget factorizations, so that finishing a step twice gives equal
+    // results.
     field.mass->forget();
     const auto reactions = state.reactions;
     row                  = nullptr; // left by a failed step
@@ -368,8 +370,8 @@ namespace greville
   double
   CentralDifferences<dim>::energy_swing(const State<dim> &state) const
   {
-    // With lumped mass, steps that map velocities before they deform points
-    // damp high modes and conserve a different energy.
+    // MUSL with lumped mass or FMPM damps high modes and conserves a different
+    // energy.
     if (!field.mass->is_exact() && deforms_by_mapped_velocity())
       return 0.;
     double square = 0.; // a^T M a

@@ -56,7 +56,7 @@ namespace greville
     for (Simulation<dim> *simulation : simulations)
       {
         simulation->remember();
-        // Let all simulations keep the state of the same step.
+        // All simulations keep the state of the same step.
         if (is_shared)
           simulation->last_good.take(simulation->current);
       }
@@ -77,7 +77,7 @@ namespace greville
       simulation.begin_step();
       propose();
     });
-    // Let all simulations keep this state, or none of them.
+    // Either all simulations keep this state, or none.
     if (enters_stage)
       for_each([](Simulation<dim> &simulation) {
         simulation.last_good.take(simulation.current);
@@ -91,7 +91,7 @@ namespace greville
   CommonStep<dim>::propose()
   {
     Simulation<dim> &simulation = *simulations[current_simulation];
-    // The proposed step depends only on data that all processes have.
+    // The proposed step depends only on data that are equal on all processes.
     try
       {
         proposed[current_simulation] =

@@ -13,9 +13,9 @@ namespace greville
   std::vector<ConstrainedDirections<dim>>
   Constraints<dim>::reduce(const std::vector<unsigned char> &constrained)
   {
-    // The remainder below which other directions span a unit vector, and the
-    // difference of a component from 1 below which a direction counts as an
-    // axis.
+    // A unit vector with a smaller remainder is a combination of the other
+    // directions. A direction counts as an axis if a component differs from 1
+    // by less than the second number.
     constexpr double negligible = 1e-6, round_off = 1e-14;
     std::map<unsigned int, ConstrainedDirections<dim>> result;
     for (const auto &[i, direction] : directions)

@@ -13,9 +13,9 @@ namespace greville
 
   namespace
   {
-    // A multiple of the larger cell size: touching bodies have gaps of
-    // round-off. It must be small compared with the overlaps of stiff bodies,
-    // because Newton's method stalls on a closed gap without a force.
+    // A multiple of the larger cell size: gaps of touching bodies contain
+    // round-off. It must be small compared with the overlaps of stiff bodies:
+    // Newton's method stalls at a closed gap without a force.
     constexpr double touching_in_cells = 1e-8;
 
     // The ratio of tangential to normal stiffness.
@@ -137,8 +137,8 @@ namespace greville
     law.touching = are_implicit ? touching_in_cells * contact.cell_size : 0.;
     contact.average =
       std::make_unique<AveragedContact<dim>>(law, contact.lattice, comm);
-    // If the other side can move in the opposite direction, the stiffness of
-    // each side doubles.
+    // If both sides can move, in opposite directions, the stiffness of each
+    // side doubles.
     const bool meets_free =
       contact.rigid >= 0 && rigid_bodies[contact.rigid].is_free();
     const double factor = law.has_two_sides || meets_free ? 2. : 1.;

@@ -15,23 +15,23 @@ namespace greville
 
   namespace
   {
-    // The distance from a point to the surface ahead of it, as a fraction of
-    // its spacing.
+    // The default distance from a point to the surface of its body, as a
+    // fraction of its spacing.
     constexpr double default_radius = 0.5;
 
     // Spacings over which a sliding point forgets its initial radius.
     constexpr double memory = 10.;
 
-    // The smallest lift, as a fraction of the spacing: a lifted point is at the
-    // surface up to round-off.
+    // The smallest lift, as a fraction of the spacing. Below it, a lifted point
+    // is at the surface up to round-off.
     constexpr double smallest_lift = 1e-6;
 
     // Forces below this fraction of the modulus times the area of a point may
-    // be dropped in the next step.
+    // be neglected in the next step.
     constexpr double negligible_pressure = 1e-10;
 
     // The critical step is estimated anew if more than this fraction of the
-    // contactors joins in a step.
+    // contactors is new in a step.
     constexpr double largest_joined_fraction = 0.1;
 
     // A point touches if its initial depth is below this fraction of its
@@ -40,12 +40,12 @@ namespace greville
 
 
 
-    /// Return the gap at which the outermost layer of points of this @p spacing
-    /// ends. @p lowest is the smallest gap nearby. The layer is one spacing
-    /// thick. It ends midway between two rows if no point is closer than half a
-    /// spacing. A point that @p joins the layer is at most half of its spacing
-    /// behind the foremost point. Otherwise, a second row would enter the mean
-    /// gap as it comes closer, and the contact energy would jump.
+    /// Return the gap at which the outermost layer of points with this
+    /// @p spacing ends. @p lowest is the smallest gap nearby. The layer is one
+    /// spacing thick. It ends midway between two rows if no point is closer
+    /// than half a spacing. A point that @p joins the layer is at most half of
+    /// its spacing behind the foremost point. Otherwise, a second row would
+    /// enter the mean gap as it approaches, and the contact energy would jump.
     double
     end_of_layer(const double lowest, const double spacing, const bool joins)
     {
@@ -73,11 +73,10 @@ namespace greville
 
 
 
-    /// Return the row of a contactor for a material point. It keeps the force
-    /// of the point's @p last row, if there is one. A radius other than the
-    /// default one belongs to the initial position and is forgotten as the
-    /// point slides. @p pore is the field of the pore pressure, null without
-    /// water.
+    /// Return a contactor's row for a material point. It keeps the force of the
+    /// point's @p last row, if there is one. A radius other than the default
+    /// belongs to the initial position; it is forgotten as the point slides.
+    /// @p pore is the field of the pore pressure, null without water.
     template <int dim, typename MaterialPoint>
     std::vector<double>
     contactor(const PointLayout<dim>  &layout,
@@ -134,7 +133,7 @@ namespace greville
 
 
 
-    /// Take a point that leaves the layer out of the averages of the contact,
+    /// Exclude a point that leaves the layer from the averages of the contact,
     /// but keep its force.
     template <int dim>
     void
@@ -173,8 +172,8 @@ namespace greville
 
 
     /// Collective. Return, for each point that faces the other side, the
-    /// smallest gap of points of the first side, on all processes, in its box
-    /// of size @p h and the neighboring boxes.
+    /// smallest gap of the first side's points in its box of size @p h and the
+    /// neighboring boxes, on all processes.
     template <int dim>
     std::vector<double>
     lowest_in_boxes(const std::vector<ContactPoint<dim>> &points,
@@ -262,8 +261,8 @@ namespace greville
         largest = std::max(largest, p.extent(body_of(place).points.layout()));
       });
     largest = Utilities::MPI::max(largest, comm);
-    // A step may bring points from farther away, and the steps before must be
-    // short enough for their stiffness.
+    // A step may bring points closer. Their stiffness must enter the critical
+    // step before that.
     const double reach =
       largest + (are_implicit ? longest_trial_motion : longest_motion) *
                   contact.cell_size;
@@ -298,8 +297,8 @@ namespace greville
         if (point.side == 1)
           points.push_back(point);
     find_gaps(contact, points, reach);
-    // The layer begins at the lowest point if this point is inside already.
-    // Otherwise, points above would hide it in the mean.
+    // If the lowest point is inside, the layer begins there. Otherwise, points
+    // above would hide it in the mean.
     result.lowest = lowest_in_boxes(points, contact.cell_size, comm);
     return result;
   }

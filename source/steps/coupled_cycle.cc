@@ -54,7 +54,7 @@ namespace greville
       {
         auto                         part = system->lattice_part();
         const LatticeCycleParameters own  = part.parameters;
-        // The most demanding part chooses the smoother of all.
+        // All parts use the smoother of the most demanding part.
         if (parts.empty())
           parameters = own;
         parameters.shift = std::max(parameters.shift, own.shift);

@@ -324,8 +324,8 @@ namespace greville
 
   namespace
   {
-    /// Return the messages that the logs of parts give, with their bodies if
-    /// there are several parts.
+    /// Return the messages in the logs of the parts, with the bodies if there
+    /// are several parts.
     template <typename Parts>
     std::vector<std::string>
     take_messages(const Parts &parts,

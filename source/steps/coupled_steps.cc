@@ -135,7 +135,7 @@ namespace greville
     const NewtonParameters &newton       = first_steps.parameters.newton;
     NewtonResult            result       = solve_newton(x, *this, newton);
     const unsigned int      n_iterations = result.n_iterations();
-    // Update the pressures of augmented contacts in rounds.
+    // Solve again after each update of the pressures of augmented contacts.
     while (result.converged && contacts && contacts->augment())
       {
         const NewtonResult next = solve_newton(x, *this, newton);
@@ -420,7 +420,7 @@ namespace greville
                                                [&]() {
                                                  return contacts->coupling();
                                                });
-        // Restarts of FGMRES lose the coupling of the parts.
+        // Restarts of FGMRES would lose the coupling of the parts.
         return solve_krylov({tolerance, n},
                             multiply,
                             precondition,
@@ -438,7 +438,7 @@ namespace greville
   {
     ImplicitSteps<dim> &steps  = *parts[k].steps;
     TangentSystem<dim> &system = steps.system;
-    // These fields are free until the next evaluate().
+    // These fields are unused until the next evaluate().
     VectorField<dim> &direction = steps.work, &force = steps.water_force;
     for (VectorType &component : direction)
       component = 0.;

@@ -48,9 +48,9 @@ namespace greville
 
     /// Collective. Return the critical step, and set @p start to its
     /// eigenvector. multiply(y, x, elastic, viscous) computes y = (elastic K +
-    /// viscous C) x. Begin with @p step if it is positive, otherwise with the
-    /// step of the first vector; without viscosity, any step will do. The
-    /// result is negative if this vector is zero.
+    /// viscous C) x. The iteration begins with @p step if it is positive,
+    /// otherwise with the step of the first vector; without viscosity, any step
+    /// will do. The result is negative if the first vector is zero.
     template <typename Multiply>
     double
     find_critical_step(double               step,
@@ -66,8 +66,8 @@ namespace greville
                                 : std::numeric_limits<double>::infinity();
       };
 
-      // A vector x with x^T B^-1 x = x^T (dt^2 / 4 K + dt / 2 C) x has the step
-      // dt. The critical step is the smallest step of all vectors.
+      // A vector x has the step dt for which x^T B^-1 x = x^T (dt^2 / 4 K + dt
+      // / 2 C) x. The critical step is the smallest step of all vectors.
       std::vector<double> x(start.size()), y(start.size());
       if (!(step > 0.))
         {

@@ -46,8 +46,8 @@ namespace greville
 
 
 
-    /// Return whether values of functions are averaged over domains, too: in
-    /// lumped explicit and in static implicit steps.
+    /// Return whether values of functions are averaged over domains, as
+    /// derivatives are: in lumped explicit and in static implicit steps.
     bool
     averages_values(const SimulationParameters &parameters)
     {
@@ -171,13 +171,13 @@ namespace greville
       {
         windows = std::make_unique<CellWindows<dim>>();
         windows->reinit(space(), averages_values(parameters));
-        // All functions that domains reach have lumped masses.
+        // In lumped steps, all functions that domains reach have mass.
         if (has_lumped_steps(parameters))
           windows->reach_all_neighbors();
       }
     make_field();
     grid_walls.reinit(space());
-    // The grid of total Lagrangian steps contains initial positions.
+    // Walls may leave the grid of total Lagrangian steps.
     grid_walls.check_paths(space(),
                            parameters.time.start,
                            parameters.time.end,
@@ -243,8 +243,8 @@ namespace greville
       return;
     version_of_sums       = 0;
     GridField<dim> &field = grid_field;
-    // The force needs the windows of cells, which follow from the extension of
-    // the mass.
+    // The windows of cells follow from the extension of the mass, and the force
+    // needs them.
     const bool force_waits = field.mass->has_windows();
     {
       const PartTimer timer(log, "points to grid");

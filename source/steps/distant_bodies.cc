@@ -8,12 +8,12 @@ namespace greville
 
   namespace
   {
-    // Times at which a moving body is checked against the grid.
+    // The number of times at which a moving body is compared with the grid.
     constexpr unsigned int n_times = 200;
 
 
 
-    /// The course of a rigid body: true if it comes near a region, or moves.
+    /// Whether a rigid body comes near a region, and whether it moves.
     struct Course
     {
       bool comes = false, moves = false;
@@ -49,7 +49,7 @@ namespace greville
         }
       catch (const ExceptionBase &)
         {
-          // The run will end with a message about this formula.
+          // The formula fails: the run will end with a message about it.
           course.comes = true;
         }
       return course;

@@ -204,8 +204,8 @@ namespace greville
           row->energy.add_work(source, row->part_of_work(before, after));
       }
 
-    // Walls and constraining contacts supply the force that a = (v' - v) / dt'
-    // needs beyond the sum of forces.
+    // Walls and constraining contacts supply the difference between the force
+    // for a = (v' - v) / dt' and the sum of forces.
     if ((walls.have_moving() || have_constraints) && trial.velocity_step > 0.)
       {
         double power_of_walls = 0.;
@@ -314,7 +314,7 @@ namespace greville
   CentralDifferences<dim>::inform_guard()
   {
     guard.set(trial.motion);
-    // The momentum that constraints and damping take is not summed.
+    // The momentum that constraints and damping remove is not known.
     if (have_constraints || damping.factor() != 0.)
       return;
     for (const Tensor<1, dim> &given : field.momentum_of_walls)

@@ -24,7 +24,7 @@ namespace greville
 
   namespace
   {
-    /// Swap the accelerations that points keep with their velocities, so that
+    /// Swap the kept accelerations of points with their velocities, so that
     /// transfers of velocities act on accelerations.
     template <int dim>
     void

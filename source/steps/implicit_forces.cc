@@ -173,7 +173,7 @@ namespace greville
     refuse(discretization.walls().have_friction(),
            "'Walls' = friction",
            "in implicit steps, walls are fixed, sliding or moving.");
-    // Contacts of the library are checked above; these are from programs.
+    // Contacts of the library are checked above; a program may add others.
     refuse(
       !make_contacts(parts).empty(),
       "a contact of add_contact()",
@@ -289,7 +289,7 @@ namespace greville
     const auto        &is_constrained =
       system.finest().extended().unknowns().has_constrained();
     std::string free;
-    // Hoop stresses resist radial motion.
+    // Hoop stresses resist radial rigid-body motion.
     for (unsigned int d = parameters.grid.is_axisymmetric() ? 1 : 0; d < dim;
          ++d)
       if (!is_constrained[d])
@@ -342,7 +342,7 @@ namespace greville
   ImplicitSteps<dim>::find_reactions(State<dim> &state, const double dt)
   {
     // Wall reactions are the residual of the balance at constrained
-    // coefficients. There, force holds f - F' and work the inertia, both
+    // coefficients. There, `force` contains f - F' and `work` the inertia, both
     // divided by 1 - alpha_f.
     const Walls<dim> &walls    = discretization.walls();
     VectorField<dim>  reaction = velocity, known = force;
@@ -428,9 +428,9 @@ namespace greville
                                const double            dt)
   {
     // Forces are taken in the middle of the step, or as means of both ends. At
-    // the start, old_loads includes surface loads, and walls supply the force
-    // that M a needs beyond loads and stresses, if a is known. The reaction
-    // follows from the balance.
+    // the start, old_loads includes surface loads. If a is known, walls supply
+    // the part of M a that loads and stresses do not. The reaction follows from
+    // the balance.
     const bool        is_mean        = scheme.load_time == 1.;
     const double      share          = is_mean ? 0.5 : 1.;
     const bool        knows_a        = scheme.needs_acceleration();
@@ -496,9 +496,9 @@ namespace greville
   ImplicitSteps<dim>::add_work_of_surfaces(State<dim>  &state,
                                            const double share)
   {
-    // Surface loads one by one, and then loads that follow the points of
-    // bodies; at the start, old_loads contains the loads that follow points.
-    // Contacts count their own work.
+    // Count each surface load, and then loads that follow the points of bodies.
+    // At the start, old_loads contains loads that follow points. Contacts count
+    // their own work.
     const unsigned int n_surfaces = loads.surfaces().n_loads();
     const auto         add_power  = [&](const unsigned int      k,
                                const VectorField<dim> &load,

@@ -61,8 +61,8 @@ namespace greville
                                              discretization.triangulation(),
                                              parameters);
     discretization.initialize(water_force);
-    // With one IC(0) for all components, p = 3 takes four times the iterations,
-    // and ten times in nearly undrained soil.
+    // With a common IC(0) for all components, p = 3 takes four times as many
+    // iterations, and ten times as many in nearly undrained soil.
     system.smooth_components();
   }
 
@@ -300,8 +300,8 @@ namespace greville
   ImplicitSteps<dim>::guess_displacement(const State<dim> &state,
                                          const double      dt)
   {
-    // Walls move by their displacement, or with their velocity in the middle of
-    // the step.
+    // Walls move by their displacement or, in the midpoint rule, with their
+    // velocity in the middle of the step.
     for (unsigned int d = 0; d < dim; ++d)
       displacement[d].equ(dt, velocity[d]);
     discretization.walls().impose_velocity(

@@ -31,16 +31,16 @@ namespace greville
 
 
 
-    /// Throw if two bodies share basis functions: in total Lagrangian steps
+    /// Throw if two bodies share basis functions. In total Lagrangian steps
     /// they would stick together wherever they move.
     template <int dim>
     void
     check_distances(const std::vector<Body<dim>> &bodies,
                     const SplineSpace<dim>       &space)
     {
-      // The number of cells with points in the support of a function, the sum
-      // of their body numbers, and the sum of the squares. With a single body,
-      // sum^2 = squares * count.
+      // The number n of cells with points in a function's support, the sum of
+      // their body numbers, and the sum of the squares. With a single body,
+      // sum^2 = squares * n.
       VectorType count, sum, squares;
       for (VectorType *vector : {&count, &sum, &squares})
         space.initialize_vector(*vector);
@@ -97,8 +97,8 @@ namespace greville
   void
   check_overlap(const BodyList<dim> &bodies, const SplineSpace<dim> &space)
   {
-    // Filled fractions of cells. If the previous bodies fill more of a cell
-    // than the new body leaves free, two bodies overlap.
+    // Filled fractions of cells. Two bodies overlap if the previous bodies fill
+    // more of a cell than the new body leaves free.
     const unsigned int  n_cells = space.owned_cells().size();
     std::vector<double> before(n_cells, 0.), own(n_cells);
     for (unsigned int b = 0; b < bodies.size(); ++b)
@@ -138,7 +138,7 @@ namespace greville
                           const SplineSpace<dim> &space)
   {
     // A common volume of two bodies is an error above these fractions of a cell
-    // or of the smaller body.
+    // and of the smaller body.
     constexpr double    allowed_part_of_cell = 0.4, allowed_part_of_body = 0.5;
     const std::size_t   n_bodies = bodies.size();
     const unsigned int  n_cells  = space.owned_cells().size();
@@ -151,7 +151,7 @@ namespace greville
         return bodies[b].parameters->points_file.empty() &&
                bodies[b].parameters->displacement.empty();
       };
-      // Return, for each cell, the volume of the points of a inside of b.
+      // Return, for each cell, the volume of the points of a that are inside b.
       const auto volumes_of = [&](const std::size_t a, const std::size_t b) {
         std::vector<double> result(n_cells, 0.);
         bodies[a].points.for_each(
@@ -319,8 +319,8 @@ namespace greville
                    const SimulationParameters   &parameters,
                    const SplineSpace<dim>       &space)
   {
-    // The thickness, in cells, below which a layer between bodies and a wall is
-    // round-off.
+    // The thickness, in cells, below which a layer between bodies and a wall
+    // counts as round-off.
     constexpr double negligible_layer = 0.1;
     if (!parameters.general.pore_water || parameters.water.bulk_modulus > 0. ||
         is_drained(parameters))

@@ -140,7 +140,7 @@ namespace greville
       if (cell->is_locally_owned())
         weights[position_of(cell)] = empty;
 
-    // Rows of a file may belong to cells of other processes.
+    // A restart file may give this process rows of other processes' cells.
     std::map<unsigned int, std::vector<double>> to_send;
     for (std::size_t k = 0; k < partition.rows.size(); k += 2)
       {

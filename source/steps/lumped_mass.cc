@@ -11,8 +11,8 @@ namespace greville
 
   namespace
   {
-    // Surfaces ignore functions if all cells of their support are filled by
-    // less than this.
+    // Surfaces ignore functions if each cell of their support is filled by less
+    // than this fraction.
     constexpr double smallest_filling = 0.1;
   } // namespace
 
@@ -90,7 +90,7 @@ namespace greville
       for (const unsigned int cell : points->cells())
         if (filled_part[cell] == 0.)
           filled_part[cell] = -1.;
-    // With the threshold 0, all other cells with points are hosts.
+    // The threshold 0 makes all other cells with points hosts.
     const bool has_changed = extended->filling.update(filled_part, 0.);
     if (has_changed)
       extended->extension.reinit(this->space(), extended->filling, true);

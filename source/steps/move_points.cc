@@ -11,8 +11,8 @@ namespace greville
 
   namespace
   {
-    // Steps between two exchanges of volume, and the fraction of a difference
-    // that they remove in the time in which a wave crosses a cell.
+    // Steps between two averages of volume changes, and the fraction of a
+    // difference that they remove while a wave crosses a cell.
     constexpr unsigned int share_every = 10;
     constexpr double       share_rate  = 0.025;
   } // namespace
@@ -67,8 +67,8 @@ namespace greville
         update.time               = time;
         update.strength_reduction = body.material->strength_reduction(time);
         PointReport report;
-        // A law may throw on one process, but all processes must move the next
-        // body.
+        // A law may throw on one process, but all processes must go on to the
+        // next body.
         try
           {
             report = transfer.grid_to_points(body.points, update);

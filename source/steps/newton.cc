@@ -14,8 +14,8 @@ namespace greville
 
   namespace
   {
-    // Iterations without a line search that may pass until the residual falls
-    // below the smallest one so far.
+    // Iterations without a line search in which the residual must fall below
+    // its smallest value.
     constexpr unsigned int watch = 4;
 
     // The smallest relative residual to which linear systems are solved.
@@ -23,8 +23,8 @@ namespace greville
 
 
 
-    /// An iterate with its residual and the scale of its forces. At a distant
-    /// trial the forces may have any size.
+    /// An iterate with its residual and the scale of its forces. A distant
+    /// trial may have forces of any size.
     struct Iterate
     {
       VectorType x, r;
@@ -100,7 +100,7 @@ namespace greville
         return "";
       }
 
-      /// Return the norm that counts as zero at an iterate.
+      /// Return the norm below which the residual at an iterate counts as zero.
       double
       limit(const Iterate &at) const
       {
@@ -134,7 +134,7 @@ namespace greville
         return text.str();
       }
 
-      /// Return an empty text, or the reason why there is no direction.
+      /// Return an empty text, or the reason why no direction was found.
       std::string
       solve_linear_system()
       {
@@ -165,7 +165,7 @@ namespace greville
             norm  = trial_r.l2_norm();
             if (wrong.empty() && !std::isfinite(norm))
               wrong = "the residual is infinite or NaN";
-            // Round-off may stop the residual within 10 times the limit.
+            // Round-off may keep the residual within 10 times the limit.
             if (is_free || (wrong.empty() &&
                             (norm <= (1. - decrease * row.step) * best.norm ||
                              norm <= 10. * limit(now))))
@@ -226,7 +226,7 @@ namespace greville
 
 
     /// Return whether zero is a better guess: at the guess that failed, the
-    /// residual is infinite or NaN, or much larger.
+    /// residual is infinite, NaN, or much larger.
     bool
     zero_is_better(const NewtonResult &failed,
                    NewtonProblem      &problem,

@@ -14,12 +14,12 @@ namespace greville
 
   namespace
   {
-    // Multiples of the larger cell size: the largest depth of a point inside of
-    // another body, at the start and later, and the motion after which the
-    // later check is repeated.
+    // Multiples of the larger cell size: the largest depth of a point inside
+    // another body at the start, and the motion after which points inside are
+    // checked again.
     constexpr double deepest_of_added = 0.05, way_between_checks = 0.25;
 
-    // Bisections for the depth of a point.
+    // Number of bisections for the depth of a point.
     constexpr unsigned int n_bisections = 20;
 
 
@@ -174,8 +174,7 @@ namespace greville
                                 p.position(),
                                 "'Rigid body " + rigid.name() + "'");
         };
-        // Total Lagrangian points are not in the cells of their current
-        // positions.
+        // In total Lagrangian steps, points are stored by initial cells.
         if (body.points.layout().is_total_lagrangian())
           body.points.for_each([&](const ConstPointRef<dim> p) { look(p); });
         else

@@ -56,7 +56,7 @@ namespace greville
         pair.rigid = rigid;
         pair.way   = std::numeric_limits<double>::infinity();
       };
-    // Bodies on one grid stick together if they meet.
+    // Exclude bodies on one grid: they stick together if they meet.
     std::vector<std::vector<std::string>> names;
     for (const Simulation<dim> *part : parts)
       names.push_back(part->parameters.general.bodies);

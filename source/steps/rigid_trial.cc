@@ -156,7 +156,7 @@ namespace greville
     Vector             velocity =
       old_velocity + dt * ((1. - scheme.gamma) * old_acceleration +
                            scheme.gamma * acceleration(q));
-    // The part of the contact impulse that a' does not contain.
+    // Add the part of the contact impulse that a' does not contain.
     if (load && scheme.needs_acceleration())
       velocity += dt * (1. - 0.5 * scheme.gamma * scheme.alpha_u) *
                   acceleration_by(*load);

@@ -220,7 +220,7 @@ namespace greville
         n % parameters.load_balance.steps_between_comparisons() != 0)
       return false;
     const PartTimer timer(log, "load balance");
-    // With few cells, no partition is below the threshold.
+    // With few cells, no partition may fall below the threshold.
     if (threshold > 1. && imbalance(work(), comm) <=
                             std::max(threshold, worth_it * current.imbalance))
       return false;
@@ -285,10 +285,10 @@ namespace greville
         show();
         return;
       }
-    // There is no way back until begin_anew() takes another copy.
+    // Until begin_anew() takes another copy, no state can be restored.
     last_good = Snapshot<dim>();
     {
-      // Only estimates of the critical step change the mode.
+      // Keep the mode, which only estimates of the critical step change.
       HighestMode<dim>                mode     = std::move(current.field.mode);
       const StateWithoutBodies<dim>   rest     = current;
       const std::vector<Surface<dim>> surfaces = current.surfaces;
@@ -434,7 +434,7 @@ namespace greville
   namespace
   {
     /// Swap the normal stresses with @p others. If @p others is empty, first
-    /// set it to the total stresses: less the pore pressure.
+    /// set it to the total stresses: the effective ones less the pore pressure.
     template <int dim>
     void
     exchange_with_total_stress(std::vector<Body<dim>> &bodies,
@@ -467,8 +467,8 @@ namespace greville
     loaded_surfaces();
     VectorField<dim> force;
     discretization.initialize(force);
-    // The force of total stresses. The second swap restores effective stresses
-    // exactly.
+    // Compute the force of total stresses. The second swap restores effective
+    // stresses exactly.
     std::vector<double> stresses;
     exchange_with_total_stress(current.bodies, stresses);
     discretization.find_force(current, loads.gravity(current.time), force);

@@ -83,7 +83,7 @@ namespace greville
         current.step = current.velocity_step = 0.;
       }
     current.reactions = {};
-    // The history of an implicit scheme is part of its solution.
+    // The kept acceleration of an implicit scheme is part of its solution.
     AccelerationHistory<dim> kept;
     if (keeps_integrator && is_implicit())
       kept = current.field.history;
@@ -126,7 +126,7 @@ namespace greville
   void
   Simulation<dim>::start_stage()
   {
-    // Reset results for other walls, mass or integrator.
+    // Reset data of other walls, mass or integrators.
     discretization.initialize_field(current);
     current.step_fraction = 1.;
     current.estimates     = StepEstimates();

@@ -15,8 +15,8 @@ namespace greville
     // Steps between two snapshots.
     constexpr unsigned int remember_every = 50;
 
-    // The largest number of cells with lumped mass without a warning, as a
-    // fraction of cells with points.
+    // The largest accepted fraction of cells in fragments (lumped mass),
+    // relative to cells with points. A larger one causes a warning.
     constexpr double largest_fraction_of_fragments = 0.05;
   } // namespace
 
@@ -26,8 +26,7 @@ namespace greville
   bool
   Simulation<dim>::keeps_state() const
   {
-    // Implicit steps are few, and a run may continue until there is no
-    // solution.
+    // Implicit steps are few, and runs may go on until no solution exists.
     return current.n_steps == 0 || current.n_steps % remember_every == 0 ||
            is_stage_finished() || is_implicit();
   }
@@ -63,8 +62,8 @@ namespace greville
   void
   Simulation<dim>::take_step(const double dt)
   {
-    // The guard checks the state before the step, whose energy the step sums
-    // up.
+    // The guard checks the energy of the state before the step, which is summed
+    // up during the step.
     const bool is_last_step =
       current.n_steps + 1 == parameters.time.max_steps ||
       (current.stage + 1 == parameters.n_stages() && is_end(current.time + dt));

@@ -17,12 +17,13 @@ namespace greville
 
   namespace
   {
-    // Elastic laws are the same if their stored energies differ by a smaller
+    // Elastic laws are equal if their stored energies differ by a smaller
     // fraction.
     constexpr double energy_tolerance = 1e-10;
 
-    // The divisor of the strength while a stress is transferred: a point
-    // outside of the new yield surface returns to it in the next step.
+    // The strength divisor during a transfer of stress, so that any stress is
+    // elastic. A point outside of the new yield surface returns to it in the
+    // next step.
     constexpr double any_strength = 1e-9;
 
 
@@ -92,7 +93,7 @@ namespace greville
 
 
 
-    /// Throw if a body begins at rest under gravity that acts between periodic
+    /// Throw if a body begins at rest although gravity acts between periodic
     /// walls.
     template <int dim>
     void
@@ -151,7 +152,7 @@ namespace greville
       }
 
       /// Return whether the points of this process, with their deformation and
-      /// history, have the same stress with the old and the new material.
+      /// history, have equal stresses with the old and the new material.
       bool
       fits() const
       {
@@ -246,7 +247,7 @@ namespace greville
         q.set_F(state.F);
         if (layout.initial_F != 0)
           {
-            // F = F_motion F_initial, and F_motion does not change.
+            // F = F_motion F_initial, where F_motion remains.
             Tensor<2, dim> old_F, old_initial, new_F;
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int j = 0; j < dim; ++j)
@@ -267,8 +268,8 @@ namespace greville
         store_material_point<dim>(state, q, layout);
       }
 
-      /// Set the box of q that is currently as large as the old one, see
-      /// PointLayout.
+      /// Set the initial box of q such that its current size is the old one,
+      /// see PointLayout.
       void
       set_domain(const ConstPointRef<dim> p, const PointRef<dim> q) const
       {

@@ -128,7 +128,7 @@ namespace greville
 
 
 
-    /// Return the points in the order in which insert() makes the same lists.
+    /// Return the points in an order from which insert() makes the same lists.
     template <int dim>
     DistributedTable
     table_of(const std::string &name, const MaterialPoints<dim> &points)
@@ -397,11 +397,10 @@ namespace greville
 
   namespace
   {
-    /// Return the rows of a table with the columns of another layout. Numbers
-    /// of the loads and of the scheme are zero if the table lacks them: loads
-    /// find their points again, APIC begins without an affine velocity, and
-    /// generalized-alpha finds its first acceleration. The projected J begins
-    /// with J.
+    /// Return the rows of a table with the columns of another layout. Missing
+    /// numbers of the loads and of the scheme are zero: loads find their points
+    /// again, APIC begins without an affine velocity, and generalized-alpha
+    /// computes its first acceleration. A missing projected J begins with J.
     template <int dim>
     std::vector<double>
     rows_with(const PointLayout<dim> &layout,
@@ -442,7 +441,7 @@ namespace greville
 
 
     /// Replace the points of a body or surface by the points of another run, in
-    /// the cells of the present grid.
+    /// the cells of this grid.
     template <int dim, typename Owner>
     void
     set_points_anew(Owner               &owner,

@@ -275,7 +275,7 @@ namespace greville
   {
     constexpr unsigned int n_bars = 1024;
 
-    // Edges and masses of the points of this process that can be the quantile.
+    // Edges and masses of this process' points that may be the quantile.
     std::vector<std::pair<double, double>> points;
     double                                 all = 0.;
     for (const RowSums<dim> *own : sums)
@@ -309,7 +309,7 @@ namespace greville
         for (const auto &[x, mass] : points)
           bars[bar_of(x)] += mass;
         Utilities::MPI::sum(bars, comm, bars);
-        // Allow for round-off: equal points can hold exactly this share.
+        // Allow for round-off: equal points may have exactly this share.
         unsigned int bar = n_bars - 1;
         while (bar > 0 &&
                beyond + bars[bar] <= mass_beyond_runout * all * (1. + 1e-9))

@@ -18,8 +18,9 @@ namespace greville
     constexpr unsigned int energy_every = 100;
 
     // The fraction of set_energy_swing() that does not count as spurious
-    // energy. With modes at 0.95 of their critical step, E swings by a factor
-    // of ten, and the rest by two. A growing mode keeps a tenth of its energy.
+    // energy. With modes at 0.95 of their critical step, E varies by a factor
+    // of ten, and E less this fraction by two. A growing mode keeps a tenth of
+    // its energy.
     constexpr double swing_left_out = 0.9;
 
     // The accepted gain, as a fraction of the largest energy or work of one
@@ -33,15 +34,16 @@ namespace greville
     constexpr double largest_volume_change = 1e4;
 
     // The largest numbers of cells that points and pressure waves may cross in
-    // an explicit step. No explicit scheme is stable with waves half as fast.
+    // an explicit step. Waves of half this speed already make all schemes
+    // unstable.
     constexpr double most_cells_of_points = 1., most_cells_of_waves = 3.;
 
-    // The change of momentum, as a fraction of the mass times the fastest
-    // signal, that rounding, functions of hardly any mass and iterative solvers
-    // may cause.
+    // The accepted error of the momentum due to rounding, functions of hardly
+    // any mass and iterative solvers, as a fraction of the mass times the
+    // fastest signal.
     constexpr double momentum_tolerance = 1e-6;
 
-    /// Return the sum of n values by several independent partial sums: a single
+    /// Return the sum of n values by several independent partial sums. A single
     /// sum would wait for each addition.
     template <typename Value>
     double
@@ -217,7 +219,7 @@ namespace greville
     Utilities::MPI::max(extremes, comm, extremes);
     const double smallest_J = -extremes[0], largest_J = extremes[1];
     const double largest_change = largest_volume_change;
-    // Points are weighed before their removal.
+    // The sum includes points that are then removed.
     const double before = state.mass - state.removed_mass;
     if (!(std::abs(mass - before) <= mass_tolerance * state.mass))
       throw StepFailed("the mass of the points is " + text_of(mass) +
@@ -260,7 +262,7 @@ namespace greville
            : "'Time/Step', which is <" + formula_text(parameters.time.step) +
                ">") +
         ", or a 'Velocity' of a body");
-    // StepSize has warned of larger steps that are allowed.
+    // Where larger steps are allowed, StepSize has warned of them.
     if (parameters.time.refuses_too_large_steps() &&
         extremes[3] * dt / h > most_cells_of_waves)
       throw StepFailed(
@@ -419,8 +421,8 @@ namespace greville
     const double limit = std::max(accepted_gain, 2. * state.warned_gain);
     if (!scheme.looks_at_energy() || !(gain > limit))
       return;
-    // A stiff body that is pressed between others stores far less than the work
-    // that passes through it, and each part of this work has an error.
+    // A stiff body between others stores far less energy than the work that
+    // passes through it, and each part of this work has an error.
     const unsigned int n_sources =
       EnergyBalance::surfaces + state.surfaces.size();
     double largest_work = 0.;

@@ -14,23 +14,23 @@ namespace greville
 
   namespace
   {
-    // The largest number of steps; more result from an error in a parameter.
+    // The largest number of steps. A larger one indicates a wrong parameter.
     constexpr double most_steps = 1e9;
 
     // The number of estimates of the critical step; the smallest counts.
     constexpr unsigned int n_estimates = 3;
 
     // With consistent mass, the largest number of cells that a point crosses in
-    // a step, times the order. The velocity filter cannot keep up with longer
-    // steps.
+    // a step, times the order. In longer steps, the velocity filter cannot damp
+    // the modes that points excite.
     constexpr double largest_crossing = 0.6;
 
     // If an estimate differs from the last one by less than this fraction, the
-    // time to the next estimate doubles, up to a factor.
+    // time to the next estimate doubles, up to a largest factor.
     constexpr double       negligible_change = 0.02;
     constexpr unsigned int longest_delay     = 8;
 
-    // The growth of the largest wave speed that requires an estimate at once.
+    // Growth of the largest wave speed after which an estimate is due at once.
     constexpr double wave_growth = 1.1;
 
     // Accelerations that change a speed by less than this fraction of c + |v|
@@ -147,8 +147,8 @@ namespace greville
                                                    scheme,
                                                    state.field.mode);
 
-    // With derivatives averaged over domains, the highest frequency depends
-    // more on the positions of points in their cells than a few estimates show.
+    // With derivatives averaged over domains, the highest frequency varies with
+    // the positions of points in cells more than a few estimates show.
     constexpr double of_domains = 0.85;
     if (discretization.cell_windows() &&
         discretization.field().mass->is_exact())

@@ -23,8 +23,8 @@ namespace greville
 
 
 
-    /// Return whether a key has begun or stopped sliding, or has reversed its
-    /// direction. The arguments are KeyMemory::sliding before and now.
+    /// Return whether a key has begun, stopped or reversed sliding. The
+    /// arguments are KeyMemory::sliding before and now.
     template <typename Directions>
     bool
     slides_otherwise(const Directions &before, const Directions &now)

@@ -13,15 +13,15 @@ namespace greville
 
   namespace
   {
-    // Points cross the kinks of linear functions, which excites the filtered
-    // modes more.
+    // Points that cross the kinks of linear functions excite the filtered modes
+    // more.
     constexpr double more_if_linear = 5.;
 
 
 
-    /// Return the scaled weights of each run of p + 2 coefficients in the jump
-    /// of the p-th derivative across the knot that their functions share, entry
-    /// by entry.
+    /// Return the scaled weights of the p + 2 coefficients of each run in the
+    /// jump of the p-th derivative across the knot that their functions share,
+    /// entry by entry.
     std::vector<double>
     make_differences(const KnotVector &knots, const unsigned int n_functions)
     {
@@ -31,8 +31,8 @@ namespace greville
       std::vector<double> result(std::size_t(n_runs) * (p + 2));
       for (unsigned int run = 0; run < n_runs; ++run)
         {
-          // Row i: the weights of the run's coefficients in coefficient run + i
-          // of the kth derivative.
+          // Row i contains the weights of the run's coefficients in coefficient
+          // run + i of the kth derivative.
           std::vector<std::vector<double>> rows(p + 2,
                                                 std::vector<double>(p + 2));
           for (unsigned int i = 0; i < p + 2; ++i)
@@ -57,9 +57,9 @@ namespace greville
 
 
 
-    /// Multi-indices of functions and of their periodic images: in a periodic
+    /// Multi-indices of functions and of their periodic images. In a periodic
     /// direction with n functions, they are in [-reach, n + reach). The shift
-    /// is added to make them nonnegative.
+    /// makes them nonnegative.
     template <int dim>
     struct UnwrappedFunctions
     {
@@ -84,8 +84,8 @@ namespace greville
 
 
 
-    /// Append the other functions in the runs of the given owned ones: images
-    /// and functions of other processes.
+    /// Append the other functions in the runs of the given owned functions:
+    /// images and functions of other processes.
     template <int dim>
     void
     append_rest_of_runs(std::vector<MultiIndex<dim>>     &functions,
@@ -199,7 +199,7 @@ namespace greville
   VelocityFilter<dim>::set_lines(const std::vector<MultiIndex<dim>> &functions)
   {
     const int reach = space->degree() + 1;
-    // The box of lines around the functions, with room for runs that leave it.
+    // The box of lines around the functions, with space for runs that leave it.
     std::array<int, dim> low, high;
     low.fill(std::numeric_limits<int>::max());
     high.fill(0);
@@ -271,7 +271,7 @@ namespace greville
           }
         for (unsigned int d = 0; d < dim; ++d)
           {
-            // The range of x in which all functions of a run exist.
+            // The range of x in which the process has all functions of a run.
             int begin = line.begin, end = line.end - (d == 0 ? length - 1 : 0);
             for (int k = 1; k < length && d > 0; ++k)
               {
@@ -350,7 +350,7 @@ namespace greville
             const int   begin = line.first_run[d], end = line.end_of_runs[d];
             if (begin >= end)
               continue;
-            // In x each run has its own differences; in other directions, all
+            // In x, each run has its own differences; in other directions, all
             // runs of a line share them.
             const int  first    = d == 0 ? 0 : index_of_line(l, d);
             const auto place_of = [&](const int k) {

@@ -10,9 +10,9 @@
 
 namespace greville
 {
-  /// The distances of cell centers from a rigid body in a position, by number
-  /// of cell: the largest number, or its negative inside the body, if the
-  /// distance exceeds the reach, m.
+  /// Signed distances of cell centers from a rigid body in one position, by
+  /// cell number, m. Distances beyond the reach are infinite in effect: the
+  /// largest number, negative inside the body.
   template <int dim>
   struct CellDistances
   {
@@ -23,14 +23,14 @@ namespace greville
 
 
 
-  /// A surface of a part.
+  /// A contact surface of a part of CoupledSimulations.
   template <int dim>
   struct ContactPlace
   {
     Simulation<dim>   *part;
     unsigned int       surface;
     CellDistances<dim> distances = CellDistances<dim>();
-    /// True after check_added() for its body.
+    /// True if added_places() has seen the body's points.
     bool is_known = false;
   };
 
@@ -43,21 +43,21 @@ namespace greville
     std::string                                   name;
     std::array<std::vector<ContactPlace<dim>>, 2> sides;
     int rigid = -1; // number of the rigid body
-    // The constants of the law: for both sides the modulus E', Pa, the
-    // impedance of the softer side, Pa s / m, and cells of the coarser grid.
+    // Constants of the contact law: the modulus E' of both sides, Pa, the
+    // impedance of the softer side, Pa s / m, and the larger cell size, m.
     ContactParameters given;
     double            modulus = 0., impedance = 0., cell_size = 0.;
     Lattice<dim>      lattice;
     std::unique_ptr<AveragedContact<dim>> average;
     // The motion of both sides: the sum of their speeds in the last step, m /
-    // s; their displacement in it, and from the last check for overlaps until
-    // then, m; whether there has been a check, and its Overlap::excess.
+    // s; their displacement in this step, and since the last check for
+    // overlaps, m; whether a check has been made, and its Overlap::excess.
     double speed = 0., last_way = 0., way = 0.;
     bool   is_checked   = false;
     double first_excess = 0.;
-    // Data of check_gains(): the gain of the last warning, the energy stored by
-    // the pressure at the start, the energy given before the run was resumed,
-    // J, and whether this energy has been counted.
+    // Data of check_gains(): the gain at the last warning; the energy that the
+    // pressure stored at the start, J, with the energy given before a resumed
+    // run; whether the latter has been added.
     double warned_gain      = 0.;
     double stored_energy    = -1.;
     bool   is_start_counted = false;
@@ -71,6 +71,6 @@ namespace greville
   {
     unsigned int       cell;
     dealii::Point<dim> center;
-    double             distance; // lower bound, of the center; 0: unknown
+    double             distance; // lower bound for the center; 0: unknown
   };
 } // namespace greville

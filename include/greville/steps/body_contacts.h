@@ -17,13 +17,13 @@ namespace greville
   template <int dim>
   class TrialContacts;
 
-  /// The contacts of bodies that are parts of CoupledSimulations, and the rigid
-  /// bodies that they meet. At the start of each explicit step, with all parts
-  /// at the same time, a contact gives forces to the points of its surfaces, as
-  /// loads that the parts sum up; and it stores the data of the step there
-  /// (ContactPoint::slip). See AveragedContact and SurfaceSearch. Implicit
-  /// steps have TrialContacts, which leave loads and slip of the end of the
-  /// step at the points.
+  /// The contacts between bodies that are parts of CoupledSimulations, and
+  /// between these and rigid bodies. At the start of each explicit step, when
+  /// all parts are at the same time, a contact sets forces at the points of its
+  /// surfaces. The parts add them to their loads. The points also store contact
+  /// data of the step (ContactPoint::slip). See AveragedContact and
+  /// SurfaceSearch. In implicit steps, TrialContacts computes loads and slip at
+  /// the end of the step.
   template <int dim>
   class BodyContacts
   {
@@ -57,8 +57,8 @@ namespace greville
     double
     bounded_step(const double longest) const;
 
-    /// Add contact and rigid body results to a row of statistics: for the
-    /// current state, to which act() belongs, or for the start of the last
+    /// Add contact and rigid body results to a row of statistics. They belong
+    /// to the last act() or, with @p at_start_of_step, to the start of the last
     /// step.
     void
     add_to(Statistics<dim> &row, const bool at_start_of_step) const;
@@ -74,11 +74,11 @@ namespace greville
     void
     set_intervals(const std::vector<ContactInterval<dim>> &intervals);
 
-    /// Collective. Return, for each contact, the energy that its surfaces have
-    /// given to the bodies in excess of what they have taken, as a fraction of
-    /// the largest energy or work of one source so far: this energy is
-    /// spurious. Contacts with rigid bodies that have moved, which do work, are
-    /// omitted.
+    /// Collective. Return the spurious energy of each contact with its name:
+    /// the energy that its surfaces have given to the bodies in excess of the
+    /// energy taken, as a fraction of the largest energy or work of one source
+    /// so far. Contacts with rigid bodies that have moved are omitted, because
+    /// these bodies do work.
     std::vector<std::pair<std::string, double>>
     gains() const;
 
@@ -107,7 +107,7 @@ namespace greville
     using Contact  = BodyContact<dim>;
     using NearCell = NearContactCell<dim>;
 
-    /// Results of all contacts, and the rigid bodies at that time.
+    /// Results of all contacts, and the positions of the rigid bodies then.
     struct Results
     {
       std::vector<ContactResult<dim>> contacts;
@@ -123,23 +123,23 @@ namespace greville
     add_to_intervals(const std::vector<ContactResult<dim>> &results,
                      const double                           dt);
 
-    /// The grids of bodies that meet each rigid body.
+    /// Return, for each rigid body, the box around the grids of its bodies.
     std::vector<dealii::BoundingBox<dim>>
     regions_of_rigid_bodies() const;
 
     bool
     steps_are_implicit() const;
 
-    /// Set the law of a contact for this kind of steps.
+    /// Set the law of a contact for explicit or implicit steps.
     void
     set_law(Contact &contact) const;
 
-    /// Set all laws if the kind of steps has changed.
+    /// Set all laws if steps have changed between explicit and implicit.
     void
     set_laws();
 
-    /// Store what follows from the last results: the slip, the positions and
-    /// the radii of points at the start of a step.
+    /// Store data of the last results for the next step: the slip, the
+    /// positions and the radii of points.
     void
     commit();
 
@@ -156,12 +156,11 @@ namespace greville
     std::vector<ContactPoint<dim>>
     collect(const Contact &contact) const;
 
-    /// Replace the surfaces of the first side by the material points that now
-    /// form the outermost layer, with their contact data: points within one
-    /// spacing of the other side, and, in implicit steps, points that may get
-    /// there in a step. Points inside the other side are moved back to its
-    /// surface, since single points can penetrate despite the averaged
-    /// pressure.
+    /// Replace the points of the first side's surfaces by the material points
+    /// that now form its outermost layer, with their contact data. Candidates
+    /// are closer to the other side than one spacing, or in implicit steps may
+    /// come as close in a step. Points inside the other side are moved back to
+    /// its surface: the averaged pressure does not keep single points out.
     void
     renew_contactors(Contact &contact);
 
@@ -184,9 +183,9 @@ namespace greville
     /// The largest motion of a point or a rigid body in an explicit step.
     static constexpr double longest_motion = 0.25;
 
-    /// Return the cells with points of a body that may be closer than @p reach,
-    /// m. Distances from rigid bodies are updated after motions of a quarter of
-    /// a cell.
+    /// Return the cells of a body that may contain points closer than @p reach
+    /// (m) to the other side. Distances from rigid bodies are updated after
+    /// motions of a quarter of a cell.
     std::vector<NearCell>
     near_cells(const Contact &contact, Place &place, const double reach);
 
@@ -198,7 +197,7 @@ namespace greville
     }
 
     /// Set the data of a point that do not depend on the other side. @p radius
-    /// is null unless it is a material point.
+    /// is null for surface points that are not material points.
     static void
     set_place(ContactPoint<dim>       &point,
               const ConstPointRef<dim> p,
@@ -234,12 +233,13 @@ namespace greville
     find_inside_of_body(Contact &contact) const;
 
     /// Collective. Return the energy that each contact has given to the bodies,
-    /// J, and the @p largest energy or work of one source so far. Contacts with
-    /// rigid bodies that have moved, which do work, have no value.
+    /// J, and set @p largest to the largest energy or work of one source so
+    /// far. Contacts with rigid bodies that have moved have no value, because
+    /// these bodies do work.
     std::vector<std::optional<double>>
     given_energies(double &largest) const;
 
-    /// Collective. Compute the motion of both sides in the last step.
+    /// Collective. Compute the relative motion of both sides in the last step.
     void
     find_way(Contact                              &contact,
              const std::vector<ContactPoint<dim>> &points) const;
@@ -251,7 +251,7 @@ namespace greville
               const RigidPosition<dim> &before,
               const RigidPosition<dim> &now) const;
 
-    /// Throw if points have moved too far in a step, or overlap initially.
+    /// Throw if points have moved too far in a step, or overlap at the start.
     void
     check(const Contact                        &contact,
           const std::vector<ContactPoint<dim>> &points) const;
@@ -272,7 +272,7 @@ namespace greville
     std::vector<RigidBody<dim>>         rigid_bodies;
     std::vector<Contact>                contacts;
     std::unique_ptr<PassingBodies<dim>> passing;
-    bool are_implicit = false; // steps, at the last set_laws()
+    bool are_implicit = false; // at the last set_laws()
     // The versions of the parts at the last act().
     std::vector<std::uint64_t> points_versions;
     Results                    now, at_start;

@@ -8,14 +8,13 @@ namespace greville
 {
   /**
    * Collective. Return the parameters of the parts of CoupledSimulations: one
-   * part for each group of bodies on a common grid, if there are grids of
-   * bodies or contacts; otherwise only the given parameters.
+   * part for each group of bodies on a common grid, if bodies have their own
+   * grids or there are contacts; otherwise only the given parameters.
    *
-   * In total Lagrangian steps, a part has only the cells of its grid that
-   * contain points, and p more on each side, so that all functions that reach
-   * its bodies are functions of the whole grid. Walls act on the sides of the
-   * part that are sides of the grid of the parameters; all other sides are
-   * free.
+   * In total Lagrangian steps, the grid of a part contains only the cells with
+   * points and p more on each side, so that each function of its bodies is
+   * complete. Walls act on sides of the part that are also sides of the
+   * original grid; all other sides are free.
    *
    * Throws dealii::ExcMessage if a body is invalid.
    */

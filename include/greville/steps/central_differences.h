@@ -25,10 +25,9 @@ namespace greville
    *   F, J, stress from the gradient of w                     (grid to points)
    *
    * with the velocity w of the scheme. Coefficients at walls and in contacts
-   * are constrained in all of these. The part of the points' momentum that the
-   * constrained v does not represent is removed from the points by the kick,
-   * see GridMass::constrained_residual(); otherwise, they would keep it
-   * forever.
+   * are constrained in all of these. The constrained v does not represent all
+   * of the points' momentum. The kick removes the rest from the points, see
+   * GridMass::constrained_residual(); otherwise, they would keep it forever.
    *
    * With velocities at half steps, v belongs to t_(n-1/2) and v' to t_(n+1/2),
    * and dt' is the mean of dt and the previous step, or dt / 2 in the first
@@ -70,13 +69,13 @@ namespace greville
       return half_steps && state.velocity_time < state.time;
     }
 
-    /// Give velocities at half steps the other half of their kick. Reactions do
-    /// not change.
+    /// Apply the second half of the kick to velocities at half steps. Reactions
+    /// do not change.
     void
     finish(State<dim> &state) override;
 
   protected:
-    /// Return whether w is the mapped velocity of the points in place of v'.
+    /// Return whether w is the velocity mapped from the points, not v'.
     virtual bool
     deforms_by_mapped_velocity() const = 0;
 
@@ -101,7 +100,7 @@ namespace greville
 
     using Member = VectorField<dim> GridField<dim>::*;
 
-    /// Do one pass over the points. Null arguments omit a part.
+    /// Do one pass over the points. Null arguments skip a task.
     void
     update(State<dim>  &state,
            const Member kick,
@@ -152,7 +151,7 @@ namespace greville
     contact_step(State<dim> &state);
 
     /// Set guesses with values at walls, and begin the balance of momentum. The
-    /// acceleration is swapped with the one of the state.
+    /// accelerations of the field and of the state are swapped.
     void
     set_guesses(State<dim> &state);
 
@@ -179,7 +178,7 @@ namespace greville
     void
     find_acceleration(State<dim> &state);
 
-    /// Return the share of FLIP in this step; zero with APIC.
+    /// Return the FLIP share in this step; zero with APIC.
     double
     kept_share(const State<dim> &state) const
     {
@@ -213,13 +212,12 @@ namespace greville
     void
     add_contact(State<dim> &state);
 
-    /// Remove the part of the points' velocity that the constrained grid
-    /// velocity does not represent: add it, with the opposite sign, to the
-    /// acceleration that kicks them.
+    /// Remove the velocity of points that the constrained grid velocity does
+    /// not represent: subtract it from the acceleration that kicks them.
     void
     take_constrained_residual(const State<dim> &state);
 
-    /// Add the work of loads and walls; of point loads only the first half.
+    /// Add the work of loads and walls, with half of the work of point loads.
     void
     add_work(State<dim> &state);
 
@@ -231,9 +229,8 @@ namespace greville
     void
     add_work_of_damping(State<dim> &state);
 
-    /// Update the points of surfaces. Their velocity belongs to the end of the
-    /// step, to which grid velocities at half steps are extrapolated, as
-    /// dashpots require.
+    /// Update the points of surfaces. Dashpots require velocities at the end of
+    /// the step: grid velocities at half steps are extrapolated to it.
     void
     update_surfaces(State<dim>             &state,
                     const PointUpdate<dim> &update,
@@ -243,12 +240,12 @@ namespace greville
     double
     energy_swing(const State<dim> &state) const;
 
-    /// Call LateRow::show with the state at the start of the step, at whose end
-    /// points take a @p kick.
+    /// Call LateRow::show with the state at the start of the step. Points take
+    /// a @p kick at its end.
     void
     show(State<dim> &state, PointUpdate<dim> kick);
 
-    /// Begin the late row before the step, or complete it, if it is requested.
+    /// Begin or complete the late row of this step, if it is requested.
     void
     begin_row(const State<dim> &state);
 

@@ -13,8 +13,8 @@ namespace greville
   class CommonStep
   {
   public:
-    /// Contacts act at the start of the step, or in implicit steps during
-    /// trials. They and the simulations are kept by reference.
+    /// Contacts act at the start of an explicit step, or in the trials of an
+    /// implicit one. They and the simulations are kept by reference.
     explicit CommonStep(const std::vector<Simulation<dim> *> &simulations,
                         BodyContacts<dim> *contacts = nullptr);
 
@@ -41,7 +41,7 @@ namespace greville
     void
     try_implicit();
 
-    /// Find the proposed step, again after a rejected one.
+    /// Find the proposed step, also after a rejection.
     void
     propose();
     void
@@ -67,6 +67,6 @@ namespace greville
 
     unsigned int current_simulation = 0; // number of the current simulation
     std::vector<double> proposed;        // s
-    double              dt = 0.;         // of the step that is being tried, s
+    double              dt = 0.;         // of the trial, s
   };
 } // namespace greville

@@ -11,9 +11,9 @@ namespace greville
   /// The consistent mass matrix M_ij = sum_p m_p N_i(x_p) N_j(x_p) of the
   /// points on extended B-splines, see Extension and ExtendedMass. All
   /// components of the fields are solved together by an ExtendedMassSolver.
-  /// Cells that contain points of surfaces, but not yet of their bodies, are
-  /// marked as beyond the body: functions are extended to them, so that no part
-  /// of a load is lost.
+  /// Cells with points of surfaces, but without points of their bodies, count
+  /// as outside of the body. Functions are extended to them, so that no part of
+  /// a load is lost.
   template <int dim>
   class ConsistentMass : public GridMass<dim>
   {
@@ -67,8 +67,8 @@ namespace greville
       extended_mass.unknowns().extend(field, this->lumped_mass);
     }
 
-    /// Domains and surfaces also use extended functions without points of a
-    /// body in their support.
+    /// Domains and surfaces also use extended functions whose support contains
+    /// no points of a body.
     bool
     has_points(const unsigned int function) const override
     {
@@ -164,9 +164,9 @@ namespace greville
     VectorType                               diagonal;  // for "cg-jacobi"
     std::unique_ptr<ExtendedMultigrid<dim>>  multigrid; // "cg-p-multigrid"
     std::unique_ptr<ExtendedMassSolver<dim>> mass_solver;
-    // Implicit steps have a mass of their own. This matrix is assembled when a
-    // solve needs it, from the list of bodies of the last update(), which
-    // refers to the current state.
+    // Implicit steps use another mass, so this matrix is assembled only when a
+    // solve needs it. The bodies of the last update() belong to the current
+    // state.
     bool has_matrix = false, is_assembled = false;
     bool has_new_unknowns                                      = false;
     const std::vector<const MaterialPoints<dim> *> *bodies     = nullptr;

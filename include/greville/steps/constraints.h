@@ -8,8 +8,8 @@
 
 namespace greville
 {
-  /// Orthonormal directions, none of them an axis, along which an owned
-  /// function is constrained.
+  /// Orthonormal directions along which an owned function is constrained. None
+  /// of them is an axis.
   template <int dim>
   struct ConstrainedDirections
   {
@@ -34,9 +34,9 @@ namespace greville
 
 
 
-  /// Constraints of a velocity in addition to walls: for each owned function,
-  /// components as bits, and vectors of any length along which the velocity is
-  /// given while it is free in other directions.
+  /// Constraints of a velocity in addition to walls. Each owned function has
+  /// constrained components, as bits, and vectors of any length. The velocity
+  /// along a vector is prescribed; other directions are free.
   template <int dim>
   struct Constraints
   {
@@ -52,8 +52,8 @@ namespace greville
     }
 
     /// Move directions along axes to the components. Returns the remaining
-    /// directions by function, orthonormalized in the space of components that
-    /// are neither constrained here nor in @p constrained.
+    /// directions by function. They are orthonormal in the space of components
+    /// that neither this object nor @p constrained constrains.
     std::vector<ConstrainedDirections<dim>>
     reduce(const std::vector<unsigned char> &constrained);
   };

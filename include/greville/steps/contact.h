@@ -20,8 +20,8 @@ namespace greville
     /// The row of statistics that the step sums up, or null.
     LateRow<dim> *row = nullptr;
 
-    /// Add the work of a contact's impulse I: @p before is I v, and @p after is
-    /// I v', the share of this process, J (2D: J / m).
+    /// Add the work of a contact's impulse I, the share of this process, J (2D:
+    /// J / m). @p before is I v, and @p after is I v'.
     void
     add_work(const double before, const double after)
     {
@@ -36,9 +36,9 @@ namespace greville
   /**
    * Base class of contact forces on the velocity field of the grid in explicit
    * steps. A step calls
-   * - constrain(), with the sums over the points, before solves, which
-   *   then keep the values of constrained coefficients;
-   * - apply(), with the new velocity that results from the forces.
+   * - constrain() before solves, with the sums over the points; solves then
+   *   keep the values of constrained coefficients;
+   * - apply() after the solve, with the new velocity.
    *
    * A new contact is a class that derives from this one, and one line in the
    * list of source/steps/contact.cc; or a call of add_contact() in a program.
@@ -56,10 +56,10 @@ namespace greville
     constrain(ContactStep<dim> &)
     {}
 
-    /// Collective. Change GridField::new_velocity, and GridField::acceleration
-    /// accordingly over the step, whose length may be zero. The momentum of
-    /// walls is added to GridField::momentum_of_walls; ContactStep::add_work()
-    /// counts the work.
+    /// Collective. Change GridField::new_velocity by an impulse, and
+    /// GridField::acceleration by the impulse over the step length, which may
+    /// be zero. Momentum of walls is added to GridField::momentum_of_walls;
+    /// ContactStep::add_work() counts the work.
     virtual void
     apply(ContactStep<dim> &)
     {}

@@ -10,17 +10,17 @@
 
 namespace greville
 {
-  /// The preconditioner of the displacements of parts in contact: a
-  /// LatticeCycle of the tangents of all parts with the stiffness of contacts.
+  /// The preconditioner for the displacements of parts in contact: a
+  /// LatticeCycle for the tangents of all parts and the contact stiffness.
   template <int dim>
   class CoupledCycle
   {
   public:
-    /// Collective. Build the cycle with the coupling that @p make_coupling
-    /// returns if a system has another set-up than at the last call, or if the
-    /// sum of the @p stiffness of the coupling has changed by more than a
-    /// fifth. The systems are kept by reference. Throws ErrorOnAll if a matrix
-    /// has no factorization.
+    /// Collective. Build the cycle with the coupling from @p make_coupling, if
+    /// a system has been set up again since the last call, or if the sum of the
+    /// @p stiffness of the coupling has changed by more than a fifth. The
+    /// systems are kept by reference. Throws ErrorOnAll if a matrix has no
+    /// factorization.
     void
     update(const std::vector<TangentSystem<dim> *> &systems,
            const double                             stiffness,

@@ -8,9 +8,10 @@
 
 namespace greville
 {
-  /// The simulations of a parameter file: one, or one for each group of bodies
-  /// that share a velocity field, if bodies have grids of their own or there
-  /// are contacts. Contacts couple them, and they take common steps.
+  /// The simulations of a parameter file, called parts. If bodies have grids of
+  /// their own or there are contacts, each group of bodies with a common
+  /// velocity field is a part; otherwise there is one part. Contacts couple the
+  /// parts, which take common steps.
   template <int dim>
   class CoupledSimulations
   {
@@ -27,14 +28,15 @@ namespace greville
         part->fill_grid();
     }
 
-    /// Collective. Take a common step, see Simulation::step().
+    /// Collective. Take a common step of all parts, see Simulation::step().
     void
     step();
 
     bool
     is_finished() const;
 
-    /// Return whether a part exceeds its displacement, which ends the run.
+    /// Return whether a part exceeds its largest displacement, which ends the
+    /// run.
     bool
     exceeds_displacement() const;
 
@@ -44,7 +46,7 @@ namespace greville
       return parts.size();
     }
 
-    /// Return a part. Parts of single bodies have the order of the bodies.
+    /// Return a part. Parts with one body each have the order of the bodies.
     Simulation<dim> &
     part(const unsigned int k)
     {
@@ -57,8 +59,8 @@ namespace greville
       return *parts[k];
     }
 
-    /// Return the first part, whose times, numbers of steps and stage are
-    /// common to all parts.
+    /// Return the first part. Its times, numbers of steps and stage are common
+    /// to all parts.
     const Simulation<dim> &
     first() const
     {
@@ -125,8 +127,8 @@ namespace greville
     BodyList<dim>
     bodies() const;
 
-    /// The bodies of all stages: bodies of later stages as if they were added
-    /// now, and bodies without points for the materials that stages assign.
+    /// The bodies of all stages. Bodies of later stages are made as if they
+    /// were added now. Materials that stages assign have bodies without points.
     struct AllBodies
     {
       std::vector<Body<dim>>    later, of_materials;
@@ -170,8 +172,8 @@ namespace greville
     show_finished(const std::function<void()> &show);
 
     /// Collective. Request that the next step sums up the row of the current
-    /// state of all parts, see Simulation; @p watch and @p show also get the
-    /// number of the part.
+    /// state of all parts, see Simulation. @p watch and @p show also receive
+    /// the number of the part.
     void
     ask_for_row(const std::function<void(const unsigned int part,
                                          const double       weight,
@@ -182,7 +184,7 @@ namespace greville
     Statistics<dim>
     late_statistics() const;
 
-    /// Return warnings since the last call; for several parts, with the body.
+    /// Return warnings since the last call, with the body if there are several.
     std::vector<std::string>
     take_warnings();
 
@@ -227,14 +229,13 @@ namespace greville
     std::vector<Simulation<dim> *>
     pointers() const;
 
-    /// Sort the loads of parts in the order of the columns of files.
+    /// Sort the loads of all parts in the order of the columns.
     void
     sort_loads(Statistics<dim> &row) const;
 
     const MPI_Comm comm;
     const double   runout_above;
-    // The parts, which must not move in memory, since their members refer to
-    // them.
+    // The parts must not move in memory, since their members refer to them.
     std::vector<std::unique_ptr<Simulation<dim>>> parts;
     std::unique_ptr<BodyContacts<dim>>            contacts;
     std::vector<std::string>                      load_names;

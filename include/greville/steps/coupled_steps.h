@@ -22,9 +22,9 @@ namespace greville
    * preconditioner.
    *
    * The displacements of all parts are followed by the pore pressures of all
-   * parts (see PoreWater) if there are any; the pressures of parts without pore
-   * water are empty. Contacts act on the total stress, their friction depends
-   * on the effective stress, and they are impervious.
+   * parts (see PoreWater), if there are any. The pressures of parts without
+   * pore water are empty. Contacts transmit the total stress and are
+   * impervious; friction depends on the effective stress.
    */
   template <int dim>
   class CoupledSteps : public NewtonProblem
@@ -46,9 +46,9 @@ namespace greville
     void
     try_step();
 
-    /// The guess and, up to the number of iterations of the last step, the
-    /// subsequent iterates are linearized at once: residual and stiffness are
-    /// then computed in one pass over the points.
+    /// Residual and stiffness are computed together, in one pass over the
+    /// points, for the guess and the following iterates, up to the number of
+    /// iterations of the last step.
     std::string
     residual(VectorType &r, const VectorType &x) override;
 
@@ -77,8 +77,8 @@ namespace greville
     solve_all(VectorType &x, const VectorType &b, const double tolerance);
 
     /// Collective. Add the contribution of the pore water of part k to the
-    /// product with the blocks; and apply its part of the preconditioner,
-    /// before the part of the displacement.
+    /// product of the stiffness; and apply the preconditioner of the pore
+    /// water, which precedes the one of the displacement.
     void
     add_water(const unsigned int k);
     void
@@ -98,8 +98,8 @@ namespace greville
     bool
     has_water() const;
 
-    /// Collective. Report to the parts why Newton's method has failed at @p x,
-    /// and which contacts are @p changing, see
+    /// Collective. Throw StepRejected with the reason why Newton's method has
+    /// failed at @p x, and with the contacts that are @p changing, see
     /// TrialContacts::describe_changes().
     [[noreturn]] void
     reject(const VectorType  &x,

@@ -27,12 +27,12 @@ namespace greville
    * eigenvalue of
    * @f[ B \left(\frac{\Delta t^2}{4} K + \frac{\Delta t}{2} C\right) @f]
    * is one. K is the stiffness matrix of the bodies, with the moduli of their
-   * materials scaled by the wave moduli of the points, and C is the matrix of
-   * their largest viscosities, which do not depend on the state of a point: a
-   * torn fluid has no pressure, but keeps its viscosity. Without viscosity, dt
+   * materials scaled by the wave moduli of the points. C is the matrix of their
+   * largest viscosities. They do not depend on the state of a point: a torn
+   * fluid has no pressure, but keeps its viscosity. Without viscosity, dt
    * is 2 / omega with the largest eigenvalue omega^2 of B K; without stiffness,
-   * 2 / gamma with the largest eigenvalue gamma of B C. K and C enter together:
-   * a sum of separate estimates would be too short a step for a stiff body
+   * 2 / gamma with the largest eigenvalue gamma of B C. K and C must be
+   * combined: separate estimates would give too short a step for a stiff body
    * beside a viscous one.
    *
    * With the exact mass, B = M^-1. Otherwise, velocities of points that are
@@ -53,20 +53,20 @@ namespace greville
    *   \frac{2 s - (1 - f) s^2}{1 + f} A \quad \text{(MUSL)}.
    * @f]
    * APIC is PIC with an s that is nearer to one: (2 - s) A (USL), A (MUSL).
-   * For the highest frequency, s is near 0: the step of lumped USL is then
-   * shorter than the step of A K by up to the root of 2, the step of lumped
-   * MUSL is longer. Cundall's damping multiplies forces by at most 1 + alpha,
-   * and so the stiffness is multiplied by 1 + alpha. With other masses than
-   * lumped, the factor is (1 + alpha)^2: the damping changes its signs from
-   * step to step, and with 1 + alpha, a block that slides on its base
-   * repeatedly gains strain energy.
+   * For the highest frequency, s is near 0. Compared with the step of A K, the
+   * step of lumped USL is then shorter by up to the root of 2, and the step of
+   * lumped MUSL is longer. Cundall's damping multiplies forces by at most 1 +
+   * alpha; so the stiffness is multiplied by 1 + alpha with lumped mass, and by
+   * (1 + alpha)^2 with other masses. There, the damping changes its signs from
+   * step to step, and a block that slides on its base would repeatedly gain
+   * strain energy with the factor 1 + alpha.
    *
    * The eigenvalue is computed by largest_eigenvalue(), until it changes by
-   * less than 1 % per step. It converges from below, so the result needs a
+   * less than 1 % per iteration. It converges from below, so the result needs a
    * safety factor. An estimate begins with the last eigenvector plus some
    * noise. The mass of a linear B-spline at the rim of a body vanishes with the
-   * distance of the outermost point, but its stiffness does not; for p = 1,
-   * functions with less than 1 % of the largest mass are therefore left out.
+   * distance of the outermost point, but its stiffness does not. For p = 1,
+   * functions with less than 1 % of the largest mass are therefore omitted.
    *
    * (T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua
    * and structures, section 6.2, derive the critical step of a damped mode.)
@@ -75,8 +75,8 @@ namespace greville
   class CriticalStep
   {
   public:
-    /// Collective. Return the critical step, infinite if nothing is stiff or
-    /// viscous. @p mass belongs to the current positions of @p bodies, and to
+    /// Collective. Return the critical step; infinite without stiffness and
+    /// viscosity. @p mass belongs to the current positions of @p bodies, and to
     /// @p mass_points. Springs and dashpots of the loads on @p surfaces are
     /// included. The iteration begins with the last @p mode and overwrites it.
     double
@@ -122,8 +122,8 @@ namespace greville
                           const std::vector<const Body<dim> *> &bodies,
                           const std::vector<Surface<dim>>      &surfaces);
 
-    // The unknowns: owned functions by component; and fields and arrays of
-    // their values, component by component.
+    // The owned functions that take part, by component; and fields and arrays
+    // of their values, one component after the other.
     std::array<std::vector<unsigned int>, dim> unknowns;
     VectorField<dim>    source, target, product, extended;
     std::vector<double> start;

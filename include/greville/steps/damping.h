@@ -11,11 +11,10 @@ namespace greville
    *
    *   a_i -= alpha |f_i| / m_i sign(P_i)
    *
-   * with the lumped mass m_i: it reduces the kinetic energy of the points by
+   * with the lumped mass m_i. It reduces the kinetic energy of the points by
    * alpha sum |f_i| |P_i| / m_i per time, with any mass. Damping the force
-   * before the solve would be equivalent for a lumped mass only; an inverse
-   * that is not diagonal amplifies changes of sign between neighboring
-   * functions.
+   * before the solve is equivalent for a lumped mass only. An inverse that is
+   * not diagonal amplifies changes of sign between neighboring functions.
    */
   template <int dim>
   class Damping
@@ -31,13 +30,13 @@ namespace greville
       return parameters.cundall;
     }
 
-    /// Damp the acceleration of a field that results from its force.
+    /// Damp the acceleration of a field in proportion to its force.
     void
     damp(GridField<dim> &field) const;
 
-    /// Return the power of damping on this process, W (2D: W / m), if points
-    /// have the momentum P before and P' after the kick, and @p momenta is P +
-    /// P': a kick dt' a adds dt' a . (P + P') / 2 to their kinetic energy. Only
+    /// Return the power of damping on this process, W (2D: W / m). Points have
+    /// the momentum P before the kick and P' after it, and @p momenta is P +
+    /// P'. A kick dt' a adds dt' a . (P + P') / 2 to the kinetic energy; only
     /// the part of a that is due to damping counts.
     double
     power(const GridField<dim> &field, const VectorField<dim> &momenta) const;

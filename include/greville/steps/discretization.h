@@ -30,9 +30,9 @@ namespace greville
   class Discretization
   {
   public:
-    /// Collective. Processes get the same share of points and cells. Parameters
-    /// and log are kept by reference. Throws dealii::ExcMessage for invalid
-    /// parameters.
+    /// Collective. Distribute points and cells equally among processes.
+    /// Parameters and log are kept by reference. Throws dealii::ExcMessage for
+    /// invalid parameters.
     Discretization(const SimulationParameters &parameters,
                    const Loads<dim>           &loads,
                    StepLog                    &log,
@@ -40,8 +40,8 @@ namespace greville
 
     /// Collective. Distribute the cells among the processes by @p partition.
     /// Returns whether the mesh has changed; reinit() must then make everything
-    /// anew. It does not change if cells already have this distribution, if the
-    /// partition has no rows, and on one process.
+    /// anew. The mesh does not change on one process, if cells have this
+    /// distribution already, or if the partition has no rows.
     bool
     repartition(const std::shared_ptr<const Partition> &partition);
 
@@ -52,9 +52,9 @@ namespace greville
       return cell_partition;
     }
 
-    /// Collective. Make walls and mass anew from the parameters, which may
-    /// belong to another stage now. Fields that have been initialized before,
-    /// and the space of points, still refer to the old space.
+    /// Collective. Make walls and mass anew from the parameters, which may now
+    /// belong to another stage. Initialized fields, and the space of points,
+    /// still refer to the old space.
     void
     reinit();
 
@@ -76,7 +76,7 @@ namespace greville
       return orders.finest();
     }
 
-    /// Return the orders that solvers use, from the order of space() down.
+    /// Return the orders that solvers use, in descending order from space().
     const OrderHierarchy<dim> &
     hierarchy() const
     {
@@ -153,8 +153,8 @@ namespace greville
     initialize_field(State<dim> &state) const;
 
     /// Collective. Sum up mass and momentum of the points and assemble the
-    /// mass, unless this has been done for State::points_version; and sum up
-    /// the force if @p with_force, including loads on surfaces.
+    /// mass, unless this has been done for State::points_version. With
+    /// @p with_force, also sum up the force, including loads on surfaces.
     void
     sum(const State<dim> &state, const bool with_force = false);
 
@@ -221,6 +221,6 @@ namespace greville
     PointTransport<dim>                    point_transport;
 
     std::uint64_t version_of_sums = 0;     // 0: no state
-    bool          mass_is_known   = false; // for all states
+    bool          mass_is_known   = false; // in total Lagrangian steps
   };
 } // namespace greville

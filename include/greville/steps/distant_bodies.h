@@ -9,9 +9,10 @@
 
 namespace greville
 {
-  /// Return notes about rigid bodies that stay away from their @p regions, the
-  /// grids of the bodies that may meet them. Throws dealii::ExcMessage if such
-  /// a rigid body does not move and bodies cannot leave their grid.
+  /// Return notes about rigid bodies that stay away from their @p regions,
+  /// which are the grids of the bodies that may meet them. Throws
+  /// dealii::ExcMessage if such a rigid body does not move and no body can
+  /// leave its grid.
   template <int dim>
   std::vector<std::string>
   notes_of_distant_bodies(const SimulationParameters        &parameters,

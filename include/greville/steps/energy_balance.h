@@ -26,11 +26,11 @@ namespace greville
    * The balance of energy of the bodies,
    *   E(t) = kinetic + strain energy + dissipation <= E(0) + W(t) + D(t),
    * with the work W of gravity, loads and moving walls, and the work D <= 0 of
-   * Cundall's damping. Energy in excess of this bound is spurious and indicates
-   * an instability.
+   * Cundall's damping. Energy above this bound is spurious and indicates an
+   * instability.
    *
    * Transfers between points and grid, the filter and friction at walls also
-   * dissipate energy, which is not part of W and D, so E may be smaller. The
+   * dissipate energy. This is not part of W and D, so E may be smaller. The
    * work of friction walls is recorded; the remaining difference is the
    * numerical loss().
    */
@@ -115,7 +115,7 @@ namespace greville
     totals(const double energy, const MPI_Comm comm) const;
 
     /// Return the spurious gain of energy, as a fraction of the largest energy
-    /// or work so far. Since damping may only dissipate, a rise of D since its
+    /// or work so far. Damping may only dissipate, so any rise of D above its
     /// lowest value counts as gain. Known temporary oscillations of E by
     /// @p energy_swing do not count.
     double
@@ -128,9 +128,9 @@ namespace greville
       largest = largest_with(now);
     }
 
-    /// Return the energy that neither work, nor damping, nor friction walls
-    /// account for: the dissipation by transfers, the filter and points that
-    /// have left the grid. Unit: J (2D: J / m).
+    /// Return the energy that disappears without work, damping or friction
+    /// walls: the dissipation by transfers and the filter, and the energy of
+    /// points that have left the grid. Unit: J (2D: J / m).
     double
     loss(const EnergyTotals &now) const
     {
@@ -145,9 +145,9 @@ namespace greville
       return std::max({largest, std::abs(now.energy), std::abs(now.work)});
     }
 
-    /// Call @p all(name, number) for the numbers that are equal on all
-    /// processes, and @p sum(name, number) for numbers that are sums over
-    /// processes, including the first @p n_sources sources of work.
+    /// Call @p all(name, number) for numbers that are equal on all processes,
+    /// and @p sum(name, number) for numbers that are sums over processes,
+    /// including the first @p n_sources sources of work.
     template <typename Balance, typename All, typename Sum>
     static void
     visit_numbers(Balance           &balance,

@@ -6,7 +6,7 @@
 
 namespace greville
 {
-  /// Update stress last: w = v', in the pass that kicks and moves the points.
+  /// Update stress last: w = v'. One pass kicks, deforms and moves the points.
   template <int dim>
   class USL : public CentralDifferences<dim>
   {
@@ -26,8 +26,8 @@ namespace greville
 
 
 
-  /// Modified update stress last: w = M^-1 P', P' from the velocities of the
-  /// kicked points at x_n.
+  /// Modified update stress last: w = M^-1 P', with P' from the velocities of
+  /// the kicked points at x_n.
   template <int dim>
   class MUSL : public CentralDifferences<dim>
   {

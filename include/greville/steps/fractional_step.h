@@ -18,14 +18,14 @@ namespace greville
    * with the force f and the balance of water r of WaterPoints: the decrease of
    * the pore volume by v' is balanced by compression of the water and outflow.
    * The pressure is fully implicit, so that neither the stiffness of water nor
-   * its flow limits the step, and no step is too short; only waves of the soil
-   * have a critical step. The method is of first order in time, like @ref
-   * Zienkiewicz1980 "Zienkiewicz, Chang and Bettess, 1980".
+   * its flow limits the step, and steps may be arbitrarily short. Only waves of
+   * the soil have a critical step. The method is of first order in time, like
+   * @ref Zienkiewicz1980 "Zienkiewicz, Chang and Bettess, 1980".
    *
-   * Friction walls are included, since they affect the water: after M a' = M a
+   * Friction walls are included, since they affect the water. After M a' = M a
    * - f(p), each coefficient of v' that moves into a wall loses its normal
-   * part, and of its tangential part at most mu times the normal part that
-   * would result from M a less the weight of the same volume of water. For
+   * part. It also loses at most mu times N of its tangential part. N is the
+   * normal impulse from M a, less the weight of the same volume of water. For
    * water at rest, friction therefore corresponds to the effective stress at
    * the centre of the function's gradient, a third of a cell above the wall for
    * degree 2, plus the submerged weight below it, with the mean density of all
@@ -54,8 +54,8 @@ namespace greville
                  const double                  velocity_step,
                  GridField<dim>               &field);
 
-    /// Return f(p) of the last pressure, N (2D: N / m); along r, its sum is not
-    /// zero.
+    /// Return f(p) of the last pressure, N (2D: N / m). In axisymmetric grids,
+    /// its sum along r is not zero.
     const VectorField<dim> &
     forces() const
     {
@@ -69,7 +69,7 @@ namespace greville
     advance(State<dim> &state) const;
 
   private:
-    /// Set the displacement in @p step without the pressure. @p kick is dt dt'.
+    /// Set the displacement by @p step without the pressure. @p kick is dt dt'.
     void
     begin(const State<dim>             &state,
           const dealii::Tensor<1, dim> &gravity,
@@ -77,12 +77,12 @@ namespace greville
           const double                  kick,
           GridField<dim>               &field);
 
-    /// Compute the member moved from displacement by friction walls, and
-    /// replace a @p direction of displacement by the direction of moved.
+    /// Compute the member `moved` from `displacement` by friction walls. Also
+    /// apply its derivative to a @p direction of displacement.
     void
     slide(VectorField<dim> *direction = nullptr);
 
-    /// Add the action of friction walls in the last slide() to the field.
+    /// Add the impulses of friction walls in the last slide() to the field.
     void
     take_impulses(const double    step,
                   const double    velocity_step,

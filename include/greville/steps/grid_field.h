@@ -7,7 +7,7 @@
 namespace greville
 {
   /**
-   * The velocity field of a grid: the bodies on it move together if they touch.
+   * The velocity field of a grid. Bodies on a grid move together if they touch.
    * FieldState contains the values that steps pass on.
    *
    * The sums are computed by Discretization::sum() over the points of the
@@ -29,13 +29,13 @@ namespace greville
     /// The sums of mass, kg (2D: kg / m), momentum, kg m / s, and force, N.
     VectorType       lumped_mass;
     VectorField<dim> momentum, force;
-    /// The force of the load on each of State::surfaces, N.
+    /// For each surface of State::surfaces, the force of its load, N.
     std::vector<VectorField<dim>> surface_forces;
 
     /// The velocity v, the acceleration a, and v' of explicit steps, m / s,
     /// allocated by CentralDifferences.
     VectorField<dim> velocity, acceleration, new_velocity;
-    /// The momentum that walls transfer to the bodies in the step, the share of
+    /// The momentum that walls give to the bodies in the step, the share of
     /// this process, kg m / s.
     WallSums<dim> momentum_of_walls;
   };

@@ -48,8 +48,9 @@ namespace greville
     virtual bool
     is_diagonal() const = 0;
 
-    /// Return the filled parts of cells that update() needs, to be set by
-    /// PointTransfer::points_to_grid() before; null if it needs none.
+    /// Return the memory for the filled parts of cells that update() needs,
+    /// null if it needs none. PointTransfer::points_to_grid() must fill it
+    /// before.
     virtual std::vector<double> *
     filled_parts()
     {
@@ -57,9 +58,9 @@ namespace greville
     }
 
     /// Collective. Set new masses: @p lumped from
-    /// PointTransfer::points_to_grid() for these @p bodies, and points of their
-    /// @p surfaces, which have no mass but bear loads. The list of bodies and
-    /// the transfer are kept by reference.
+    /// PointTransfer::points_to_grid() for these @p bodies. The points of their
+    /// @p surfaces have no mass but bear loads. The list of bodies and the
+    /// transfer are kept by reference.
     virtual void
     update(const VectorType                               &lumped,
            const std::vector<const MaterialPoints<dim> *> &bodies,
@@ -67,8 +68,8 @@ namespace greville
            const PointTransfer<dim>                       &transfer) = 0;
 
     /// Collective. Solve M x = b for pairs of fields. On entry, @p x contains
-    /// initial guesses and the values of constrained coefficients. Right-hand
-    /// sides below @p shares[k] times the first one need not be solved for (see
+    /// initial guesses and the values of constrained coefficients. A right-hand
+    /// side below @p shares[k] times the first one need not be solved for (see
     /// ExtendedMassSolver::solve()). Throws dealii::ExcMessage if the solver
     /// does not converge.
     virtual void
@@ -76,8 +77,8 @@ namespace greville
           const std::vector<const VectorField<dim> *> &b,
           const std::vector<double>                   &shares = {}) = 0;
 
-    /// Collective. Add constraints to the constraints of walls, until the next
-    /// call. Throws dealii::ExcMessage for directions that are not axes unless
+    /// Collective. Set constraints in addition to walls, in place of earlier
+    /// ones. Throws dealii::ExcMessage for directions that are not axes unless
     /// the mass is diagonal.
     void
     constrain(const Constraints<dim> &more);
@@ -86,9 +87,8 @@ namespace greville
     void
     release();
 
-    /// Return the unconstrained part of a vector at the owned function i:
-    /// without constrained components, and without its part along constrained
-    /// directions.
+    /// Return a vector at the owned function i without its constrained
+    /// components, and without its part along constrained directions.
     dealii::Tensor<1, dim>
     free_part(const unsigned int i, dealii::Tensor<1, dim> vector) const;
 
@@ -114,30 +114,30 @@ namespace greville
 
     /// Collective. Compute, as a velocity, the part of the momentum @p b of
     /// points that the solution @p x of M x = b does not represent because of
-    /// constraints: (b - M x)_i / m_i at constrained coefficients, only its
-    /// part along constrained directions, and zero elsewhere.
+    /// constraints. At constrained coefficients, this is (b - M x)_i / m_i, or
+    /// its part along constrained directions; elsewhere, it is zero.
     void
     constrained_residual(VectorField<dim>       &residual,
                          const VectorField<dim> &b,
                          const VectorField<dim> &x) const;
 
-    /// Collective. Compute the contribution of constrained coefficients to the
-    /// momentum: at each of them the row of M x - b for the pair @p k of the
-    /// last solve(). For all masses, the sum of m_i x_i is then the sum of b_i
-    /// and of these rows. Other entries may have any value.
+    /// Collective. Compute the momentum that constraints supply: at constrained
+    /// coefficients, the rows of M x - b for the pair @p k of the last solve().
+    /// For all masses, the sum of m_i x_i is then the sum of b_i and of these
+    /// rows. Other entries may have any value.
     virtual void
     constrained_rows(VectorField<dim>       &rows,
                      const VectorField<dim> &x,
                      const VectorField<dim> &b,
                      const unsigned int      k) const = 0;
 
-    /// Collective. Set coefficients that depend on unknowns, see ExtendedMass.
+    /// Collective. Set coefficients of extended functions, see ExtendedMass.
     virtual void
     extend(VectorField<dim> &) const
     {}
 
-    /// Return whether the points determine an owned function: its coefficient
-    /// depends on more than a few points.
+    /// Return whether enough points determine the coefficient of an owned
+    /// function.
     virtual bool
     is_stable(const unsigned int) const
     {
@@ -151,9 +151,8 @@ namespace greville
       return {};
     }
 
-    /// Set the windows of cells, kept by reference, in which update() stores
-    /// the cells that reach their neighbours by extended functions; null for
-    /// none.
+    /// Set the windows of cells, kept by reference; null for none. update()
+    /// stores there which cells reach their neighbours by extended functions.
     virtual void
     set_windows(CellWindows<dim> *)
     {}
@@ -173,9 +172,9 @@ namespace greville
     }
 
     /// Return whether functions with hardly any mass are extended for surfaces
-    /// in contact, although not for solve(). If so, loads of surfaces must be
-    /// condensed, b = E^T b, and surfaces move with distributed velocities, v =
-    /// E v. E is the matrix of ExtendedUnknowns.
+    /// in contact, although solve() does not extend them. If so, loads of
+    /// surfaces must be condensed, b = E^T b, and surfaces move with extended
+    /// velocities, v = E v, with the matrix E of ExtendedUnknowns.
     virtual bool
     extends_surfaces() const
     {
@@ -191,8 +190,8 @@ namespace greville
     distribute(VectorField<dim> &) const
     {}
 
-    /// Forget the factorizations of earlier matrices: results then depend only
-    /// on the points, bitwise and not just within the tolerance of the solver.
+    /// Forget the factorizations of earlier matrices. Results then depend on
+    /// the points bitwise, not only within the solver's tolerance.
     virtual void
     forget()
     {}
@@ -204,7 +203,7 @@ namespace greville
       return 0;
     }
 
-    /// Collective. Return the number of cells of fragments (lumped mass).
+    /// Collective. Return the number of cells in fragments (lumped mass).
     virtual std::uint64_t
     n_fragments() const
     {

@@ -25,18 +25,18 @@ namespace greville
    * @f]
    * with the internal forces f and the loads F at the start and F' at the end.
    * The acceleration at the start satisfies M a = F - f, unless the scheme
-   * keeps the a' of the previous step: if both alphas are not zero, a' belongs
-   * to the time (alpha_f - alpha_m) dt before the end of its step, on which
-   * second order depends.
+   * keeps the a' of the previous step. If both alphas are not zero, a' belongs
+   * to the time (alpha_f - alpha_m) dt before the end of its step; second order
+   * depends on this.
    *
    * If a included contact forces @f$f_c@f$ that appear or vanish in a step,
-   * energy would grow. In schemes with a, a and a' therefore include only the
-   * other forces, and contacts act as impulses at the end of the step (@ref
-   * Kane1999 "Kane et al., 1999"; @ref Chen2013 "Chen et al., 2013"): to v'
-   * they add @f$dt M^{-1} f_c@f$, and to u half of this times dt, which adds
-   * @f$f_c@f$ times contact_weight() to the equation for u. These steps keep a
-   * body at rest on another one, dissipate energy in impacts, and are of first
-   * order if contact forces change.
+   * energy would grow. In schemes that contain a, the accelerations a and a'
+   * therefore include only the other forces, and contacts act as impulses at
+   * the end of the step (@ref Kane1999 "Kane et al., 1999"; @ref Chen2013 "Chen
+   * et al., 2013"). They add @f$dt M^{-1} f_c@f$ to v', and half of this times
+   * dt to u. The equation for u then contains @f$f_c@f$ times contact_weight().
+   * These steps keep a body at rest on another one, dissipate energy in
+   * impacts, and are of first order if contact forces change.
    */
   struct ImplicitScheme
   {
@@ -49,8 +49,8 @@ namespace greville
     StepStress stress    = StepStress::end;
     /// Loads belong to the time t + load_time dt.
     double load_time = 1.;
-    /// True if points keep the part of their momentum that the constrained
-    /// velocity does not represent. Removing it would also dissipate energy.
+    /// True if points keep momentum that the constrained velocity does not
+    /// represent. Removing it would also dissipate energy.
     bool keeps_constrained_momentum = false;
 
     /// Return whether the acceleration a occurs in the equations.

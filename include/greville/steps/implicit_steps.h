@@ -18,7 +18,7 @@ namespace greville
   class TrialContacts;
 
   /**
-   * Implicit steps in the updated Lagrangian form: the basis functions are
+   * Implicit steps in the updated Lagrangian form. The basis functions are
    * evaluated at the x_n of the points, and the unknowns are the displacement u
    * of the grid. With the velocity v of the grid, M v = P, and its acceleration
    * a, M a = F - f, at x_n, u solves the equations of an ImplicitScheme by
@@ -29,10 +29,10 @@ namespace greville
    *   \qquad v_p \leftarrow v_p + (v' - v)(x_p),
    * @f]
    * or with PIC v_p = v'(x_p). A scheme that keeps its acceleration also
-   * transfers it to the points, a_p = a'(x_p), and M a = sum_p m_p a_p N in the
-   * next step; total Lagrangian steps keep it on the grid. M is the consistent
-   * mass on extended B-splines or, with Scheme/Mass = lumped, its row sums
-   * before the extension.
+   * transfers it to the points, a_p = a'(x_p), and begins the next step with M
+   * a = sum_p m_p a_p N; total Lagrangian steps keep it on the grid. M is the
+   * consistent mass on extended B-splines or, with Scheme/Mass = lumped, its
+   * row sums before the extension.
    *
    * If Newton's method fails, the step is repeated with half the length; after
    * easy steps, the length is doubled, up to the given one. The state does not
@@ -105,13 +105,14 @@ namespace greville
               const bool        with_following,
               VectorField<dim> &loads);
 
-    /// Find the acceleration of the grid at the start, without contacts: the
-    /// acceleration kept by the scheme or, in its first step, from the forces.
+    /// Find the acceleration of the grid at the start, without contacts. It is
+    /// the acceleration kept by the scheme; in the first step, it follows from
+    /// the forces.
     void
     find_acceleration(State<dim> &state);
 
-    /// Collective. Find the acceleration by contact_load; false if there is
-    /// none.
+    /// Collective. Find the acceleration by contact_load. Returns false if
+    /// there is no contact load.
     bool
     find_contact_acceleration();
 
@@ -127,7 +128,7 @@ namespace greville
     void
     solve_mass(VectorField<dim> &x, const VectorField<dim> &b);
 
-    /// Compute all that is known at the start of a step, and guess u.
+    /// Compute the data of the start of a step, and guess u.
     void
     begin_trial(State<dim> &state, const double dt);
 
@@ -142,8 +143,8 @@ namespace greville
     void
     begin_water(State<dim> &state, const double dt);
 
-    /// Sum old_force, of the stresses and the water pressure at the start, and
-    /// the loads at the start and in the step.
+    /// Sum old_force, the force of the stresses and the water pressure at the
+    /// start, and the loads at the start and in the step.
     void
     sum_forces(State<dim> &state, const double dt);
 
@@ -152,8 +153,8 @@ namespace greville
     void
     set_contact_impulses_apart(const State<dim> &state);
 
-    /// Return the start and the end of a step, each with a time before and
-    /// after it for velocities of walls.
+    /// Return the times of walls at the start and the end of a step. Each has a
+    /// time before and after it for the velocities of walls.
     std::array<WallTime, 2>
     wall_times(const double t, const double dt) const;
 
@@ -161,7 +162,7 @@ namespace greville
     void
     map_velocity(const State<dim> &state, const double dt);
 
-    /// Find the acceleration at the start, and the velocity of surfaces by it.
+    /// Find the acceleration at the start, and its part in surface velocities.
     void
     map_acceleration(State<dim> &state, const double dt);
 
@@ -175,8 +176,8 @@ namespace greville
     std::string
     evaluate(const VectorType &x, const double dt, const bool with_stiffness);
 
-    /// Compute the residual of the last evaluate(), with the weighted contact
-    /// force, which is kept by reference and may be null.
+    /// Compute the residual of the last evaluate() with the weighted contact
+    /// force, which may be null and is kept by reference.
     void
     find_residual(VectorType             &r,
                   const double            dt,
@@ -199,7 +200,7 @@ namespace greville
     std::string
     describe_failure(const State<dim> &state) const;
 
-    /// Return the place of the largest entry of the last residual.
+    /// Return the position of the largest entry of the last residual.
     std::string
     describe_residual() const;
 
@@ -223,12 +224,12 @@ namespace greville
              const VectorField<dim> &reaction,
              const double            dt);
 
-    /// Count the work of surface loads with @p share of the load at the end.
+    /// Count the work of surface loads; the load at the end has this @p share.
     void
     add_work_of_surfaces(State<dim> &state, const double share);
 
-    /// Remove the momentum that constrained velocities do not represent from
-    /// the points with their kick, and count it as momentum of walls.
+    /// Kick the points so that they lose momentum that constrained velocities
+    /// do not represent. Count it as momentum of walls.
     void
     take_constrained_momentum(State<dim> &state, const double dt);
 
@@ -255,7 +256,7 @@ namespace greville
     const ImplicitScheme        scheme;
     std::optional<Expression>   step_formula;
     TangentSystem<dim>          system;
-    CoupledCycle<dim>           coupled_cycle; // of parts with this first one
+    CoupledCycle<dim>           coupled_cycle; // if this is the first part
     bool                        is_symmetric = true;
 
     // The pore pressure and its force, null without pore water.
@@ -271,16 +272,15 @@ namespace greville
     std::uint64_t                   points_version         = 0; // of the mass
 
     VectorField<dim> velocity, acceleration, displacement;
-    VectorField<dim> constrained_momentum; // of walls, by the mapped velocity
+    VectorField<dim> constrained_momentum; // of the mapped velocity
     VectorField<dim> old_force, old_loads, new_loads, force, work;
-    // For surfaces, followed by bodies if their loads depend on the position of
-    // points: the part of the velocity that does not depend on the
-    // displacement, and loads. The loads at the start do not include the
+    // Fields for surfaces, and for bodies if their loads depend on the position
+    // of points: the part of the velocity that does not depend on the
+    // displacement, and the loads. The loads at the start exclude loads of
     // bodies.
     VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
-    // If contacts act as impulses: the force of TrialContacts with its weight,
-    // and the contact load and its acceleration, first at the start, then in
-    // the trial.
+    // If contacts act as impulses: the weighted force of TrialContacts; and the
+    // contact load and its acceleration, first at the start, then in the trial.
     const VectorField<dim> *contact_force = nullptr;
     VectorField<dim>        contact_load, contact_acceleration;
     VectorType              last_residual;
@@ -290,8 +290,8 @@ namespace greville
     bool        forces_vanish    = false;         // when Newton's method failed
     std::string rejection;
 
-    // The numbers of iterations of the last tried step: of Newton's method, and
-    // of the linear solver: the largest per Newton iteration, and the sum.
+    // The numbers of iterations in the last trial: of Newton's method, and of
+    // the linear solver, the largest per Newton iteration and the sum.
     unsigned int n_newton = 0, n_linear = 0, n_all_linear = 0;
   };
 } // namespace greville

@@ -7,25 +7,25 @@
 namespace greville
 {
   /// Collective. Return the partition that gives each process the same share of
-  /// the points, which the parameters describe, and of the cells of @p mesh. It
-  /// has no rows on one process.
+  /// the points of the parameters and of the cells of @p mesh. It has no rows
+  /// on one process.
   template <int dim>
   Partition
   initial_partition(DistributedTriangulation<dim> &mesh,
                     const SimulationParameters    &parameters,
                     const Loads<dim>              &loads);
 
-  /// Collective. Return the largest speeds, with waves in bodies without
-  /// stress.
+  /// Collective. Return the largest speeds. Waves have the speed of stress-free
+  /// bodies.
   template <int dim>
   Signals
   initial_signals(const std::vector<Body<dim>> &bodies,
                   const SplineSpace<dim>       &space);
 
   /// Collective. Return the bodies with their points, at rest on the grid.
-  /// Throws dealii::ExcMessage if two bodies fill the same cells, by half a
-  /// cell or more, or if an initial displacement moves points out of the grid.
-  /// Points have the fields of all stages.
+  /// Throws dealii::ExcMessage if two bodies overlap by half of a cell or more,
+  /// or if an initial displacement moves points out of the grid. Points have
+  /// the fields of all stages.
   template <int dim>
   State<dim>
   make_initial_state(const SimulationParameters &parameters,
@@ -33,9 +33,9 @@ namespace greville
                      Discretization<dim>        &discretization);
 
   /// Collective. Throw dealii::ExcMessage if the pressure of incompressible
-  /// water is undetermined: bodies without drained boundaries fill a grid whose
-  /// walls all constrain their normals. Otherwise, the total stress at a
-  /// surface determines it.
+  /// water is undetermined: bodies without drained boundaries fill a grid, and
+  /// all walls of the grid constrain normal velocities. Otherwise, the total
+  /// stress at a surface determines the pressure.
   template <int dim>
   void
   check_closed_box(const std::vector<Body<dim>> &bodies,

@@ -6,23 +6,23 @@
 
 namespace greville
 {
-  /// Return the work of this process in a step, in units of the work of a
-  /// point: its points of bodies and surfaces, and its cells.
+  /// Return the work of this process in a step, for its points of bodies and
+  /// surfaces and its cells. Unit: the work of one point.
   template <int dim>
   double
   work_of_process(const State<dim> &state, const SplineSpace<dim> &space);
 
 
 
-  /// Collective. Return the largest work of a process over the mean work. This
-  /// is the time of a step relative to balanced work, as far as time is
-  /// proportional to points and cells.
+  /// Collective. Return the largest work of a process over the mean work. As
+  /// far as time is proportional to work, a step takes this factor longer than
+  /// with balanced work.
   double
   imbalance(const double work, const MPI_Comm comm);
 
 
 
-  /// Collective. Return the partition for numbers of points in owned cells.
+  /// Collective. Return the partition by numbers of points in owned cells.
   template <int dim>
   Partition
   partition_by_points(const std::vector<std::uint64_t> &counts,

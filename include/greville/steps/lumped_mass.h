@@ -9,11 +9,11 @@
 namespace greville
 {
   /// The row sums M_L of the mass matrix M of the points, or FMPM's series of K
-  /// terms, see add_fmpm_terms(), on all functions with mass in their support.
-  /// The points of a surface in contact are ahead of the points of its body: if
-  /// they enter a cell first, functions there have hardly any mass or none. For
-  /// surfaces in contact, these functions are replaced by a constant extension
-  /// of the nearest ones, so that no part of a force is lost.
+  /// terms (see add_fmpm_terms()), for all functions with mass. Points of a
+  /// contact surface are ahead of the points of their body. When they enter a
+  /// cell first, functions there have hardly any mass or none. For contact
+  /// surfaces, these functions are replaced by a constant extension of the
+  /// nearest functions with mass, so that no part of a force is lost.
   template <int dim>
   class LumpedMass : public GridMass<dim>
   {
@@ -47,7 +47,7 @@ namespace greville
            const std::vector<const MaterialPoints<dim> *> &surfaces,
            const PointTransfer<dim>                       &transfer) override;
 
-    /// Constrained coefficients take part in the series with their values.
+    /// Constrained coefficients enter the series with their values.
     void
     solve(const std::vector<VectorField<dim> *>       &x,
           const std::vector<const VectorField<dim> *> &b,
@@ -88,8 +88,8 @@ namespace greville
               const std::vector<const MaterialPoints<dim> *> &bodies,
               const PointTransfer<dim>                       &transfer);
 
-    /// Call action(i) for the owned functions that walls constrain, which keep
-    /// their loads and their velocities.
+    /// Call action(i) for the owned functions that walls constrain. They keep
+    /// their loads and velocities.
     template <typename Action>
     void
     for_each_constrained(const unsigned int component, Action action) const;

@@ -32,10 +32,10 @@ namespace greville
   void
   stop_points(State<dim> &state);
 
-  /// Collective. Update the points of all bodies in one pass. The material of
-  /// the @p update is replaced by the material of each body, with the strength
-  /// at the @p time (s) that the points reach. A kick sums up the @p row unless
-  /// null.
+  /// Collective. Update the points of all bodies in one pass. Each body uses
+  /// its own material instead of the material of the @p update, with the
+  /// strength at the @p time (s) of the points after the step. A kick sums up
+  /// the @p row unless null.
   template <int dim>
   PointMotion
   update_points(std::vector<Body<dim>> &bodies,
@@ -44,9 +44,8 @@ namespace greville
                 const double            time,
                 LateRow<dim>           *row = nullptr);
 
-  /// Collective. Update the points of surfaces, which have no inertia: in a
-  /// kick, they take the velocity of the grid. The result is added to the
-  /// @p motion.
+  /// Collective. Update the points of surfaces, which have no inertia: a kick
+  /// gives them the velocity of the grid. The result is added to the @p motion.
   template <int dim>
   void
   update_surfaces(std::vector<Surface<dim>> &surfaces,
@@ -54,9 +53,9 @@ namespace greville
                   PointUpdate<dim>           update,
                   PointMotion               &motion);
 
-  /// Collective. Average the volume changes of neighboring points of fluids,
-  /// every ten steps and slowly in comparison with waves that cross a cell of
-  /// the size @p h.
+  /// Collective. Average the volume changes of neighboring points of fluids
+  /// every ten steps, slowly compared with a wave that crosses a cell of the
+  /// size @p h.
   template <int dim>
   void
   share_volume(State<dim> &state, PointTransfer<dim> &transfer, const double h);

@@ -42,8 +42,8 @@ namespace greville
   {
     /// The Euclidean norm of r, and this norm as a fraction of the scale.
     double residual = 0., relative = 0.;
-    /// The fraction of dx that was taken, mostly 1; 0 stands for a return to
-    /// the smallest residual.
+    /// The fraction of dx that was taken, mostly 1; 0 marks a return to the
+    /// smallest residual.
     double       step              = 0.;
     unsigned int linear_iterations = 0;
   };
@@ -65,17 +65,17 @@ namespace greville
 
 
   /**
-   * Collective. Run Newton's method with full steps, and with a line search if
-   * they fail, that is, if points break or the residual does not fall below an
-   * earlier one within a few steps. The line search returns to the smallest
-   * residual and bisects steps as long as the residual grows. (The nonmonotone
-   * steps follow the watchdog technique of @ref Chamberlain1982 "Chamberlain et
-   * al., 1982". Nearly incompressible bodies need them: each step rotates
-   * material, which changes its volume to second order.) Linear systems are
-   * solved to the relative tolerance 0.9 (|r_k| / |r_(k-1)|)^2 (@ref
-   * Eisenstat1996 "Eisenstat and Walker, 1996", choice 2) between the
+   * Collective. Run Newton's method with full steps. A line search follows if
+   * they fail, that is, if points break or if the residual does not fall below
+   * the smallest one within a few steps. The line search returns to the
+   * smallest residual and bisects steps as long as the residual grows. (The
+   * nonmonotone steps follow the watchdog technique of @ref Chamberlain1982
+   * "Chamberlain et al., 1982". Nearly incompressible bodies need them: each
+   * step rotates material, which changes its volume to second order.) Linear
+   * systems are solved to the relative tolerance 0.9 (|r_k| / |r_(k-1)|)^2
+   * (@ref Eisenstat1996 "Eisenstat and Walker, 1996", choice 2) between the
    * parameters' bounds, so that convergence is quadratic. On entry, @p x is the
-   * guess; if the method fails from this guess, and the residual at x = 0 is
+   * guess. If the method fails from this guess, and the residual at x = 0 is
    * much smaller, it starts again from x = 0.
    */
   NewtonResult

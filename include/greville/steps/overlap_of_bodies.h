@@ -19,9 +19,10 @@ namespace greville
   template <int dim>
   using Inside = std::function<bool(const dealii::Point<dim> &x)>;
 
-  /// The depth of an overlap that is an error, half a cell: as a fraction of
-  /// the cell size, and as an Overlap::excess beyond the initial one. Points
-  /// that fill cells extend beyond their shape by part of a spacing.
+  /// The depth from which an overlap is an error, half a cell: as a fraction of
+  /// the cell size, and as the increase of Overlap::excess above its initial
+  /// value. Points that fill cells extend beyond their shape by part of a
+  /// spacing.
   constexpr double half_of_cell = 0.5, half_of_cell_as_excess = 0.3;
 
   /// Collective. Find the largest overlap of two sides in cells of the size
@@ -52,8 +53,7 @@ namespace greville
           const dealii::Point<dim> &x,
           const double              distance);
 
-  /// Return @p is_inside for axisymmetric bodies, which continue beyond the
-  /// axis.
+  /// Return @p is_inside, mirrored at the axis, for axisymmetric bodies.
   template <int dim>
   Inside<dim>
   mirrored(const Inside<dim> &is_inside, const bool is_axisymmetric);

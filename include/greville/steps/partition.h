@@ -9,20 +9,20 @@
 
 namespace greville
 {
-  /// A distribution of cells among processes, given by weights of the cells
-  /// with points, from which p4est computes the same partition again on the
-  /// same number of processes. All other cells have the weight of a cell
-  /// without points.
+  /// A distribution of cells among processes. It is given by the weights of the
+  /// cells with points; other cells have the weight of a cell without points.
+  /// On the same number of processes, p4est computes the same partition from
+  /// the weights again.
   struct Partition
   {
-    /// Collective. @p rows has the lexicographic position of a cell
-    /// (SplineSpace::owned_cells()) and its weight, one cell after the other,
-    /// each on any one process.
+    /// Collective. @p rows contains the lexicographic position of each cell
+    /// (SplineSpace::owned_cells()) followed by its weight. Each cell may be on
+    /// any one process.
     Partition(std::vector<double> rows, const MPI_Comm comm);
 
     const std::vector<double> rows;
-    /// The number of rows on all processes, and a checksum of all rows in any
-    /// order.
+    /// The number of rows on all processes, and their checksum, which does not
+    /// depend on their order.
     std::uint64_t n_rows = 0, checksum = 0;
 
     bool

@@ -10,10 +10,9 @@
 
 namespace greville
 {
-  /// A check for pairs of bodies, or of a body and a rigid body, that pass
-  /// through one another, since they have no common grid and no contact names
-  /// both. The first overlap of a pair by more than half a cell gives a
-  /// warning.
+  /// A check for bodies that pass through one another or through a rigid body,
+  /// because they have no common grid and no contact names both. The first
+  /// overlap of a pair by more than half a cell causes a warning.
   template <int dim>
   class PassingBodies
   {
@@ -42,8 +41,8 @@ namespace greville
       RigidPosition<dim> last;
     };
 
-    /// Extent and speed of a body over all processes: the largest -x, x, and
-    /// the largest speed (m / s).
+    /// The extent of a body, as the largest -x and x, and its largest speed (m
+    /// / s), over all processes.
     struct Motion
     {
       const Body<dim>    *body = nullptr;
@@ -54,8 +53,8 @@ namespace greville
     std::vector<Motion>
     motions() const;
 
-    /// Collective. Return the first point that is deep in the other body, with
-    /// both names; empty if there is none.
+    /// Collective. Return a text with the first point that is deep in the other
+    /// body, and both names; empty if there is no such point.
     std::string
     find_overlap(const Pair &pair, const Motion &first, const Motion *second);
 

@@ -9,11 +9,11 @@ namespace greville
 {
   /**
    * A free rigid body in a trial of an implicit step. Its unknowns q are the
-   * displacement u of its reference point in the step, and the vector of its
-   * rotation @f$\varphi@f$ in the step times its radius of gyration, so that
-   * all of them are in m, and residuals in N (in 2D N / m). With the formulas
-   * of the scheme for accelerations a' and @f$\alpha'@f$ from these
-   * (ImplicitScheme), the equations are
+   * displacement u of its reference point in the step, and its rotation vector
+   * @f$\varphi@f$ in the step times its radius of gyration. All unknowns are
+   * therefore in m, and residuals in N (2D: N / m). With the formulas of the
+   * scheme for accelerations a' and @f$\alpha'@f$ (ImplicitScheme), the
+   * equations are
    * @f[ m a' = f + m g, \qquad J \alpha' + w \times J w = M, @f]
    * with the inertia @f$J = R I R^T@f$, the mean spin @f$w = \varphi / \Delta
    * t@f$, and force f and moment M (about the reference point) of contacts at
@@ -43,7 +43,7 @@ namespace greville
     guess() const;
 
     /// Return the position of the body after a share of the step, with the
-    /// velocity at the end, which includes the effect of the @p load unless
+    /// velocity at the end. This includes the effect of the @p load unless
     /// null.
     RigidPosition<dim>
     position(const Vector &q,

@@ -19,10 +19,10 @@ namespace greville
   class TrialContacts;
 
   /// The material point method on a grid of B-splines: a State on a
-  /// Discretization, which a TimeIntegrator takes from step to step. Each stage
-  /// of the parameters has its own integrator, walls, mass and loads; State and
-  /// mesh stay. All bodies share the grid. Bodies with a grid each are
-  /// simulations of CoupledSimulations.
+  /// Discretization, advanced by a TimeIntegrator. Each stage of the parameters
+  /// has its own integrator, walls, mass and loads; State and mesh remain. All
+  /// bodies share the grid. CoupledSimulations has one simulation for each
+  /// grid.
   template <int dim>
   class Simulation
   {
@@ -39,8 +39,8 @@ namespace greville
 
     /// Collective. Take one step, not beyond the end. Throws StepGivenUp with
     /// step, time and point if a point is lost or breaks, or if a StepGuard
-    /// finds an error; the state is then the last stored good one, to single
-    /// precision. For an exact state, keep a copy of state(). Several
+    /// finds an error. The state is then the last good snapshot, in single
+    /// precision; keep a copy of state() if you need an exact one. Several
     /// simulations take a CommonStep.
     void
     step();
@@ -48,13 +48,13 @@ namespace greville
     bool
     is_finished() const;
 
-    /// Return whether a point has moved by more than 'Time/Largest
+    /// Return whether a point has moved farther than 'Time/Largest
     /// displacement'.
     bool
     exceeds_displacement() const;
 
-    /// Return whether the stage has ended: the next step is the first of the
-    /// next stage, if there is one.
+    /// Return whether the stage has ended: the next step belongs to the next
+    /// stage, if there is one.
     bool
     is_stage_finished() const
     {
@@ -66,7 +66,7 @@ namespace greville
     bool
     keeps_state() const;
 
-    /// Return the parameters with the sections of the stage.
+    /// Return the parameters with the sections of the current stage.
     const SimulationParameters &
     stage_parameters() const
     {
@@ -116,9 +116,9 @@ namespace greville
       return integrator->velocities_are_late(current);
     }
 
-    /// Collective. Give points the rest of their kick, so that velocities
-    /// belong to State::time, for results at the end of a run. If this fails,
-    /// there is a warning. Later steps continue from there.
+    /// Collective. Complete the kick of the points, so that velocities belong
+    /// to State::time, for results at the end of a run. A failure causes a
+    /// warning. Later steps continue from this state.
     void
     finish();
 
@@ -128,10 +128,10 @@ namespace greville
     show_finished(const std::function<void()> &show);
 
     /// Collective. Request that the next step sums up the row of the current
-    /// state, see LateRow; late_row() returns it afterwards. @p outer_mass is
-    /// the mass of the outermost points that may determine the run-out,
-    /// @p watch and @p show are as in LateRow. set_state() and a failed step
-    /// cancel the request.
+    /// state, see LateRow; late_statistics() returns it afterwards.
+    /// @p outer_mass is the mass of the outermost points that may determine the
+    /// run-out. @p watch and @p show are the functions of LateRow. set_state()
+    /// and a failed step cancel the request.
     void
     ask_for_row(const double                         outer_mass,
                 const decltype(LateRow<dim>::watch) &watch = {},
@@ -165,9 +165,9 @@ namespace greville
       return current.bodies;
     }
 
-    /// Return the bodies, for programs that change points between steps, except
-    /// their number and mass. From then on, sums over the points are recomputed
-    /// in each step.
+    /// Return the bodies, for programs that change points between steps. Their
+    /// number and mass must not change. After the first call, sums over the
+    /// points are recomputed in each step.
     std::vector<Body<dim>> &
     bodies()
     {
@@ -219,7 +219,7 @@ namespace greville
 
     /// Collective. Redistribute the cells between two steps, so that each
     /// process has the same share of the current work. Spaces and masses are
-    /// made anew; results change within the tolerances of solvers.
+    /// made anew; results change within solver tolerances.
     void
     share_cells();
 
@@ -241,16 +241,16 @@ namespace greville
 
     std::unique_ptr<TimeIntegrator<dim>>
     make_integrator();
-    // Make all members that depend on the sections of a stage; continue from
-    // the end of a stage with the next one; initialize the state at its start.
+    // Make all members that depend on the sections of a stage; go on to the
+    // next stage; initialize the state at its start.
     void
     enter_stage(const unsigned int stage);
     void
     next_stage();
     void
     start_stage();
-    // Collective. Replace bodies and materials of the previous stage, whose
-    // bodies had this energy, by the bodies and materials of the current stage.
+    // Collective. Replace bodies and materials of the previous stage by the
+    // ones of the current stage. The previous bodies had this energy.
     void
     change_bodies_from(const std::vector<const Material *> &materials,
                        const double                         energy);
@@ -258,7 +258,7 @@ namespace greville
     bool
     balance_load();
 
-    // Let solvers, guard and snapshot begin anew with the current state.
+    // Restart solvers, guard and snapshot from the current state.
     void
     begin_anew();
 
@@ -269,7 +269,7 @@ namespace greville
     void
     begin_step();
 
-    // Take the step that has been tried, and do the tasks after it.
+    // Accept the step that has been tried, and do the tasks after it.
     void
     take_step(const double dt);
     bool
@@ -303,6 +303,6 @@ namespace greville
     Snapshot<dim>                        last_good;
     std::unique_ptr<TimeIntegrator<dim>> integrator;
     bool         programs_have_points = false, is_first_step_of_stage = false;
-    unsigned int entered_stage = 0; // of parameters
+    unsigned int entered_stage = 0; // stage of the parameters
   };
 } // namespace greville

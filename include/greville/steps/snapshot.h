@@ -65,8 +65,8 @@ namespace greville
     }
 
   private:
-    // A vector to which an empty one is assigned keeps its layout on processes
-    // without entries only. The next assignment would then be collective on the
+    // Assigning an empty vector keeps the layout on processes without entries,
+    // but not on others. The next assignment would then be collective on the
     // others only.
     std::optional<StateWithoutBodies<dim>> rest;
     std::vector<PointsCopy<dim>>           points, surfaces;

@@ -6,7 +6,7 @@
 
 namespace greville
 {
-  /// Return a body without points: its name, parameters and material.
+  /// Return a body without points, with its name, parameters and material.
   template <int dim>
   Body<dim>
   make_body(const std::string &name, const SimulationParameters &parameters);
@@ -18,10 +18,10 @@ namespace greville
   PointLayout<dim>
   layout_of(const std::string &body, const SimulationParameters &parameters);
 
-  /// Collective. Make the points of a body, with its initial state at the start
-  /// of the current stage: its K0 procedure includes the layers that are
-  /// present then. Throws like make_points(), and also if an initial
-  /// displacement moves points out of the grid.
+  /// Collective. Make the points of a body with their initial state at the
+  /// start of the current stage: the K0 procedure includes the layers present
+  /// then. Throws like make_points(), and also if an initial displacement moves
+  /// points out of the grid.
   template <int dim>
   void
   add_points(Body<dim>                  &body,
@@ -30,8 +30,8 @@ namespace greville
              const Loads<dim>           &loads,
              Discretization<dim>        &discretization);
 
-  /// Collective. Return the surfaces of loads and contacts, without points if
-  /// their body has none.
+  /// Collective. Return the surfaces of loads and contacts. They have no points
+  /// if their body has none.
   template <int dim>
   std::vector<Surface<dim>>
   make_surfaces(const std::vector<Body<dim>> &bodies,
@@ -40,7 +40,8 @@ namespace greville
 
   /// Collective. Return the bodies that are absent in the first stage, as if
   /// they were added now. Throws dealii::ExcMessage if this fails, and if two
-  /// bodies of a stage overlap, including those of the @p first stage.
+  /// bodies of the same stage overlap; @p first contains the bodies of the
+  /// first stage.
   template <int dim>
   std::vector<Body<dim>>
   make_later_bodies(const std::vector<Body<dim>> &first,
@@ -48,16 +49,16 @@ namespace greville
                     Discretization<dim>          &discretization);
 
   /**
-   * Collective. At the start of the stage of @p parameters, remove bodies with
-   * their surfaces, add others, and assign bodies their material in this stage
-   * in place of their material @p before.
+   * Collective. At the start of the stage of @p parameters, remove bodies and
+   * their surfaces, add other bodies, and replace their materials @p before by
+   * the materials of this stage.
    *
    * A point keeps its stress, mass (times the ratio of the densities),
    * position, velocity and id. If the new material has the same model and
-   * elastic constants, it keeps deformation and history, too. Otherwise, its
-   * deformation gradient is the symmetric stretch for the stress from
-   * Material::initialize(), and its history is that of a new point, except for
-   * plastic strain and the like if the model is the same. Throws
+   * elastic constants, it also keeps deformation and history. Otherwise, its
+   * deformation gradient is the symmetric stretch that causes the stress, from
+   * Material::initialize(). Its history is then the history of a new point;
+   * with the same model, plastic strain and similar variables are kept. Throws
    * dealii::ExcMessage if a material does not allow the stress.
    */
   template <int dim>
@@ -68,7 +69,7 @@ namespace greville
                 const Loads<dim>                    &loads,
                 Discretization<dim>                 &discretization);
 
-  /// Collective. Throw if two bodies fill the same cells by half or more.
+  /// Collective. Throw if two bodies overlap by half of a cell or more.
   template <int dim>
   void
   check_overlap(const BodyList<dim> &bodies, const SplineSpace<dim> &space);

@@ -30,14 +30,14 @@ namespace greville
 
 
 
-  /// The mode of the highest frequency, with which the next estimate of the
-  /// critical step begins.
+  /// The mode of the highest frequency. The next estimate of the critical step
+  /// begins with it.
   template <int dim>
   struct HighestMode
   {
     bool             is_known = false;
     VectorField<dim> force;
-    double           step = 0.; // critical, s
+    double           step = 0.; // critical step, s
   };
 
 
@@ -59,8 +59,8 @@ namespace greville
 
 
 
-  /// The accelerations of the grid in the last two steps and their lengths, the
-  /// latest first.
+  /// The accelerations of the grid in the last two steps, and the lengths of
+  /// these steps, the latest first.
   template <int dim>
   struct AccelerationHistory
   {
@@ -111,11 +111,11 @@ namespace greville
     std::uint64_t n_points  = 0; // points in the grid, of all processes
     std::uint64_t n_sent    = 0; // points that left this process
 
-    /// The largest_displacement() of the points if 'Time/Largest displacement'
-    /// requires it, otherwise 0, m.
+    /// largest_displacement() of the points, m, if 'Time/Largest displacement'
+    /// requires it, otherwise 0.
     double displacement = 0.;
 
-    /// The initial mass of the points, the mass removed before the last step,
+    /// The initial mass of the points, the mass removed until the last step,
     /// and the mass removed in it, kg (2D: kg / m).
     double mass = 0., removed_mass = 0., mass_removed_last = 0.;
 
@@ -143,16 +143,16 @@ namespace greville
     EnergyBalance energy;
 
     /// Forces of walls on the bodies in the last step, the share of this
-    /// process, N (2D: N / m): the momentum transferred in the step of the
-    /// velocities, over its length.
+    /// process, N (2D: N / m). A force is the momentum transferred in a step of
+    /// velocities, divided by its length.
     std::array<dealii::Tensor<1, dim>, 2 * dim> reactions;
 
     /// Volumes of pore water since the start, the share of this process, m^3
-    /// (2D: m^2): the inflow to the pores, and the outflow through all
-    /// boundaries and through each wall, each surface, and the free surface.
+    /// (2D: m^2): the inflow to the pores; and the outflow through all
+    /// boundaries, through each wall, each surface, and the free surface.
     std::vector<double> water;
-    /// The volumes of water in the last step, and the length of this step, s; 0
-    /// if the step belongs to another stage.
+    /// The volumes of water in the last step, and its length, s; 0 if the last
+    /// step belongs to another stage.
     std::vector<double> water_of_step;
     double              water_step = 0.;
 
@@ -169,11 +169,11 @@ namespace greville
 
 
   /**
-   * The state of a simulation between two steps: a value. A copy can be
+   * The state of a simulation between two steps, as a value. A copy can be
    * restored (exactly, on the same processes) or be used to try a step.
    *
-   * All other data are functions of the state (sums over the points), or change
-   * results within the tolerance of solvers (factorizations).
+   * All other data follow from the state (sums over the points), or change
+   * results only within the tolerance of solvers (factorizations).
    */
   template <int dim>
   struct State : StateWithoutBodies<dim>
@@ -182,11 +182,11 @@ namespace greville
     /// One surface for each of SurfaceLoads, in its order.
     std::vector<Surface<dim>> surfaces;
 
-    /// A number that identifies positions and velocities of points: sums over
-    /// the points belong to a version. Copies share it.
+    /// A number that identifies positions and velocities of points. Sums over
+    /// the points belong to a version. Copies of the state share it.
     std::uint64_t points_version = 0;
 
-    /// Set a new version; to be called after points have been moved or kicked.
+    /// Set a new version, to be called after points have been moved or kicked.
     void
     points_have_changed()
     {

@@ -27,17 +27,17 @@ namespace greville
 
 
   /**
-   * Collective. Overwrite @p state, with the same bodies and surfaces on @p
-   * discretization, by the tables of make_tables(), possibly from another
-   * number of processes. Points of a cell keep their order, so on the same
-   * number of processes the result is bitwise equal regardless of which process
-   * has the rows. Throws dealii::ExcMessage if bodies, surfaces or the numbers
-   * of their points differ.
+   * Collective. Overwrite @p state, with the same bodies and surfaces on
+   * @p discretization, by the tables of make_tables(), possibly from another
+   * number of processes. Points of a cell keep their order. On the same number
+   * of processes, the result is therefore bitwise equal regardless of which
+   * process has the rows. Throws dealii::ExcMessage if bodies, surfaces or the
+   * numbers of their points differ.
    *
    * The distribution of cells is restored: the discretization is made anew if
    * it differs. A simulation accounts for this in Simulation::set_state().
    *
-   * With @p stages, points get the layout of the stage in the tables.
+   * With @p stages, points have the layout of the stage of the tables.
    */
   template <int dim>
   void
@@ -49,12 +49,12 @@ namespace greville
 
 
 
-  /// Collective. Replace the points of bodies and surfaces in @p state, the
-  /// initial state of another simulation, by the points of the same names in
-  /// @p content. The grid and all other initial data may differ. Data of loads
-  /// and APIC at points are zero if the other simulation did not have them.
-  /// Throws dealii::ExcMessage if a body or surface is missing, has another
-  /// material, or is not inside the grid.
+  /// Collective. Replace the points of bodies and surfaces in @p state by the
+  /// points of the same names in @p content, which is from another simulation.
+  /// The grid and all other initial data may differ. Point data of loads and
+  /// APIC are zero if the other simulation did not have them. Throws
+  /// dealii::ExcMessage if a body or surface is missing, has another material,
+  /// or is not inside the grid.
   template <int dim>
   void
   set_points_from_tables(State<dim>          &state,
@@ -80,8 +80,8 @@ namespace greville
 
 
 
-  /// Call @p action(point) for the points of a cell in an order for which
-  /// MaterialPoints::insert() reproduces the lists.
+  /// Call @p action(point) for the points of a cell, in an order from which
+  /// MaterialPoints::insert() makes the same lists.
   template <int dim, typename Action>
   void
   for_each_as_inserted(const MaterialPoints<dim> &points,

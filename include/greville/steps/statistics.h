@@ -100,8 +100,8 @@ namespace greville
     values() const;
 
     /// Add the statistics of other bodies, with their loads, at the same time.
-    /// runout_99, which does not follow from the parts, becomes the larger
-    /// value.
+    /// runout_99 cannot be computed from both values; it becomes the larger
+    /// one.
     void
     add(const Statistics &other);
   };
@@ -109,7 +109,7 @@ namespace greville
   /// The fraction of the mass that may lie beyond Statistics::runout_99.
   constexpr double mass_beyond_runout = 0.005;
 
-  /// Collective. Add the @p sums over the points of @p bodies to a row, which
+  /// Collective. Add the @p sums over the points of @p bodies to a row that
   /// contains all other quantities. @p gravity is the acceleration for the
   /// potential energy.
   template <int dim>
@@ -120,12 +120,13 @@ namespace greville
            const dealii::Tensor<1, dim>    &gravity,
            const MPI_Comm                   comm);
 
-  /// Collective. Return the smallest x beyond which lies at most the fraction
-  /// mass_beyond_runout of the mass of all points that count for the run-out; x
-  /// of a point is its position plus half of its size. Unlike the outermost
-  /// point, it does not depend on single points. @p sums have outer_points() of
-  /// at least this mass. Points are not sent: nested histograms of masses, each
-  /// within one bar of the previous one, find the point.
+  /// Collective. Return the smallest x for which at most the fraction
+  /// mass_beyond_runout of the mass of all points that count for the run-out
+  /// lies beyond it. The x of a point is its position plus half of its size.
+  /// Unlike the outermost point, this quantile does not depend on single
+  /// points. @p sums have outer_points() of at least this mass. Points are not
+  /// sent: nested histograms of masses find the quantile, each within one bar
+  /// of the previous one.
   template <int dim>
   Largest
   runout_quantile(const std::vector<const RowSums<dim> *> &sums,

@@ -44,16 +44,16 @@ namespace greville
    * - explicit steps: no point crosses more than a cell, no pressure wave more
    *   than three;
    * - the momentum of the points is their previous momentum plus the impulse of
-   *   forces and walls. Explicit steps take this impulse on the grid; implicit
-   *   steps, whose forces come from Newton's method, take the momentum that the
-   *   grid gives to the points. This is not checked with constraining contacts
-   *   or Cundall's damping.
+   *   forces and walls. In explicit steps, this impulse is computed on the
+   *   grid; in implicit steps, it is the momentum that the grid gives to the
+   *   points, because forces come from Newton's method. This is not checked
+   *   with constraining contacts or Cundall's damping.
    * The sums are computed in the passes over points and grid of the step
    * itself.
    *
    * Every hundred steps, and after the last one, it checks the EnergyBalance of
    * the state (in explicit steps, of the state before the step), and warns or
-   * stops the run if energy is spurious.
+   * stops the run if there is spurious energy.
    */
   template <int dim>
   class StepGuard
@@ -68,23 +68,24 @@ namespace greville
     void
     start(State<dim> &state) const;
 
-    /// Collective. Store the mass of points that were read from elsewhere.
+    /// Collective. Store the mass of points that have been read from a file.
     void
     weigh(State<dim> &state) const;
 
-    /// Pass the results of the points of this process in the current step, for
-    /// integrators. check() resets them.
+    /// Pass the results for the points of this process in the current step.
+    /// Integrators call this; check() resets the results.
     void
     set(const PointMotion &motion);
 
-    /// Pass the balance of momentum, for integrators. check() resets it.
+    /// Pass the balance of momentum. Integrators call this; check() resets it.
     void
     set(const MomentumBalance<dim> &balance);
 
-    /// For integrators, with a LateRow: dt^2 / 8 a^T M a of this process, J
-    /// (2D: J / m). In linear vibrations, central differences conserve the
-    /// energy E of finished states minus this value. E itself oscillates, the
-    /// more the closer modes are to their critical step. check() resets it.
+    /// Set dt^2 / 8 a^T M a of this process, J (2D: J / m), if there is a
+    /// LateRow. In linear vibrations, central differences conserve the energy E
+    /// of finished states minus this value. E itself oscillates more if modes
+    /// are closer to their critical step. Integrators call this; check() resets
+    /// it.
     void
     set_energy_swing(const double energy)
     {
@@ -103,16 +104,16 @@ namespace greville
                     const bool         is_last = false) const;
 
     /// Collective. Check the balance of energy; @p now belongs to a finished
-    /// state. Most of its oscillation is subtracted. Subtracting all of it
-    /// would hide modes beyond their critical step, too. Warns, or throws
-    /// StepFailed.
+    /// state. Most of the oscillation set by set_energy_swing() is subtracted.
+    /// Subtracting all of it would also hide modes beyond their critical step.
+    /// Warns, or throws StepFailed.
     void
     check_energy(State<dim> &state, const EnergyTotals &now) const;
 
   private:
-    /// Return the point of all processes for which @p measure(body, point) is
-    /// largest or NaN: "point 12 of the body 'disk' at (0.1, 0.2) m, in the
-    /// cell (3, 4)".
+    /// Return a text about the point of all processes with the largest or NaN
+    /// @p measure(body, point): "point 12 of the body 'disk' at (0.1, 0.2) m,
+    /// in the cell (3, 4)".
     template <typename Measure>
     std::string
     worst_point(const State<dim> &state, const Measure &measure) const;

@@ -12,9 +12,9 @@
 
 namespace greville
 {
-  /// A record of Newton's method in a step from @p time over @p dt, which is
-  /// repeated with a shorter length if it has not converged. @p step and
-  /// @p part count from 1; parts are bodies with grids of their own.
+  /// A record of Newton's method in a step of length @p dt from @p time. If it
+  /// has not converged, a shorter step follows. @p step and @p part count from
+  /// 1; parts are bodies with grids of their own.
   struct NewtonRecord
   {
     unsigned int step = 0, part = 1;
@@ -24,10 +24,10 @@ namespace greville
 
 
 
-  /// Reports of the parts of a simulation besides their results: the seconds
-  /// that they take on this process, warnings, cuts (the reasons for shortening
-  /// a step), and Newton's method; and a label that distinguishes the
-  /// simulation from others in common steps, such as " of 'Body disk'".
+  /// Reports of a simulation besides its results: the seconds of its tasks on
+  /// this process, warnings, cuts (the reasons for shortening a step), and
+  /// records of Newton's method. A label such as " of 'Body disk'"
+  /// distinguishes simulations in common steps.
   struct StepLog
   {
     /// Return the warnings, the cuts of the last step, or its records of
@@ -68,7 +68,7 @@ namespace greville
 
 
 
-  /// Adds the duration of its lifetime to a part.
+  /// Adds the duration of its lifetime to the seconds of a task.
   class PartTimer
   {
   public:

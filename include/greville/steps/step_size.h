@@ -17,8 +17,8 @@ namespace greville
 
 
 
-  /// Return the step of the @p formula 'Time/Step' for the edge @p h of a cell
-  /// (m) and the order, s. Throws dealii::ExcMessage if it is not positive.
+  /// Return the step by the @p formula 'Time/Step' for the cell size @p h (m)
+  /// and the order, s. Throws dealii::ExcMessage if it is not positive.
   double
   evaluate_step(const Expression     &formula,
                 const TimeParameters &parameters,
@@ -26,8 +26,8 @@ namespace greville
                 const unsigned int    degree);
 
   /// Throw dealii::ExcMessage, which ends with the @p reason of the step, if
-  /// there would be too many steps in the time @p left (s), or if they would be
-  /// lost to rounding.
+  /// the time @p left (s) would take too many steps, or if steps would be lost
+  /// to rounding.
   void
   check_step(const double                        step,
              const double                        left,
@@ -37,16 +37,16 @@ namespace greville
 
 
   /**
-   * The length of explicit steps: the value of 'Time/Step', or the smallest of
-   * the CFL number times h / (c + |v|), the safety factor times the critical
-   * step, and, with consistent mass, the step in which points cross 0.6 / p
-   * cells.
+   * The length of explicit steps: the value of 'Time/Step', or automatically
+   * the smallest of the CFL number times h / (c + |v|), the safety factor times
+   * the critical step, and, with consistent mass, the step in which points
+   * cross 0.6 / p cells.
    *
    * The critical step is estimated in the first step, then at intervals, if the
    * stiffest point has become stiffer, and again for a rejected step. With
-   * consistent mass, the smallest of three estimates is used: the highest
-   * frequency depends on how the surface cuts the cells, and a moving body
-   * passes through similar cuts repeatedly.
+   * consistent mass, the smallest of the last three estimates is used: the
+   * highest frequency depends on how the surface cuts the cells, and a moving
+   * body repeats similar cuts.
    */
   template <int dim>
   class StepSize
@@ -69,9 +69,9 @@ namespace greville
     /// Collective. Return whether the acceleration of a field and the
     /// accelerations of the two previous steps, which are in @p kept, show a
     /// mode for which the step @p dt is too long. Undamped, a'' = -M^-1 K a, so
-    /// their second difference is a step of the power method, which detects an
+    /// their second difference is a step of the power method. It detects an
     /// unstable mode from its first steps on. Accelerations that change speeds
-    /// by less than 1e-8 of c + |v| in a step are noise and are ignored.
+    /// by less than 1e-8 of c + |v| in a step are ignored as noise.
     bool
     has_unstable_mode(const State<dim>      &state,
                       const FieldState<dim> &kept,

@@ -24,7 +24,7 @@ namespace greville
 
   /**
    * Base class of schemes that advance a State from t to t + dt. A scheme owns
-   * the data for trying a step; all data that a step passes to the next one are
+   * the data of a trial step. All data that a step passes to the next one are
    * in the state, so that a copy of the state suffices to restore it.
    *
    * A new integrator is a class that derives from this one, and one line in the
@@ -45,18 +45,18 @@ namespace greville
     propose_step(State<dim> &state) = 0;
 
     /// Collective. Try a step, and store the data for advance(). Throws
-    /// StepRejected if a shorter step should be tried. Positions, velocities,
-    /// stresses, time and counters do not change, only guesses may: a scheme
-    /// that iterates uses fields of its own. The step may be tried again with
-    /// another length, as in common steps of simulations. Throws StepFailed if
-    /// a solver does not converge.
+    /// StepRejected if a shorter step should be tried. Of the state, only
+    /// guesses may change, not positions, velocities, stresses, time and
+    /// counters; so a scheme that iterates needs fields of its own. The step
+    /// may be tried again with another length, as in common steps of
+    /// simulations. Throws StepFailed if a solver does not converge.
     virtual void
     try_step(State<dim> &, const double)
     {}
 
-    /// Collective. Take the step that was tried last: set the state at t +
-    /// @p dt, with the points in their cells. Throws StepFailed if a solver
-    /// does not converge, or a point breaks or leaves the grid.
+    /// Collective. Accept the last trial: set the state at t + @p dt, with the
+    /// points in their cells. Throws StepFailed if a solver does not converge,
+    /// or a point breaks or leaves the grid.
     virtual void
     advance(State<dim> &state, const double dt) = 0;
 
@@ -82,20 +82,19 @@ namespace greville
     finish(State<dim> &)
     {}
 
-    /// Return whether the scheme has no critical step. Points may then cross
-    /// many cells in a step, and momentum is checked against the grid's
-    /// transfer to the points, within the tolerance of a solver (see
-    /// StepGuard); cells count as filled by the threshold of
-    /// ImplicitParameters; and each step begins with a copy of the state for
-    /// restoring it.
+    /// Return whether the scheme has no critical step. If so, points may cross
+    /// many cells in a step; momentum is checked against the grid's transfer to
+    /// the points, within the tolerance of a solver (see StepGuard); cells
+    /// count as filled by the threshold of ImplicitParameters; and each step
+    /// begins with a copy of the state for restoring it.
     virtual bool
     is_implicit() const
     {
       return false;
     }
 
-    /// Return the integrator as steps that 'Simulation/Contacts' can couple by
-    /// a common Newton's method, or null.
+    /// Return the integrator if 'Simulation/Contacts' can couple its steps by a
+    /// common Newton's method, otherwise null.
     virtual ImplicitSteps<dim> *
     implicit_steps()
     {
@@ -113,8 +112,8 @@ namespace greville
 
 
 
-  /// The arguments for making integrators. All are kept by reference. The guard
-  /// checks the data of a step that integrators pass to it.
+  /// The arguments for making integrators. All are kept by reference.
+  /// Integrators pass data of a step to the guard, which checks them.
   template <int dim>
   struct IntegratorParts
   {

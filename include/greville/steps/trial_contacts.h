@@ -13,13 +13,13 @@ namespace greville
 {
   /**
    * The BodyContacts in a trial of an implicit step, see CoupledSteps. Contact
-   * is evaluated at the positions of points and rigid bodies in the trial at
-   * the time of loads: at the end, or in the middle of the step. Areas and hat
-   * functions are taken from the start. If the trial is accepted, the contacts
-   * receive results, loads, slip, and the positions of rigid bodies.
+   * is evaluated at the trial positions of points and rigid bodies at the end
+   * or in the middle of the step, depending on ImplicitScheme::load_time. Areas
+   * and hat functions are taken from the start. If the trial is accepted, the
+   * contacts receive results, loads, slip, and the positions of rigid bodies.
    *
-   * The tangent is a ContactTangent. The preconditioner has its symmetric part
-   * as the coupling of a LatticeCycle, see CoupledCycle.
+   * The tangent is a ContactTangent. Its symmetric part is the coupling of a
+   * LatticeCycle in the preconditioner, see CoupledCycle.
    */
   template <int dim>
   class TrialContacts
@@ -32,7 +32,7 @@ namespace greville
                   const std::vector<ImplicitSteps<dim> *> &steps,
                   const double                             dt);
 
-    /// Collective. Return the reason why no step of this length can be tried,
+    /// Collective. Return the reason why no step of this length can be tried;
     /// empty if it can.
     std::string
     check_rigid_bodies() const;
@@ -56,7 +56,7 @@ namespace greville
     }
 
     /// Collective. Initialize the vector of the unknowns of rigid bodies, which
-    /// belongs to the first process, for motion with constant velocity.
+    /// belongs to the first process, with motion at constant velocity.
     void
     initialize_rigid(VectorType &q) const;
 
@@ -64,8 +64,8 @@ namespace greville
     void
     set_rigid(const VectorType &q);
 
-    /// Compute the residual of rigid bodies and their largest force, after
-    /// evaluate().
+    /// Compute the residual of rigid bodies and their largest force from the
+    /// last evaluate().
     void
     find_rigid_residual(VectorType &r);
 
@@ -90,39 +90,38 @@ namespace greville
     bool
     is_symmetric() const;
 
-    /// Collective. Return the symmetric part of the last tangent between the
+    /// Collective. Return the symmetric part of the last tangent for the
     /// unknowns of the parts.
     std::unique_ptr<LatticeCoupling<dim>>
     coupling() const;
 
-    /// Collective. Return the sum of the traces of the stiffness of all keys.
+    /// Collective. Return the sum of the stiffness traces of all contact keys.
     double
     sum_of_stiffness() const;
 
-    /// Collective. Add the tangent's product with @p src to @p dst. The parts
-    /// are
-    /// followed by the pore pressures, if there are any, whose product is not
-    /// changed, and by free rigid bodies, if there are any, whose product is
-    /// set.
+    /// Collective. Add the tangent's product with @p src to @p dst. The blocks
+    /// of the parts are followed by pore pressures, whose product does not
+    /// change, and by free rigid bodies, whose product is set, if there are
+    /// any.
     void
     add_product(std::vector<VectorType>       &dst,
                 const std::vector<VectorType> &src);
 
-    /// Collective. Update the given pressures by the computed ones in augmented
-    /// contacts. Returns whether any have changed, so that the equations must
+    /// Collective. Set the given pressures of augmented contacts to the
+    /// computed ones. Returns whether any have changed; the equations must then
     /// be solved again.
     bool
     augment();
 
-    /// Collective. Return the reason why the trial, which solves the equations,
-    /// is not accepted: points have moved so far that they may have missed
-    /// contacts. Empty if it is accepted.
+    /// Collective. Return the reason for rejecting a trial that solves the
+    /// equations: points have moved so far that they may have missed contacts.
+    /// Empty if there is none.
     std::string
     check_motion() const;
 
-    /// Collective. Return the names of the contacts with friction that have
-    /// changed between sticking and sliding before most tangents, and a
-    /// parameter that helps, after "; ". Empty if there are none.
+    /// Collective. Return a text, after "; ", with the names of contacts that
+    /// have changed between sticking and sliding before most tangents, and with
+    /// a parameter that helps. Empty if there are none.
     std::string
     describe_changes() const;
 
@@ -135,7 +134,7 @@ namespace greville
     using Contact = typename BodyContacts<dim>::Contact;
     using Place   = typename BodyContacts<dim>::Place;
 
-    /// A surface, and the position of its points among the points of a contact.
+    /// A surface, and the offset of its points among the points of a contact.
     struct Side
     {
       unsigned int contact, side, part, surface;
@@ -181,7 +180,7 @@ namespace greville
     dealii::Tensor<1, dim>
     distance(const FreeBody &body, const dealii::Point<dim> &x) const;
 
-    /// Collective. Return the load on a body by the changes of forces.
+    /// Collective. Return the load on a body due to the changes of forces.
     typename RigidTrial<dim>::Vector
     load_by_changes(const FreeBody &body) const;
 
@@ -210,8 +209,9 @@ namespace greville
     std::vector<ContactTangent<dim>>            tangents;
     std::vector<VectorField<dim>>               forces;
     std::vector<KeyMemory<dim>>                 memories;
-    // The number of tangents of this trial and, by contact, of tangents before
-    // which keys of this process have started or stopped sliding, or reversed.
+    // The number of tangents of this trial. And by contact, the number of
+    // tangents for which keys of this process started, stopped or reversed
+    // sliding.
     unsigned int              n_tangents = 0;
     std::vector<unsigned int> n_changes;
     unsigned int              n_rounds = 0; // of augment()

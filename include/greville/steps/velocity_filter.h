@@ -17,10 +17,10 @@ namespace greville
    * Lumped mass and FMPM damp these modes, the exact inverse of the mass matrix
    * does not.
    *
-   * The filter acts on jumps of the p-th derivative across the knots. With the
-   * coefficients c of a component of the velocity and the jumps g_s . c, a
-   * difference of order p + 1 of the p + 2 coefficients of a run s in a line,
-   * the correction is
+   * The filter acts on jumps of the p-th derivative across the knots. A run s
+   * contains p + 2 consecutive coefficients in a grid line. The jump g_s . c is
+   * a difference of order p + 1 of the coefficients c of a velocity component.
+   * The correction is
    * @f[
    *   z = -\frac{1}{4^{p+1}} M_L^{-1}
    *       \sum_s w_s \, \theta_s \, g_s (g_s \cdot c),
@@ -28,14 +28,14 @@ namespace greville
    *   \theta_s = \min(1 / dim,
    *              \kappa \Delta t \max_{i \in s} \sum_d |v_{i,d}| / h_d).
    * @f]
-   * The sum is over the runs of all lines in all directions. The entries of g_s
-   * have absolute values with a sum of 2^(p+1), and w_s is the smallest mass of
-   * the functions of a run, so that the eigenvalues of c -> z lie between -1
-   * and 0. theta_s is the number of cells that a point crosses in the step, of
-   * the size of the smallest ones in the supports of the functions of a run,
-   * times the strength kappa (five times kappa for p = 1): regions at rest are
-   * not filtered. On uniform knots a wave of angle k_d per coefficient is
-   * multiplied in each step by
+   * The sum is over the runs of all lines in all directions. The absolute
+   * values of the entries of g_s have the sum 2^(p+1), and w_s is the smallest
+   * mass of the functions of a run, so the eigenvalues of c -> z are between -1
+   * and 0. theta_s is the strength kappa (five times kappa for p = 1) times the
+   * number of cells that a point crosses in the step, with the smallest cells
+   * in the supports of the run's functions. Regions at rest are thus not
+   * filtered. On uniform knots, each step multiplies a wave of angle k_d per
+   * coefficient by
    * @f[ 1 - \theta \sum_d \sin(k_d / 2)^{2 (p + 1)}. @f]
    *
    * The jumps of splines of order p + 1 and of smooth fields are of order
@@ -56,8 +56,8 @@ namespace greville
     void
     reinit(const SplineSpace<dim> &space);
 
-    /// Collective. Set the lumped mass, a vector of the space. Runs with a
-    /// function without mass are left out.
+    /// Collective. Set the lumped mass, a vector of the space. Runs that
+    /// contain a function without mass are skipped.
     void
     set_mass(const VectorType &lumped);
 
@@ -70,9 +70,9 @@ namespace greville
           const double                       dt) const;
 
   private:
-    /// A line of coefficients in direction x. The coefficient at x, counted
-    /// from the lower wall of the grid (if x is periodic, from p + 1 functions
-    /// before it), has the place place + x.
+    /// A grid line of coefficients in direction x. The coefficient number x,
+    /// counted from the lower wall of the grid (if x is periodic, from p + 1
+    /// functions before it), has the index place + x.
     struct Line
     {
       int begin = 0, end = 0; // empty if equal
@@ -81,7 +81,7 @@ namespace greville
       std::array<int, dim> first_run{}, end_of_runs{};
     };
 
-    /// Set the lines through @p functions and number their places.
+    /// Set the lines through @p functions and number their coefficients.
     void
     set_lines(const std::vector<MultiIndex<dim>> &functions);
 
@@ -92,7 +92,7 @@ namespace greville
                    (dim == 3 ? (int(i[dim - 1]) - low_z) * n_lines_y : 0)];
     }
 
-    /// Copy a vector to the places, including entries of other processes.
+    /// Copy a vector to the lines, including entries of other processes.
     void
     to_places(const ZeroedArray<double> &values,
               const VectorType          &vector) const;
@@ -105,8 +105,7 @@ namespace greville
       return direction == 0 ? 0 : direction == 1 ? 1 : n_lines_y;
     }
 
-    /// Return the place along a direction other than x of all functions of a
-    /// line.
+    /// Return the index of a line's functions in a direction other than x.
     int
     index_of_line(const unsigned int line, const unsigned int direction) const
     {
@@ -127,7 +126,7 @@ namespace greville
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partitioner;
     std::vector<unsigned int> function_places; // of owned functions
 
-    // Places of functions of other processes and of periodic images, with the
+    // Indices of functions of other processes and of periodic images, with the
     // local numbers of their values in the partitioner.
     std::vector<std::pair<unsigned int, unsigned int>> copies;
 
@@ -137,7 +136,7 @@ namespace greville
     std::size_t       n_places = 0;
 
     ZeroedArray<double>                  inverse_mass;
-    std::array<ZeroedArray<double>, dim> run_mass; // w, at the first place
+    std::array<ZeroedArray<double>, dim> run_mass; // w, at the first index
     mutable std::vector<double>          jumps, strengths; // of a line
     mutable VectorType                   exchanged;
   };
