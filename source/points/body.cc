@@ -131,8 +131,7 @@ namespace greville
             }
           catch (const std::exception &)
             {
-              // The formula has no value at a place where its body has no
-              // point.
+              // The formula need not have a value outside of its body.
             }
         std::sort(above.begin(), above.end());
         double pressure = 0.;
@@ -156,7 +155,7 @@ namespace greville
       std::vector<Layer> layers;
       unsigned int       axis    = dim;
       double             upwards = 1.;
-      // Depths beyond this many heights of the grid are errors.
+      // Depths beyond this multiple of the grid's height are errors.
       static constexpr double                      deepest     = 1000.;
       double                                       cell_size   = 0.;
       double                                       grid_height = 0.;
@@ -166,7 +165,7 @@ namespace greville
 
 
 
-    /// The initial displacement: it moves a point, deforms it, and lets the
+    /// The initial displacement. It moves and deforms a point, and lets the
     /// material compute the stress.
     template <int dim>
     void
@@ -194,7 +193,7 @@ namespace greville
 
 
 
-    /// Throw if a body is given in more than one way, or in none.
+    /// Throw unless the parameters define the body in exactly one way.
     template <int dim>
     void
     check_geometry(const BodyParameters &parameters, const std::string &section)
@@ -221,7 +220,7 @@ namespace greville
 
 
 
-    /// Return the groups of numbers that files of points may contain besides
+    /// Return the groups of columns that files of points may contain besides
     /// positions, volume and mass.
     template <int dim>
     std::vector<std::vector<std::string>>
@@ -253,9 +252,9 @@ namespace greville
 
 
 
-    /// Initialize the state of a point from a file. Its deformation is used if
-    /// it is given together with all history variables of the material;
-    /// otherwise, the point belongs to a body at rest with this stress.
+    /// Initialize the state of a point from a file. The deformation of the file
+    /// is used if all history variables of the material are given, too;
+    /// otherwise, the point belongs to a body at rest with the given stress.
     template <int dim>
     void
     initialize_from_file(MaterialPoint           &state,
@@ -311,10 +310,10 @@ namespace greville
 
 
     /// Set the box of a point to its volume, with edges proportional to the
-    /// edges of a cell over the points per direction. With F of an initial
-    /// stress, the box of the stress-free state is the one that F deforms into
-    /// this box. Fitted points whose volume is not this box are a quadrature of
-    /// a cut cell, which boxes around them would not fill; they have no box.
+    /// edges of a cell over the points per direction. With an initial stress, F
+    /// deforms the box of the stress-free state into this box. Fitted points
+    /// whose volume differs from this box are a quadrature of a cut cell. They
+    /// have no box, because boxes around them would not fill the cell.
     template <int dim>
     void
     set_domain(const PointRef<dim>     p,

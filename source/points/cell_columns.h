@@ -5,9 +5,9 @@
 #include "point_kernels.h"
 
 /**
- * Loops over the cells of a body along lines in x: from one cell to the next, n
- * - 1 of the n columns of functions, which are functions with the same index
- * along x, stay. To be included in sources.
+ * Loops over the cells of a body along lines in x. A cell has n columns of
+ * functions; a column has one index along x. From one cell to the next, n - 1
+ * columns remain. To be included in sources.
  */
 namespace greville
 {
@@ -25,9 +25,9 @@ namespace greville
         , edges(tables.space->lattice().edges(0).data())
       {}
 
-      /// Move to a cell. Returns whether it is the next one along x; its
-      /// functions are then the functions of the previous cell without the
-      /// first column, and a new column.
+      /// Move to a cell. Returns whether it is the next cell along x. It then
+      /// shares the functions of the previous cell without their first column,
+      /// and adds a new last column.
       inline __attribute__((always_inline)) bool
       go_to(const unsigned int cell)
       {
@@ -72,8 +72,8 @@ namespace greville
 
 
 
-    /// Prefetches groups some places ahead of a loop over all groups, cell by
-    /// cell: kernels read only some of their numbers, in a pattern that
+    /// Prefetches groups some iterations ahead of a loop over all groups, cell
+    /// by cell. Kernels read only some numbers of a group, in a pattern that
     /// processors do not predict.
     template <int dim>
     class PrefetchedGroups
@@ -91,7 +91,7 @@ namespace greville
           advance();
       }
 
-      /// Prefetch the numbers [0, last) of one more group.
+      /// Prefetch the numbers [0, last) of the next group.
       inline __attribute__((always_inline)) void
       advance()
       {
@@ -162,9 +162,9 @@ namespace greville
 
 
 
-    /// The sums over points for functions, n_fields numbers per function, of
-    /// which each lane has its part. A column is added to a buffer when it is
-    /// left behind.
+    /// The sums over points for functions, with n_fields numbers per function,
+    /// split over the lanes. When the loop leaves a column, the column is added
+    /// to a buffer.
     template <int dim, int n, int n_fields>
     class ColumnSums
     {

@@ -11,16 +11,16 @@ namespace greville
   namespace internal
   {
     /// The matrix of a cell, sum_p C_iJkL(p) d_J N_a(p) d_L N_b(p), from the
-    /// moments of C: in a cell, the product of derivatives is a polynomial of
+    /// moments of C. In a cell, the product of derivatives is a polynomial of
     /// degree 2 (n - 1) in each direction, less one for each derivative in this
-    /// direction. Per point, the moments take 486 products for n = 2 in 3D, the
-    /// sum over functions 1584; the matrix is then a tensor product.
+    /// direction. For n = 2 in 3D, the moments take 486 products per point, and
+    /// a sum over functions 1584. The matrix is then a tensor product.
     template <int dim, int n>
     class CellMoments
     {
     public:
-      /// Add groups of points: C is at C[group] + entry(iJ, kL) * simd_width,
-      /// the upper half of symmetric matrices.
+      /// Add groups of points, with C at C[group] + entry(iJ, kL) * simd_width;
+      /// symmetric matrices have only their upper half.
       template <typename Entry>
       void
       add(const CellGeometry<dim, n> &geometry,
@@ -141,7 +141,7 @@ namespace greville
       static constexpr int most = dim == 3
                                     ? (n_powers - 1) * (n_powers - 1) * n_powers
                                     : (n_powers - 1) * (n_powers - 1);
-      // The largest number of monomials, for reduce_four().
+      // The largest number of monomials, padded for reduce_four().
       static constexpr int n_padded = (most + 3) / 4 * 4;
 
       /// Call action(J, L) for all pairs of directions.
@@ -186,7 +186,7 @@ namespace greville
           sums[m] = in_registers[m];
       }
 
-      /// Sum over lanes, which become blocks.
+      /// Sum over lanes. Blocks then take the place of lanes.
       void
       sum_lanes()
       {
@@ -283,7 +283,7 @@ namespace greville
                 blocks[v] += products[2][kind][z][c] * planes[kind][c][xy][v];
       }
 
-      // [J][L][block][monomial], with C_iJkL at [J][L] for i <= k; of i == k
+      // [J][L][block][monomial]. [J][L] contains C_iJkL for i <= k; for i == k
       // only J <= L.
       Simd moments[dim][dim][n_blocks][n_padded];
       // [J][L][monomial][block]

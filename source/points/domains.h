@@ -9,10 +9,10 @@
  *
  * The domain of a point is a box around it with edges 2 s_d along the axes. It
  * has the same second moments as the stress-free box deformed by F, s_i^2 =
- * sum_j F_ij^2 s0_j^2: a rotated cube keeps its domain, and boxes that fill a
- * body before a stretch along the axes fill it afterwards. Its size is limited
- * to the smallest size among its cell and the neighbours, and it is cut at the
- * edges of the grid.
+ * sum_j F_ij^2 s0_j^2. So a rotated cube keeps its domain, and boxes that fill
+ * a body still fill it after a stretch along the axes. The domain is not larger
+ * than the smallest of its cell and the neighbours, and it is cut at the edges
+ * of the grid.
  */
 namespace greville::internal
 {

@@ -23,8 +23,8 @@ namespace greville::internal
                                      coordinate_names<dim>());
   }
 
-  /// Return derivatives of formulas by differences of sixth order with the
-  /// given @p steps.
+  /// Return derivatives of formulas by sixth-order differences with the given
+  /// @p steps.
   template <int dim>
   dealii::Tensor<2, 3>
   gradient_of(const VectorExpression<dim>   &formulas,
@@ -46,7 +46,7 @@ namespace greville::internal
     return gradient;
   }
 
-  /// Return the steps of gradient_of() for a displacement.
+  /// Return the steps of gradient_of() for an initial displacement.
   template <int dim>
   std::array<double, dim>
   displacement_steps(const SplineSpace<dim> &space)

@@ -37,7 +37,7 @@ namespace greville
   void
   FreeSurface<dim>::find_layer(const std::vector<double> &filled)
   {
-    // Smaller fractions of a cell leak like this fraction.
+    // Cells with a smaller filled fraction leak as with this fraction.
     constexpr double smallest_part = 0.1;
 
     std::vector<double> of_cells(neighbors.positions().size(), 0.);
@@ -127,7 +127,7 @@ namespace greville
                    dt * volume * c * mobility * inverse_squares[cell],
                    value});
               }
-            // The slope is exact for the pressure of water at rest.
+            // The slope makes the sum exact for water at rest.
             Tensor<1, dim> slope;
             for (unsigned int d = 0; d < dim; ++d)
               {

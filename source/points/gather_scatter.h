@@ -5,19 +5,19 @@
 #include "window_shape.h"
 
 /**
- * Sums over the functions that do not vanish on a point's domain, and sums of
- * such points into these functions. To be included in sources.
+ * Sums over the functions that do not vanish on a point's domain (gather), and
+ * additions of points to these functions (scatter). To be included in sources.
  *
- * Each function has some vectors of four numbers in a buffer. SIMD is used over
- * these numbers and not over points, since each point has its own functions:
- * out of the n + 2 functions of the window in a direction, n + 1 do not vanish
- * on a box that extends over a face, and n on other boxes.
+ * Each function has some vectors of four numbers in a buffer. SIMD acts on
+ * these numbers and not on points, since each point has its own functions: in
+ * each direction, n + 1 of the n + 2 functions of the window do not vanish on a
+ * box that extends over a face, and n functions do not vanish on other boxes.
  */
 namespace greville
 {
   namespace internal
   {
-    /// The distance of two fields of a function in the buffer: a vector
+    /// The distance of two fields of a function in the buffer. A vector
     /// contains two fields in 2D.
     template <int dim>
     constexpr int field_stride = dim == 2 ? 2 : 4;
@@ -31,9 +31,9 @@ namespace greville
 
 
 
-    /// The kinds of sums, for vectors u_a of all functions a: n_vectors of
-    /// values N_a u_a, and for vector number with_slopes, unless negative, also
-    /// d_d N_a u_a for each direction d.
+    /// The kinds of sums for vectors u_a of all functions a: n_vectors of
+    /// values N_a u_a; and derivatives d_d N_a u_a in each direction d for
+    /// vector number with_slopes, unless negative.
     template <int n_vectors_, int with_slopes_>
     struct Sums
     {
@@ -51,12 +51,11 @@ namespace greville
 
 
     /// The univariate functions of a cell or of its window at a group of
-    /// points; the functions of lane l that do not vanish are begin[d][l] to
-    /// end[d][l].
+    /// points. In lane l, functions begin[d][l] to end[d][l] do not vanish.
     template <int dim, int n_1d>
     struct LaneShapes
     {
-      /// Read the functions of the cell, which are in the middle of its window.
+      /// Copy the functions of the cell to the middle of its window.
       void
       read(const ShapeValues<dim, n_1d - 2> &shape)
       {
@@ -96,7 +95,7 @@ namespace greville
 
 
 
-    /// Factors of the functions of a row along x: N of y and z, followed by its
+    /// Factors for the functions of a row along x: N_y N_z, followed by its
     /// derivatives by y and z.
     template <int dim>
     struct RowFactors
@@ -261,8 +260,8 @@ namespace greville
 
 
 
-    /// Compute the sums of the first @p count points of a group: number k of
-    /// vector v of Sums is in sums[4 v + k], with zeros for other lanes.
+    /// Compute the sums of the first @p count points of a group. Number k of
+    /// vector v of Sums is in sums[4 v + k]; other lanes are zero.
     template <typename Kind, int dim, int n_1d>
     __attribute__((noinline)) void
     gather(const LaneShapes<dim, n_1d> &shapes,

@@ -95,7 +95,7 @@ namespace greville
 
 
     /// Return the inverse of the deformation of a point since the initial
-    /// configuration, in 2D in the plane.
+    /// configuration; in 2D only the part in the plane.
     template <int dim>
     dealii::Tensor<2, dim>
     inverse_F(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
@@ -109,8 +109,8 @@ namespace greville
 
 
     /// Return the increment f = 1 + dt grad w of the deformation of a point,
-    /// for a field with @p coefficients [component][function], with the
-    /// gradient with respect to the position at the start of the step.
+    /// for a field with @p coefficients [component][function]. The gradient is
+    /// with respect to the position at the start of the step.
     template <int dim, int n>
     dealii::Tensor<2, dim>
     increment_of_point(const ConstPointRef<dim> p,

@@ -11,9 +11,9 @@ namespace greville
 {
   namespace internal
   {
-    /// Return a bound of the square of the ratio of wave speeds in the
-    /// reference configuration to the wave speeds in the current one, from
-    /// F^-1: the largest sum of a row of F^-1 F^-T.
+    /// Return an upper bound of the squared ratio of wave speeds in the
+    /// reference configuration to the current wave speeds, from F^-1: the
+    /// largest absolute row sum of F^-1 F^-T.
     template <int dim>
     inline Simd
     square_of_stretch(const Simd (&inverse)[dim][dim])
@@ -32,8 +32,8 @@ namespace greville
 
 
 
-    /// Set F_zz of axisymmetric points to r / radius0, and return the factor by
-    /// which it grows.
+    /// Set F_zz of axisymmetric points to r / radius0, and return its growth
+    /// factor.
     template <int dim>
     inline Simd
     stretch_hoop(const PointLayout<dim> &layout, double *group)
@@ -50,8 +50,8 @@ namespace greville
 
 
 
-    /// F = (1 + dt grad w) F and J. Returns the increment 1 + dt grad w, and
-    /// its component zz in @p hoop.
+    /// Update F = (1 + dt grad w) F and J. Returns the increment 1 + dt grad w,
+    /// and its component zz in @p hoop.
     template <int dim>
     inline __attribute__((always_inline)) Simd
     deform(const PointLayout<dim> &layout,
@@ -93,9 +93,9 @@ namespace greville
 
 
 
-    /// Set the projected J of a group, and scale the increment by the root of
-    /// its change over @p det. @p projected contains a J for each point, or is
-    /// null.
+    /// Set the projected J of a group, and scale the increment so that its
+    /// determinant is the change of the projected J instead of @p det.
+    /// @p projected contains a J for each point, or is null.
     template <int dim>
     __attribute__((noinline)) void
     project(const PointLayout<dim> &layout,

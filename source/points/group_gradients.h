@@ -11,9 +11,9 @@ namespace greville
   namespace internal
   {
     /// The functions of a cell at a group of points, row by row in x, for a
-    /// field of @p n_components. The pairs of a component and a direction,
-    /// followed by the value of the first component if @p with_value, form an
-    /// array.
+    /// field of @p n_components. Arrays contain the pairs of a component and a
+    /// direction, followed by the value of the first component if
+    /// @p with_value.
     template <int dim, int n, int n_components, bool with_value>
     struct GroupGradients : ShapeValues<dim, n, Simd>
     {
@@ -22,16 +22,15 @@ namespace greville
       // The padded length for reduce_four().
       static constexpr int n_padded = (n_numbers + 3) / 4 * 4;
 
-      /// Call action(number of the row, factors of the row for derivatives in
-      /// each direction); the factor for the derivative along x is also the
-      /// factor for values.
+      /// Call action(number of the row, factors of the row), with a factor for
+      /// derivatives in each direction. The factor along x also applies to
+      /// values.
       template <typename Action>
       inline __attribute__((always_inline)) void
       for_each_row(const Action &action) const
       {
         const auto &N = this->N, &dN = this->dN;
-        // Not unrolled, since the code of high orders would not fit into the
-        // cache.
+        // Do not unroll: the code of high orders would not fit into the cache.
 #pragma GCC unroll 1
         for (int z = 0; z < (dim == 3 ? n : 1); ++z)
 #pragma GCC unroll 6
@@ -79,8 +78,8 @@ namespace greville
         });
       }
 
-      /// Compute sums[function * n_components + i] += T_ij d_j N, and for i = 0
-      /// also the entry for the value times N.
+      /// Compute sums[function * n_components + i] += T_ij d_j N. For i = 0,
+      /// the value entry of T times N is added, too.
       inline __attribute__((always_inline)) void
       add_divergence(const Simd (&T)[n_pairs], Simd *sums) const
       {

@@ -34,7 +34,7 @@ namespace greville
 
 
 
-    /// Return MaterialLanes with the numbers that are the same for all groups.
+    /// Return MaterialLanes with the numbers that all groups share.
     template <int dim>
     inline MaterialLanes
     make_material_lanes(const PointLayout<dim> &layout)
@@ -50,8 +50,8 @@ namespace greville
 
 
 
-    /// Load a group into make_material_lanes(), without the stress, see
-    /// load_material_point().
+    /// Load a group, without the stress, into the lanes of
+    /// make_material_lanes(), see load_material_point().
     template <int dim>
     inline void
     load_material_lanes(const PointLayout<dim> &layout,
@@ -107,7 +107,7 @@ namespace greville
       };
       for (unsigned int k = 0; k < Layout::n_stress; ++k)
         store_at(Layout::stress + k, points.stress[k]);
-      // Lanes without a point have no modulus.
+      // Empty lanes have no modulus.
       Lanes modulus = points.wave_modulus;
       for (unsigned int lane = points.count; lane < n_lanes; ++lane)
         modulus[lane] = 0.;
@@ -118,7 +118,7 @@ namespace greville
 
 
     /// Update a group of points by its material, with make_material_lanes().
-    /// The increment of F_zz is for 2D. Returns whether all of the @p count
+    /// The increment of F_zz is used in 2D. Returns whether the first @p count
     /// points are valid.
     template <int dim>
     inline bool

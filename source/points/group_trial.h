@@ -13,8 +13,8 @@ namespace greville
 {
   namespace internal
   {
-    /// A group of points in a trial step. Tensors are in the plane of 2D
-    /// problems, followed by the entries zz of axisymmetric points.
+    /// A group of points in a trial step. Tensors have entries in the plane in
+    /// 2D, followed by the entries zz of axisymmetric points.
     template <int dim>
     struct GroupTrial
     {
@@ -22,7 +22,7 @@ namespace greville
 
       unsigned int number, count;
       Simd         volume;
-      /// f, its inverse and its determinant with f_zz.
+      /// f, its inverse, and its determinant including f_zz.
       Simd f[dim][dim], inverse[dim][dim], f_zz = 1., theta;
       /// The radius to which f_zz is relative, 1 in plane strain.
       Simd radius = 1.;
@@ -40,7 +40,7 @@ namespace greville
 
 
     /// Replace A by dP / df: multiply it by the map on both sides, and the pair
-    /// zz by @p factor_zz. Of symmetric matrices, only the upper half is used.
+    /// zz by @p factor_zz. Symmetric matrices use only their upper half.
     template <int dim>
     inline __attribute__((always_inline)) void
     map_tangent(GroupTrial<dim> &trial,
@@ -197,9 +197,9 @@ namespace greville
             square += strain[i][j] * strain[i][j];
             work += S[i][j] * strain[i][j];
           }
-      // The correction is of the order of the square of the strain, and of
-      // round-off of the energy over the strain: it is omitted for smaller
-      // strains.
+      // The correction is of the order of the strain squared, but its round-off
+      // is the round-off of the energy over the strain. It is omitted for
+      // smaller strains.
       constexpr double smallest = 6e-6; // the third root of round-off
       const auto       is_large = square > smallest * smallest;
       const Simd       factor =

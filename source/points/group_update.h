@@ -16,8 +16,8 @@ namespace greville
   namespace internal
   {
     /// A pass over points. Kick changes velocities; deform changes F, J, stress
-    /// and state, and positions if PointUpdate::move. Two fields: v and a of a
-    /// kick, or w and v of points that deform by another field than they move.
+    /// and state, and positions if PointUpdate::move. Two fields are v and a of
+    /// a kick; or w, which deforms points, and v, which moves them.
     template <bool kick_, bool deform_, bool two_fields_, bool apic_>
     struct Pass
     {
@@ -129,9 +129,9 @@ namespace greville
 
 
 
-    /// Add the velocities, and with APIC the affine matrices C and the
-    /// diagonals D, of a group to a row, interpolated between their old values
-    /// and the new ones.
+    /// Add the velocities of a group to a row, and with APIC also the affine
+    /// matrices C and the diagonals D. Velocities are interpolated between
+    /// their old and new values.
     template <int dim>
     __attribute__((noinline)) void
     add_motion(const PointUpdate<dim> &update,

@@ -136,7 +136,7 @@ namespace greville
     const std::size_t size = std::size_t(point_layout.size) * width;
     if (data.size() >= n_groups * size)
       return;
-    // An AlignedVector that grows in place would double its memory.
+    // Copy: an AlignedVector that grows in place would double its memory.
     dealii::AlignedVector<double> larger;
     larger.resize_fast(n_groups * size);
     std::copy_n(data.begin(), links.size() * size, larger.begin());
@@ -271,7 +271,7 @@ namespace greville
   void
   MaterialPoints<dim>::defragment()
   {
-    // The old numbers of the groups in their new order, and new links.
+    // The old position of each group in the new order, and new links.
     std::vector<unsigned int> old, new_links;
     std::vector<bool>         is_used(links.size(), false);
     old.reserve(links.size());
@@ -291,8 +291,8 @@ namespace greville
     free_groups = none;
 
     std::vector<double> numbers(std::size_t(point_layout.size) * width);
-    // Fill the place of a group that is not needed there any more, then the
-    // place of the group that has moved, and so on, until @p last is to move.
+    // Move a group to an unused position, then another group to the position
+    // that has become free, and so on, until group @p last is to move.
     const auto fill = [&](unsigned int place, const unsigned int last) {
       while (place < old.size() && old[place] != none)
         {
@@ -307,7 +307,7 @@ namespace greville
     for (unsigned int place = 0; place < old.size(); ++place)
       if (!is_used[place])
         fill(place, none);
-    // The other groups form cycles.
+    // The remaining groups form cycles.
     for (unsigned int place = 0; place < old.size(); ++place)
       if (old[place] != none && old[place] != place)
         {
@@ -317,7 +317,7 @@ namespace greville
                       group(fill(place, place)));
         }
 
-    // Release more spare room than new_group() makes.
+    // Release spare memory beyond the reserve of new_group().
     if (data.size() / 9 * 8 > old.size() * numbers.size())
       {
         dealii::AlignedVector<double> smaller;

@@ -14,7 +14,7 @@ namespace greville
 {
   namespace internal
   {
-    /// One number of all points of a group. (Since cells have few points, wider
+    /// One number of all points of a group. (Cells have few points, so wider
     /// vectors would have empty lanes.)
     using Simd = FixedSimd<double, MaterialPoints<2>::width>;
 
@@ -182,8 +182,8 @@ namespace greville
     }
 
     /// Prefetch the numbers [first, last) of the group after number @p g of the
-    /// cell number @p c of points.cells(): kernels read only some of its
-    /// numbers, in a pattern that processors do not predict.
+    /// cell number @p c of points.cells(). Kernels read only some numbers of a
+    /// group, in a pattern that processors do not predict.
     template <int dim>
     inline __attribute__((always_inline)) void
     prefetch_next(const MaterialPoints<dim> &points,
@@ -307,10 +307,11 @@ namespace greville
 
 
 
-    /// Compute the inverses of the deformation gradients (in 2D in the plane)
-    /// of a group since the initial configuration. They map gradients with
-    /// respect to reference positions to gradients with respect to current
-    /// positions. @p initial_F is the field of PointLayout.
+    /// Compute the inverses of the deformation gradients of a group since the
+    /// initial configuration (in 2D their parts in the plane). They map
+    /// gradients with respect to reference positions to gradients with respect
+    /// to current positions. @p initial_F is the position of the field in
+    /// PointLayout.
     template <int dim>
     inline void
     load_inverse_F(const double      *group,

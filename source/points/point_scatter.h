@@ -76,7 +76,7 @@ namespace greville
 
 
     /// Compute the force of loads, and of the stress sigma_zz of axisymmetric
-    /// points: - V sigma_zz / r, in any configuration of N.
+    /// points, - V sigma_zz / r, which holds in any configuration of N.
     template <int dim>
     inline __attribute__((always_inline)) void
     load_force(const PointLayout<dim> &layout,
@@ -298,8 +298,8 @@ namespace greville
               for (int i = 0; i < dim; ++i)
                 {
                   Simd &force = sum[Fields::first_force + i];
-                  // Two fused operations; a sum of both products takes a third
-                  // one.
+                  // Two fused operations. A sum of both products would take
+                  // three.
                   force =
                     (force + shape.dN[0][a] * row.along[i]) + N * row.across[i];
                 }

@@ -55,7 +55,7 @@ namespace greville
   {
     if (n_groups * group_size() <= numbers.size())
       return;
-    // An array that grows reserves more than its size.
+    // An array that grows would reserve more than its size.
     numbers.clear();
     numbers.resize_fast(n_groups * group_size());
   }
@@ -83,7 +83,7 @@ namespace greville
     inline __attribute__((always_inline)) void
     apply(const double *C, const Simd *H, Simd *T)
     {
-      // Keep these in registers, which no store to T can change.
+      // Keep these in registers: stores to T cannot change them.
       Simd of_pairs[n], sums[n];
       std::copy_n(H, n, of_pairs);
       for (Simd &sum : sums)
@@ -255,7 +255,7 @@ namespace greville
                 {
                   for (int q = 0; q < n_together; ++q)
                     contract(C + q, i, k, q);
-                  // Of symmetric blocks, only entries with b >= a are used.
+                  // Symmetric blocks use only entries with b >= a.
                   add(block, i == k);
                   block += n_functions * stride;
                 }
@@ -263,7 +263,7 @@ namespace greville
           }
       }
 
-      /// Cells with this number of points use moments, if there are any.
+      /// Cells with at least this number of points use moments, if supported.
       static constexpr bool         has_moments = n == 2 && !with_hoop;
       static constexpr unsigned int many        = 24;
 
@@ -308,7 +308,7 @@ namespace greville
       }
 
     private:
-      // The number of sums that stay in registers until they are added.
+      // The number of points that are summed before adding to the matrix.
       static constexpr int n_together = simd_width;
       // The derivatives, and the values for f_zz.
       static constexpr int n_directions = dim + (with_hoop ? 1 : 0);
@@ -336,7 +336,7 @@ namespace greville
       void
       contract(const double *C, const int i, const int k, const int q)
       {
-        // Only component r has the additional pair, of f_zz.
+        // Only component r has the additional pair of f_zz.
         const auto pair_of = [](const int component, const int direction) {
           return direction < dim  ? component * dim + direction
                  : component == 0 ? dim * dim
@@ -393,7 +393,7 @@ namespace greville
       double polar_factors[has_moments ? CellMoments<dim, 2>::most_groups : 1]
                           [n_pairs * (n_pairs + 1) / 2 * n_together];
 
-      // [point][direction][function], with zeros behind the functions.
+      // [point][direction][function], padded with zeros.
       Number gradients[n_together][n_directions][stride] = {};
       Number factors[n_together][n_directions][stride]   = {};
     };

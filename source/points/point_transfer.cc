@@ -157,7 +157,7 @@ namespace greville
                  const double (&factors)[n][simd_width],
                  const double *x)
     {
-      // As many sums at a time as there are registers for.
+      // Keep as many sums at a time as registers allow.
       constexpr int n_sums = n % 7 == 0   ? 7
                              : n % 6 == 0 ? 6
                              : n % 5 == 0 ? 5
@@ -185,10 +185,10 @@ namespace greville
 
 
 
-    /// Add the mass matrices of the cells: for all pairs of functions in each
-    /// direction sum_p m_p N_a N_b. Shape functions have points in the lanes.
-    /// The sums have the entries of a line of the cell in the lanes, as the
-    /// matrix has, so that they need not be added up over lanes.
+    /// Add the mass matrices of the cells, sum_p m_p N_a N_b for all pairs of
+    /// functions. Shape functions have points in the lanes. The sums have
+    /// entries of a matrix row in the lanes, as the matrix has, so that no sum
+    /// over lanes is needed.
     template <int dim, int n>
     void
     add_cells(const MaterialPoints<dim>   &points,
@@ -293,7 +293,7 @@ namespace greville
   namespace
   {
     /// Call action(group, N) for all groups of points, where N(a) is the value
-    /// of function a of their cell, and then finish(functions) for the cell.
+    /// of function a of their cell; then call finish(functions) for the cell.
     template <int dim, int n, typename Points, typename Action, typename Finish>
     void
     for_each_group(Points                      &points,
@@ -322,7 +322,7 @@ namespace greville
 
 
 
-    /// V0, V0 (J - 1) and V0 |J - 1| of the points, per function.
+    /// Sum V0, V0 (J - 1) and V0 |J - 1| of the points to functions.
     template <int dim, int n>
     void
     add_volumes(const MaterialPoints<dim>   &points,
@@ -383,7 +383,7 @@ namespace greville
           double    *address = group + PointLayout<dim>::J * simd_width;
           const Simd V = load(group + PointLayout<dim>::volume0 * simd_width);
           Simd       J = load(address);
-          // Lanes without a point keep J = 1.
+          // Empty lanes keep J = 1.
           where(V > 0., J) = J + part * (change - (J - 1.) * weight);
           store(J, address);
         },

@@ -28,7 +28,7 @@ namespace greville
     /// Compute y += K x on this process, for values stored function by
     /// function. product(group, shape, u, sums) adds the contribution of a
     /// group of points to K x for the values u of its cell. Cells that reach
-    /// their neighbours by the windows @p without are left out.
+    /// their neighbours by the windows @p without are skipped.
     template <int dim, int n, bool derivatives, typename Product>
     void
     multiply_cells(const MaterialPoints<dim>   &points,
@@ -113,8 +113,7 @@ namespace greville
 
 
 
-    /// The stress, times the volume, that a Stiffness gives for gradients of
-    /// displacements.
+    /// The stress of a Stiffness for displacement gradients, times the volume.
     template <int dim>
     class StiffnessStress
     {
@@ -131,7 +130,7 @@ namespace greville
 
       /// Compute the stress for the gradient @p H, which is transformed to
       /// current positions. Axisymmetric points also have the strain u_r / r:
-      /// @p hoop is u_r and then the force of its stress on values.
+      /// @p hoop is first u_r, and then the force of the hoop stress on values.
       inline __attribute__((always_inline)) void
       evaluate(const double *group,
                Simd (&H)[dim][dim],
@@ -175,7 +174,7 @@ namespace greville
         shear  = volume * (scale * stiffness.shear + stiffness.viscous_shear);
       }
 
-      /// Compute the stress, and of the strain @p hoop the force on values.
+      /// Compute the stress, and the force of the strain @p hoop on values.
       inline __attribute__((always_inline)) void
       multiply_gradient(const Simd lambda,
                         const Simd shear,

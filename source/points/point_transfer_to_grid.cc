@@ -14,7 +14,7 @@ namespace greville
 
   namespace
   {
-    /// The vectors of a function: mass and momentum, and force.
+    /// The vectors that each function has: mass and momentum, and force.
     template <typename Fields>
     using KindOfSums = Sums<int(Fields::momentum) + int(Fields::force),
                             Fields::force ? int(Fields::momentum) : -1>;
@@ -113,11 +113,11 @@ namespace greville
                double                      *buffer,
                double                      *filled_parts)
     {
-      // A local object: the compiler knows that its sums alias no other memory.
+      // A local object tells the compiler that its sums alias no other memory.
       Scatter<dim, n, Fields> scatter(points, tables, windows, buffer);
       using Layout         = PointLayout<dim>;
       const Layout &layout = points.layout();
-      // The number of leading numbers of a point that the passes need.
+      // The number of doubles at the start of a point that the passes read.
       const unsigned int n_read =
         layout.is_total_lagrangian()
           ? layout.size

@@ -140,8 +140,8 @@ namespace greville
             }
       }
 
-      /// Refer moments to the points: x_i - x is the offset of x_i minus the
-      /// distance of x from the center of the cell.
+      /// Refer moments to the points: x_i - x is the offset of x_i from the
+      /// center of the cell minus the offset of x.
       static inline __attribute__((always_inline)) void
       center_moments(const CellGeometry<dim, n> &geometry,
                      const ShapeValues<dim, n>  &shape,
@@ -230,8 +230,8 @@ namespace greville
       const PointLayout<dim> &layout   = points.layout();
       const bool              is_total = layout.is_total_lagrangian();
       const unsigned int first_affine = Pass::apic ? layout.first("affine") : 0;
-      // Without deformation only numbers up to the mass are read, and without
-      // further fields numbers up to F.
+      // Without deformation, numbers after the mass are not read; without
+      // additional fields, numbers after F are not read.
       const unsigned int n_read =
         is_total || layout.size > PointLayout<dim>::n_fixed
           ? layout.size
@@ -252,7 +252,7 @@ namespace greville
                g = points.next_group(g), count = simd_width)
             {
               ahead.advance();
-              // Lanes without a point do not change.
+              // Empty lanes do not change.
               Simd is_used;
               for (unsigned int lane = 0; lane < simd_width; ++lane)
                 is_used[lane] = lane < count ? 1. : 0.;
@@ -317,8 +317,8 @@ namespace greville
     Require(kick ? (deform ? same && update.move : !update.move) : deform,
             "No pass over points has this combination of updates.");
 
-    // The field whose gradient deforms points is the first one. A kick of FLIP
-    // does not use the velocity, but its place in the buffer.
+    // The first field is the one whose gradient deforms points. A kick of FLIP
+    // does not use the velocity, but reserves its position in the buffer.
     std::vector<const VectorField<dim> *> fields;
     if (deform)
       fields.push_back(update.deformation);

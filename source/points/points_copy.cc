@@ -24,9 +24,8 @@ namespace greville
 
 
 
-    /// Return the offsets of the numbers of a point, which are subtracted
-    /// before rounding; in addition, the position is subtracted from the
-    /// initial one.
+    /// Return the offsets that are subtracted from the numbers of a point
+    /// before rounding. The position is also subtracted from the initial one.
     template <int dim>
     std::vector<double>
     offsets(const MaterialPoints<dim> &points, const unsigned int cell)

@@ -14,7 +14,7 @@ namespace greville::internal
   inline void
   diagonalize(Simd (&A)[n][n], Simd (&V)[n][n])
   {
-    // Errors are squared in each sweep.
+    // Each sweep squares the errors.
     constexpr int n_sweeps = 6;
     for (int r = 0; r < n; ++r)
       for (int s = 0; s < n; ++s)
@@ -58,7 +58,7 @@ namespace greville::internal
     for (int r = 0; r < n; ++r)
       for (int s = 0; s < n; ++s)
         largest = max(largest, abs(C[r][s]));
-    // Scaled, so that squares do not overflow.
+    // Scale the matrix, so that squares do not overflow.
     for (int r = 0; r < n; ++r)
       for (int s = 0; s < n; ++s)
         {

@@ -94,7 +94,7 @@ namespace greville
         add_to(dissipation, heat);
       }
 
-    // In 3D, the tangent at any s is an upper bound of the cubic root: V^(1/3)
+    // In 3D, compute a bound of the cubic root: its tangent at any s, V^(1/3)
     // <= (2 s + V / s^2) / 3.
     Lanes V = V0 * lanes_at(group + Layout::J * n_lanes);
     if (points.layout().is_axisymmetric())
@@ -173,7 +173,7 @@ namespace greville
           x[(i + 1) % 3] * v[(i + 2) % 3] - x[(i + 2) % 3] * v[(i + 1) % 3];
     if (affine)
       {
-        // C : (C D), and the skew part of C D.
+        // Compute C : (C D), and the skew part of C D.
         Lanes B[dim][dim];
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)

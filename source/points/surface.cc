@@ -23,7 +23,7 @@ namespace greville
     state.x        = p.position();
     state.F        = p.matrix(PointLayout<dim>::F);
     state.velocity = p.velocity();
-    // Material points in contact store their current area as mass.
+    // Material points in contact already store their current area as mass.
     state.is_axisymmetric = layout.is_axisymmetric() && !layout.find("radius");
     if (const PointField *normal = layout.find("normal"))
       state.normal = p.vector(normal->first);

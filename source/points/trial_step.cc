@@ -17,7 +17,7 @@ namespace greville
 
   namespace
   {
-    /// The arguments of TrialStep::evaluate() that all points share.
+    /// The arguments of TrialStep::evaluate() that all groups share.
     template <int dim>
     struct TrialArguments
     {
@@ -48,8 +48,8 @@ namespace greville
         , report(report)
       {}
 
-      /// Evaluate group number @p g with the gradient H of the displacement
-      /// and, in axisymmetry, the radial displacement. @p result has the
+      /// Evaluate group number @p g with the displacement gradient H and, in
+      /// axisymmetry, the radial displacement. @p result already contains the
       /// positions.
       void
       evaluate(const unsigned int g,
@@ -204,7 +204,7 @@ namespace greville
         lanes_law->update_lanes(lanes);
       }
 
-      /// Do the same for laws that take one point at a time.
+      /// Do the same for laws that update single points.
       void
       update_points(const GroupTrial<dim> &trial)
       {
@@ -250,8 +250,8 @@ namespace greville
           }
       }
 
-      /// Write the stress and its derivative, with gradients with respect to X
-      /// in total Lagrangian steps.
+      /// Write the stress and its derivative. In total Lagrangian steps,
+      /// gradients are with respect to X.
       inline __attribute__((always_inline)) void
       write(GroupTrial<dim> &trial, TrialGroup<dim> &result)
       {
@@ -311,7 +311,7 @@ namespace greville
                 result.dual[4]      = 1. / result.expansion[4];
               }
           }
-        // Independent sums need not wait for one another.
+        // Use independent sums, which need not wait for one another.
         Simd    sums[3] = {0., 0., 0.};
         double *to      = result.tangent;
         for (int r = 0; r < trial.n_used; ++r)
@@ -356,15 +356,15 @@ namespace greville
       TangentLanes               D;
       const double              *J_hat;
       PointReport               &report;
-      // The inverse of the deformation before the step, in total Lagrangian
-      // steps.
+      // In total Lagrangian steps, the inverse of the deformation before the
+      // step.
       mutable Simd reference_map[dim][dim];
     };
 
 
 
-    /// The functions of a cell and the displacement of the grid there, for
-    /// gradients at points or as means over their domains.
+    /// The functions of a cell and the grid displacement there. Gradients are
+    /// taken at points, or as means over their domains.
     template <int dim, int n>
     class CellDisplacement
     {

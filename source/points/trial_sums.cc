@@ -89,8 +89,8 @@ namespace greville
 
 
 
-    /// Call @p add(geometry, group, force) to add the forces of groups on the
-    /// window of a cell, and return the sum of their squares.
+    /// Call @p add(geometry, group, force), which adds the forces of groups to
+    /// the window of a cell, and return the sum of their squares.
     template <int dim, int n, typename Add>
     double
     add_forces_of_window(const WindowGeometry<dim, n>       &geometry,

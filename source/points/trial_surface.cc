@@ -12,12 +12,12 @@ namespace greville
 
   namespace
   {
-    // The step of differences, relative to the cell size and to strains.
+    // The step of finite differences, relative to the cell size and to strains.
     constexpr double difference = 1e-6;
 
 
 
-    /// Return the state of a point after a further displacement with its
+    /// Return the state of a point after a further displacement with the given
     /// gradient.
     template <int dim>
     SurfaceState<dim>

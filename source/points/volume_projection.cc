@@ -15,11 +15,11 @@ namespace greville
   namespace
   {
     /// The factors of Richardson iterations with the lumped mass, for n
-    /// functions per direction. The eigenvalues lie between 0 and 1, and the
-    /// iterations leave the fraction prod_k (1 - factor_k eigenvalue) of an
-    /// error. Factors of one make it small for smooth errors, the others for
-    /// all other errors. The fraction is below one for all eigenvalues, so that
-    /// the operator is positive.
+    /// functions per direction. The eigenvalues lie between 0 and 1. The
+    /// iterations multiply an error by the product of (1 - factor_k
+    /// eigenvalue). Factors of one reduce smooth errors, the others all other
+    /// errors. The product is below one for all eigenvalues, so that the
+    /// operator is positive.
     template <int n>
     constexpr std::array<double, 7> relaxation_factors = {
       {1., 1., 1., 1., 1.5, 3., 6.}};
@@ -30,8 +30,8 @@ namespace greville
 
 
 
-    /// Return the volume ratio of the configuration to which the projection
-    /// refers.
+    /// Return the volume ratio of the reference configuration of the
+    /// projection.
     template <int dim>
     double
     initial_J(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
@@ -93,7 +93,7 @@ namespace greville
       {
         const unsigned int n     = space.cells_per_direction()[d];
         const unsigned int n_all = (n + 1) / 2;
-        // If the number of cells is odd, the last cell is doubled.
+        // If the number of cells is odd, the last cell is extended to two.
         edges[d].clear();
         for (unsigned int k = 0; k <= n; k += 2)
           edges[d].push_back(space.lattice().edge(d, k));
@@ -115,8 +115,9 @@ namespace greville
                                 : KnotVector::open(q, edges[d]));
       }
 
-    // Cells of the coarse mesh may have children on several processes. Owners
-    // are equal parts of the lexicographic numbers, which all processes know.
+    // Cells of the coarse mesh may have children on several processes.
+    // Processes own equal ranges of the lexicographic numbers, so all know the
+    // owners.
     MultiIndex<dim> local;
     local.fill(q + 1);
     const unsigned int n_local = Utilities::fixed_power<dim>(q + 1);

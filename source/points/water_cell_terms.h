@@ -36,15 +36,15 @@ namespace greville::internal
     double         u_r = 0.; // in axisymmetry
     double         p   = 0.;
     Tensor<1, dim> p_slope;
-    // The sums of the absolute values of the terms in slope, p and the slope
-    // of p.
+    // The sums of the absolute values of the terms in slope, p and the slope of
+    // p, for round-off.
     double slope_size = 0., p_size = 0., p_slope_size = 0.;
   };
 
 
 
-  /// The terms of a cell: fields at them, and the sums over them. Null fields
-  /// and sums are omitted; with the rows, the pressure is omitted, too.
+  /// The terms of a cell: fields at them, and sums over them. Null fields and
+  /// sums are omitted. If the rows are null, the pressure is omitted, too.
   template <int dim>
   class CellTerms
   {

@@ -293,8 +293,8 @@ namespace greville
                                          const double                 kick,
                                          StencilMatrix<dim> &matrix) const
   {
-    // The divergence of the free motion is small if it only results from points
-    // that are not Gauss points.
+    // A smaller divergence of the free motion results only from points that are
+    // not Gauss points.
     const double smallest =
       0.1 / std::pow(pressure_tables.space->smallest_cell_size(), 2);
     with_order(functions.space->degree(), [&](const auto size) {

@@ -34,7 +34,7 @@ namespace greville
 
 
 
-    /// Set T for the force, in which V p is @p Vp and V (q + e p) @p diagonal.
+    /// Set T for the force. @p Vp is V p, and @p diagonal is V (q + e p).
     template <int dim, int n_pairs>
     inline __attribute__((always_inline)) void
     set_force(const Simd diagonal,
@@ -146,7 +146,7 @@ namespace greville
           put(by_p, terms.dt * point->J * k.by_pressure);
           if (is_axisymmetric)
             put(curvature, 1. / point->end_radius);
-          // Lanes without a point have a position in the cell.
+          // Empty lanes have a position in the cell.
           if (q + 1 == of_cell.n_points)
             for (unsigned int lane = q % simd_width + 1; lane < simd_width;
                  ++lane)

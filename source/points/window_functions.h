@@ -12,10 +12,10 @@ namespace greville
 {
   namespace internal
   {
-    /// The functions of the windows of a body's points, cell by cell: means
-    /// over domains if the cell reaches its neighbours, and values at the
-    /// points otherwise. If values are not averaged, both kinds of cells have
-    /// the same sums of values.
+    /// The functions of the windows of a body's points, cell by cell. In cells
+    /// that reach their neighbours, they are means over domains; in other
+    /// cells, values at the points. If values are not averaged, both kinds of
+    /// cells have the same sums of values.
     template <int dim, int n>
     class WindowFunctions
     {

@@ -74,9 +74,9 @@ namespace greville
     }
 
     /// Values and derivatives of the univariate functions of a window at a
-    /// group of points, or at one: derivatives are averaged over domains, and
-    /// values if the windows average them. Functions outside [first, last) are
-    /// zero.
+    /// group of points, or at one point. Derivatives are averaged over domains,
+    /// and values if the windows average them. Functions outside [first, last)
+    /// are zero.
     template <int dim, int n, typename Number = Simd>
     struct WindowShape
     {
@@ -144,9 +144,9 @@ namespace greville
       }
 
       /// Call action(number, factors, begin, end) for each row of functions
-      /// along x, with the number of its first function, the factors of the row
-      /// for derivatives in each direction, and the range [begin, end) of the
-      /// functions of the row to be used.
+      /// along x. @p number belongs to its first function, the factors of the
+      /// row are for derivatives in each direction, and [begin, end) is the
+      /// range of functions to be used.
       template <typename Action>
       void
       for_each_row(const Action &action) const
@@ -156,8 +156,8 @@ namespace greville
              ++a_z)
           for (int a_y = first[1]; a_y < last[1]; ++a_y)
             {
-              // If values are not averaged, functions of neighbours have one
-              // derivative only.
+              // If values are not averaged, functions of neighbours have only
+              // the derivative towards their cell.
               const bool at_z =
                 averages_values || dim == 2 || (a_z > 0 && a_z <= n);
               const bool at_y = averages_values || (a_y > 0 && a_y <= n);
@@ -270,7 +270,7 @@ namespace greville
       Number N[dim][n_1d];
       Number dN[dim][n_1d];
       int    first[dim], last[dim];
-      // The lengths of the box in the cells before and behind, in cells.
+      // The lengths of the box in the cells before and behind, in cell sizes.
       Number before[dim], behind[dim];
       bool   averages_values;
 

@@ -66,17 +66,17 @@ namespace greville
    *
    * Points and ids do not depend on the number of processes. Points with an
    * initial displacement are still stored in the cells of their original
-   * positions; the cells that points must leave are returned.
+   * positions. Returns the cells that such points must leave.
    *
    * The vertical stress of the K0 procedure, Pa, is with @p gravity g (m / s^2)
    *   rho g (s - y) + sum_i rho_i g (s_i - s_(i-1)),
-   * with the body's 'Surface' s at the place and the surfaces s_i of the @p
-   * layers above it, from below. A layer is present at a place if its 'Shape'
-   * contains the middle between s_(i-1) and s_i. The body may be among the
-   * layers. Below a water @p table, the pressure p of water at rest is
-   * subtracted, and the pressure of water above the highest surface is added:
-   * the result is the effective stress. Points with a field "pore_pressure"
-   * store p.
+   * with the body's 'Surface' s at the position x and the surfaces s_i of the
+   * @p layers above it, in ascending order. A layer is present at x if its
+   * 'Shape' contains the middle between s_(i-1) and s_i. The body may be among
+   * the layers. Below a water @p table, the pressure p of water at rest is
+   * subtracted, and the pressure of water above the highest surface is added,
+   * which gives the effective stress. Points with a field "pore_pressure" store
+   * p.
    */
   template <int dim>
   std::vector<unsigned int>

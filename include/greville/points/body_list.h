@@ -17,7 +17,7 @@ namespace greville
   public:
     BodyList() = default;
 
-    /// Implicit conversion, since a vector of bodies is a list of them.
+    /// Convert a vector of bodies implicitly to a list of all its bodies.
     BodyList(const std::vector<Body<dim>> &bodies)
     {
       add(bodies);
@@ -36,7 +36,7 @@ namespace greville
       pointers.push_back(&body);
     }
 
-    /// Replace bodies by others with the same names.
+    /// Replace the bodies that have the same names as the @p others.
     void
     put(const std::vector<Body<dim>> &others)
     {

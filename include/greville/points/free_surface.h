@@ -17,9 +17,9 @@ namespace greville
 {
   /**
    * Water of a given pressure @f$\bar p@f$ around all bodies. The surface is
-   * defined by the points only: it lies in the *layer* of the cells with points
-   * that share a face with a cell without points. Walls of the grid do not
-   * count as such faces.
+   * defined by the points only. It lies in the *layer*: the cells with points
+   * that share a face with a cell without points. Walls of the grid are not
+   * such faces.
    *
    * The pores of the layer leak into the water outside. To the balance of water
    * of WaterPoints, r, and its force f are added
@@ -30,24 +30,25 @@ namespace greville
    * @f}
    * with V, the conductivity kappa and the gradients at the start of the step.
    * Delta is the thickness of the layer, the filled fraction of a cell times
-   * its size. The layer has the flow @f$\kappa (p - \bar p) / \delta@f$ to a
-   * surface with the pressure @f$\bar p@f$, with p at its inner side, for c = 2
-   * if the pressure is linear in the layer, and for c = 1.44 if it follows the
-   * leak. Since it is a spline, neither holds; c = 1.2 has the smallest error
-   * on average. A much stronger leak would fix the pressure not only in the
-   * layer, but in all cells over which the spline is extended to the surface.
+   * its size. From p at its inner side to the pressure @f$\bar p@f$ at the
+   * surface, the layer has the flow @f$\kappa (p - \bar p) / \delta@f$. This
+   * requires c = 2 if the pressure is linear in the layer, and c = 1.44 if it
+   * is the solution with the leak. As the pressure is a spline, neither holds;
+   * c = 1.2 has the smallest mean error. A much stronger leak would fix the
+   * pressure in all cells over which the spline is extended to the surface, not
+   * only in the layer.
    *
    * The force is the force of @f$\bar p@f$ on the surface, by Gauss's theorem.
    * Together with the force of WaterPoints, it is the force of @f$p - \bar p@f$
-   * and the buoyancy @f$-\nabla \bar p@f$, so that errors of the sums over
-   * points do not move soil in water at rest.
+   * and the buoyancy @f$-\nabla \bar p@f$. Errors of the sums over points
+   * therefore do not move soil in water at rest.
    */
   template <int dim>
   class FreeSurface
   {
   public:
     /// Collective. See WaterPoints::reinit(). The pressure is a formula of x, y
-    /// (, z) and t, Pa. Throws dealii::ExcMessage if it is invalid.
+    /// (, z) and t, Pa. Throws dealii::ExcMessage if the formula is invalid.
     FreeSurface(const SplineSpace<dim>          &displacements,
                 const SplineSpace<dim>          &pressures,
                 const std::vector<unsigned int> &parents,
@@ -60,8 +61,8 @@ namespace greville
     void
     find_layer(const std::vector<double> &filled);
 
-    /// Begin a step of length @p dt (s) that ends at @p time (s) without
-    /// points.
+    /// Begin a step of length @p dt (s), which ends at @p time (s), and remove
+    /// all points.
     void
     clear(const double dt, const double time);
 
@@ -81,14 +82,14 @@ namespace greville
       return outer_force;
     }
 
-    /// Collective. Add the leak at a pressure, Pa, to r.
+    /// Collective. Add the leak at the pressure @p p, Pa, to r.
     void
     add_rows(const VectorType &p, VectorType &rows)
     {
       volume_out = sum(p, rows, true);
     }
 
-    /// Collective. Add the derivative of r in the direction of a pressure.
+    /// Collective. Add the derivative of r in the direction @p dp.
     void
     add_derivative(const VectorType &dp, VectorType &rows) const
     {

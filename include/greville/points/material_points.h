@@ -17,12 +17,12 @@ namespace greville
    * The material points of one body on this process, sorted by cells.
    *
    * Points are stored in *groups* of four points of one cell, each an array
-   * [number of the point's double][lane], so that a kernel loads one number of
+   * [k][lane] for number k (a double) of a point. A kernel loads one number of
    * all points of a group by one instruction. The groups of a cell form a
    * linked list; all but the first are full. Empty lanes contain a point
-   * without mass and volume at the centre of the cell, which contributes
-   * nothing, so kernels need no masks. Only points that change their cell are
-   * copied; defragment() restores the order of the cells when many have moved.
+   * without mass and volume at the centre of the cell. It contributes nothing,
+   * so kernels need no masks. Only points that change their cell are copied;
+   * defragment() restores the order of the cells when many have moved.
    *
    * Cells are numbered as in SplineSpace::owned_cells().
    */
@@ -45,7 +45,7 @@ namespace greville
       return point_layout;
     }
 
-    /// Replace the space by another one on the same cells.
+    /// Replace the space by another space on the same cells.
     void
     set_space(const SplineSpace<dim> &space)
     {
@@ -153,21 +153,21 @@ namespace greville
       return ConstPointRef<dim>(group(g) + lane, width);
     }
 
-    /// Make room for a number of groups.
+    /// Reserve memory for a number of groups.
     void
     reserve(const std::size_t n_groups);
 
-    /// Add a point with layout().size numbers to a cell.
+    /// Add a point, given by its layout().size numbers, to a cell.
     void
     insert(const unsigned int                     cell,
            const dealii::ArrayView<const double> &values);
 
-    /// Remove the points of @p cell whose position is not in it any more, and
-    /// append their numbers to @p leaving.
+    /// Remove points of @p cell whose position is outside of it, and append
+    /// their numbers to @p leaving.
     void
     remove_leaving(const unsigned int cell, std::vector<double> &leaving);
 
-    /// Make the lanes without a point harmless again.
+    /// Restore the empty lanes of a cell, see MaterialPoints.
     void
     clean(const unsigned int cell);
 
@@ -215,8 +215,7 @@ namespace greville
     PointLayout<dim>        point_layout;
     std::size_t             n_all_points = 0;
 
-    // The numbers of all groups, with spare room, so that the array seldom
-    // grows.
+    // The numbers of all groups. Spare memory makes reallocation rare.
     dealii::AlignedVector<double> data;
     std::vector<unsigned int>     heads;  // per cell
     std::vector<unsigned int>     counts; // per cell

@@ -15,8 +15,7 @@ namespace greville
   struct OutputField
   {
     std::string name;
-    /// The names of its numbers in the file; equal for all components of a
-    /// vector.
+    /// The column names in the file, equal for all components of a vector.
     std::vector<std::string> components;
     bool                     is_vector = false;
     /// Write the numbers of a point of body number b.
@@ -29,11 +28,11 @@ namespace greville
 
 
 
-  /// Return the fields @p names of the points of @p bodies on a process: F is
-  /// the deformation gradient, strain is Green's strain, (F^T F - 1) / 2, size
+  /// Return the fields @p names of the points of @p bodies on a process. F is
+  /// the deformation gradient, strain is Green's strain (F^T F - 1) / 2, size
   /// is the edge of a cube with the volume of a point, m, and history contains
-  /// the history variables of the materials. Each of them is a field of all
-  /// points, and is zero at points whose material does not have it.
+  /// the history variables of the materials. Each history variable is a field
+  /// of all points, which is zero if the material of a point does not have it.
   template <int dim>
   std::vector<OutputField<dim>>
   point_fields(const std::vector<std::string> &names,

@@ -30,10 +30,10 @@ namespace greville
    *     plane) from the stress-free state to the initial one,
    *   "projected_J", one number: the ratio of volumes that the material uses
    *     if changes of volume are projected (VolumeProjection),
-   *   "domain", dim numbers: half of the edges of the box around the point of
-   *     the stress-free state over which gradients are averaged, m,
-   *   "radius0", one number: of axisymmetric points (x is the distance r from
-   *     the axis), their r in the stress-free state, m: F_zz = r / radius0,
+   *   "domain", dim numbers: half of the edges of the box around the point in
+   *     the stress-free state, over which gradients are averaged, m,
+   *   "radius0", one number: the distance r of an axisymmetric point from the
+   *     axis in the stress-free state, m; r is x, and F_zz = r / radius0,
    * and further fields, for instance of a PointLoad.
    */
   template <int dim>
@@ -67,7 +67,7 @@ namespace greville
     static constexpr unsigned int n_fixed = id + 1;
 
     /// Return the position of entry (i, j) of a stress or deformation gradient,
-    /// counted from its first number.
+    /// relative to its first number.
     static constexpr unsigned int
     stress_index(const unsigned int i, const unsigned int j)
     {
@@ -87,8 +87,8 @@ namespace greville
     /// one component.
     PointLayout(const std::vector<std::string> &state_names = {});
 
-    /// Add a field, unless there is one with this name, and set its number
-    /// among the members below.
+    /// Add a field, unless one with this name exists, and set the matching
+    /// member below.
     void
     add(const std::string &name, const unsigned int n_components);
 
@@ -114,12 +114,12 @@ namespace greville
     unsigned int basis_position = position;
 
     /// The first number of "initial_F", 0 if there is none. Points of total
-    /// Lagrangian steps with initial stresses have it: F F_initial^-1 is the
+    /// Lagrangian steps with initial stresses have it. F F_initial^-1 is the
     /// deformation since the configuration of their basis functions.
     unsigned int initial_F = 0;
 
-    /// The number of "projected_J", 0 if there is none. J and F always result
-    /// from the motion, without projection.
+    /// The number of "projected_J", 0 if there is none. J and F are never
+    /// projected: they result from the motion.
     unsigned int projected_J = 0;
 
     /// The number of "radius0", 0 in plane strain.
@@ -132,9 +132,8 @@ namespace greville
     }
 
     /**
-     * Return the volume per area of the plane of coordinates at @p x: the
-     * radius of axisymmetric points, whose quantities are per radian, otherwise
-     * 1.
+     * Return the volume per area of the coordinate plane at @p x: the radius of
+     * axisymmetric points, whose quantities are per radian, otherwise 1.
      */
     template <typename Position>
     double

@@ -7,8 +7,8 @@
 
 namespace greville
 {
-  /// Multiply the determinant of a deformation gradient by @p ratio, in plane
-  /// strain without a change of thickness.
+  /// Multiply the determinant of a deformation gradient by @p ratio; in plane
+  /// strain, the thickness does not change.
   template <int dim>
   inline void
   scale_volume(dealii::Tensor<2, 3>   &F,
@@ -26,9 +26,9 @@ namespace greville
 
 
 
-  /// Return the radius of an axisymmetric point to which the increment of F_zz
-  /// is relative: a step that moves the point to the radius r has the increment
-  /// r over this radius.
+  /// Return the reference radius of the increment of F_zz of an axisymmetric
+  /// point: a step that moves the point to the radius r has the increment r
+  /// over this radius.
   template <int dim>
   inline double
   radius_of_F(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
@@ -39,8 +39,7 @@ namespace greville
 
 
   /// Fill @p point, a new MaterialPoint with the increment 1, from the numbers
-  /// of a point. If there is a projected J, it is used as J, and F is scaled to
-  /// it.
+  /// of a point. A projected J replaces J, and F is scaled to it.
   template <int dim>
   inline void
   load_material_point(const ConstPointRef<dim> p,

@@ -13,10 +13,10 @@
 
 namespace greville
 {
-  /// A point in the storage of MaterialPoints, or in an array of its numbers
-  /// (stride 1), by the names of its numbers; see PointLayout for their units.
-  /// It is a pointer: copying it does not copy the point, and a `const
-  /// PointRef` may be written to, but not a ConstPointRef.
+  /// A pointer to a point in the storage of MaterialPoints, or in an array of
+  /// its numbers (stride 1), with named access; see PointLayout for units.
+  /// Copying it does not copy the point. The point of a `const PointRef` may be
+  /// changed, but not the point of a ConstPointRef.
   template <int dim, typename Number = double>
   class PointRef
   {
@@ -37,8 +37,7 @@ namespace greville
       , stride(other.stride)
     {}
 
-    /// Return number k of the point, for positions that are known at run time
-    /// only.
+    /// Return number k of the point, for k that is known at run time only.
     Number &
     operator[](const unsigned int k) const
     {

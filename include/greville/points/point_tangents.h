@@ -19,19 +19,19 @@ namespace greville
    *   C_{iJkL} = V_n \frac{\partial P_{iJ}}{\partial f_{kL}}, \qquad
    *   (K u)_{ai} = \sum_p \partial_J N_a \, C_{iJkL} \, \partial_L u_k .
    * @f]
-   * It is applied point by point, and cell matrices are computed from it, for
+   * It is applied point by point. Cell matrices are computed from it, for
    * spaces of any order on the same mesh. Points are stored in groups of four,
    * cell by cell: position, and C as a matrix of pairs (iJ) and (kL). Symmetric
    * matrices are stored as their upper half, 45 numbers in 3D. Axisymmetric
-   * points have a fifth pair for f_zz = 1 + u_r / r, which multiplies N in
-   * place of a derivative: C contains the factor 1 / r for it.
+   * points have a fifth pair for f_zz = 1 + u_r / r. It multiplies N instead of
+   * a derivative, and C contains its factor 1 / r.
    *
-   * Cell matrices serve preconditioners, which need to be symmetric positive
-   * semidefinite. If C is not symmetric, the symmetric part can be indefinite:
-   * without dilatancy, plastic flow makes it indefinite. Cell matrices
-   * therefore contain the factor H = (C^T C)^(1/2) of the polar decomposition C
-   * = Q H, which has the null space of C (the direction of plastic flow), and
-   * is C if C is symmetric positive semidefinite.
+   * Cell matrices are used in preconditioners, which must be symmetric positive
+   * semidefinite. If C is not symmetric, its symmetric part can be indefinite,
+   * for instance in plastic flow without dilatancy. Cell matrices therefore
+   * contain the factor H = (C^T C)^(1/2) of the polar decomposition C = Q H. It
+   * has the null space of C (the direction of plastic flow), and equals C if C
+   * is symmetric positive semidefinite.
    */
   template <int dim>
   class PointTangents
@@ -71,9 +71,9 @@ namespace greville
       return (dim + (symmetric ? n * (n + 1) / 2 : n * n)) * n_lanes;
     }
 
-    /// Add the points of an owned cell, and return the numbers of its first
-    /// group, which the caller sets to x and C, [number][lane]. Lanes without a
-    /// point have zero C, and a position in the cell.
+    /// Add the points of an owned cell. Returns the numbers of its first group,
+    /// [number][lane], which the caller must set to x and C. Empty lanes have
+    /// zero C and a position in the cell.
     double *
     add_cell(const unsigned int cell, const unsigned int n_points);
 
@@ -95,8 +95,9 @@ namespace greville
                                           const Number      *values,
                                           const unsigned int stride)>;
 
-    /// Call @p action for all cells, some of them several times, with a matrix
-    /// on the space of the @p tables, in double or single precision.
+    /// Call @p action for all cells, for some of them several times, with a
+    /// matrix on the space of the @p tables, in double or single precision. The
+    /// matrices of one cell add up.
     template <typename Number>
     void
     for_each_cell(const SpacePolynomials<dim> &tables,

@@ -26,10 +26,10 @@ namespace greville
 
 
 
-  /// Two isotropic tensors that map a gradient to a stress: the elasticity,
-  /// which follows the state of a point (lambda and G of the stress-free state
-  /// are multiplied by the wave modulus of the point over lambda + 2 G, and by
-  /// @p elastic_factor), and the viscosity, which is the same in any state.
+  /// Two isotropic tensors that map a gradient to a stress. The elasticity
+  /// depends on the state of a point: lambda and G of the stress-free state are
+  /// multiplied by the wave modulus of the point over lambda + 2 G, and by
+  /// @p elastic_factor. The viscosity does not depend on the state.
   struct Stiffness
   {
     double lambda         = 0.;
@@ -42,8 +42,8 @@ namespace greville
 
 
   /**
-   * Sums over points and grid functions. For a space with functions N_i, of
-   * points p with mass m, velocity v, volume V = J V0 and Cauchy stress sigma:
+   * Sums over points and grid functions. For functions N_i and points p with
+   * mass m, velocity v, volume V = J V0 and Cauchy stress sigma:
    *   mass      m_i = sum_p m_p N_i(x_p),
    *   momentum  P_i = sum_p m_p (v_p + C_p (xi_i - x_p)) N_i(x_p),
    *   force     f_i = sum_p (m_p b_p N_i(x_p) - V_p sigma_p grad N_i(x_p)),
@@ -76,7 +76,7 @@ namespace greville
 
     /// Collective. Set each vector, unless null, to the sums over all
     /// @p bodies, which must be on cells of the space. Mass and momentum must
-    /// be given together. @p filled_parts, unless null, is set as by filling().
+    /// be given together. @p filled_parts, unless null, is set by filling().
     void
     points_to_grid(const std::vector<const MaterialPoints<dim> *> &bodies,
                    VectorType                                     *mass,
@@ -87,18 +87,18 @@ namespace greville
     /**
      * Collective. Update @p points. Ghost entries of the fields are updated.
      * There are three updates:
-     * - kick, move and deform: acceleration, move, and a velocity that is the
-     *   deformation, too;
-     * - kick only: acceleration, and the velocity unless for FLIP = 1;
-     * - deform without a kick: deformation, and with move a velocity, which may
-     *   be another field.
+     * - kick, move and deform: acceleration, move, and a velocity that is also
+     *   the deformation;
+     * - kick only: acceleration, and a velocity unless FLIP = 1;
+     * - deform without a kick: deformation; with move also a velocity, which
+     *   may be another field.
      * Throws dealii::ExcMessage for other combinations.
      */
     PointReport
     grid_to_points(MaterialPoints<dim> &points, const PointUpdate<dim> &update);
 
     /// Fill the weights, with n points per direction, from the masses of the
-    /// points: exact for mass matrices of order (n - 1) / 2.
+    /// points. They are exact for mass matrices of order (n - 1) / 2.
     void
     mass_weights(const std::vector<const MaterialPoints<dim> *> &bodies,
                  DensityWeights<dim>                            &weights) const;
@@ -111,16 +111,16 @@ namespace greville
 
     /// Compute the fraction of each owned cell that points fill, for
     /// CellFilling: the sum of their volumes over the volume of the cell. A
-    /// point counts with V0 if it is compressed and with at most 1.5 V0 if it
-    /// is expanded, so that a stretched body remains filled but spray is not
-    /// taken for a body. In total Lagrangian steps it counts with V0.
+    /// compressed point counts with V0, an expanded one with at most 1.5 V0: a
+    /// stretched body then remains filled, but spray does not count as a body.
+    /// In total Lagrangian steps, each point counts with V0.
     void
     filling(const std::vector<const MaterialPoints<dim> *> &bodies,
             std::vector<double>                            &result) const;
 
     /// Collective. Add k_i = sum_p V_p (lambda div u 1 + 2 G sym grad u) grad
-    /// N_i at x_p, with lambda and G of the @p stiffness of @p points. @p k is
-    /// overwritten if @p overwrite.
+    /// N_i at x_p, with lambda and G of the @p stiffness of @p points. With
+    /// @p overwrite, @p k is overwritten.
     void
     add_stiffness(const MaterialPoints<dim> &points,
                   const Stiffness           &stiffness,
@@ -140,12 +140,12 @@ namespace greville
      *   J_p <- J_p + part sum_i N_i(x_p) w_i (J_i - J_p),
      *   J_i = sum_p V0_p J_p N_i(x_p) / sum_p V0_p N_i(x_p),
      *   w_i = sum_p V0_p max(J_p - 1, 0) N_i / sum_p V0_p |J_p - 1| N_i,
-     * which conserves the sum of V0 J. Since the grid velocity moves all points
-     * of a cell in the same way, nothing else removes differences of J between
-     * them: if some points have J < 1 and bear pressure, and others J > 1 and
+     * which conserves the sum of V0 J. The grid velocity moves all points of a
+     * cell in the same way, so nothing else removes differences of J between
+     * them. If some points have J < 1 and bear pressure, and others J > 1 and
      * none, a fluid bears pressure although its mean volume is too large. The
-     * weight w_i excludes fully compressed regions, whose pressure is a smooth
-     * field. F is not changed.
+     * weight w_i excludes fully compressed regions, whose pressure is smooth. F
+     * does not change.
      */
     void
     share_volume(MaterialPoints<dim> &points, const double part);
@@ -156,8 +156,8 @@ namespace greville
     spread(const unsigned int cell, const dealii::Point<dim> &x) const;
 
   private:
-    /// Collective. Read a field into the buffer of windows, if there are any,
-    /// and return another buffer with zeros.
+    /// Collective. Read a field into the buffer of windows, if there are any.
+    /// Returns another buffer with zeros.
     std::vector<double>
     read_windows(const CellWindows<dim> *used_windows,
                  const VectorField<dim> &field);

@@ -8,11 +8,11 @@
 
 namespace greville
 {
-  /// A transport of points to the cells, and the processes, to which they have
-  /// moved. Points that leave the grid by less than 1e-9 cells are moved back
-  /// onto its wall. Points that leave it in a periodic direction re-enter on
-  /// the other side: position and reference position, whose difference is the
-  /// displacement, move by whole periods.
+  /// A transport of points to the cells and processes to which they have moved.
+  /// Points that leave the grid by less than 1e-9 cells are moved back onto its
+  /// wall. Points that leave it in a periodic direction re-enter on the other
+  /// side: their position and reference position move by whole periods, so that
+  /// the displacement does not change.
   template <int dim>
   class PointTransport
   {
@@ -21,8 +21,7 @@ namespace greville
     void
     reinit(const SplineSpace<dim> &space);
 
-    /// The result for the points of a body that left their cells, on this
-    /// process.
+    /// The result for points of a body on this process that left their cells.
     struct Result
     {
       std::size_t n_moved   = 0;
@@ -41,10 +40,10 @@ namespace greville
     move(MaterialPoints<dim>             &points,
          const std::vector<unsigned int> &left_cells);
 
-    /// Collective. Insert points into their cells on any process: @p rows
-    /// contains the lexicographic position of the cell and the numbers of a
-    /// point, one point after another. Points of a cell are sorted by the
-    /// calling process and the order in @p rows.
+    /// Collective. Insert points into their cells, on any process. For each
+    /// point, @p rows contains the lexicographic position of its cell followed
+    /// by its numbers. Points of a cell are sorted by the calling process, and
+    /// then by their order in @p rows.
     void
     insert(MaterialPoints<dim> &points, const std::vector<double> &rows);
 

@@ -22,15 +22,15 @@ namespace greville
 
 
 
-  /// The parts of an update of points. PointTransfer::grid_to_points() lists
-  /// the supported combinations.
+  /// The arguments of an update of points. PointTransfer::grid_to_points()
+  /// lists the supported combinations.
   template <int dim>
   struct PointUpdate
   {
-    /// Grid acceleration a; if given, points are kicked by it.
+    /// Grid acceleration a; if given, it kicks the points.
     const VectorField<dim> *acceleration = nullptr;
-    /// Grid velocity v: points are moved by it if @p move. In a kick, PIC and
-    /// APIC points take this velocity.
+    /// Grid velocity v; it moves points if @p move. In a kick, PIC and APIC
+    /// points take this velocity.
     const VectorField<dim> *velocity = nullptr;
     /// Grid velocity w; if given, its gradient deforms the points.
     const VectorField<dim> *deformation = nullptr;
@@ -47,21 +47,20 @@ namespace greville
     bool apic = false;
     /// The projection of volume changes, or null.
     VolumeProjection<dim> *projection = nullptr;
-    /// The law that gives deformed points a stress; null if they have none.
+    /// The law for the stress of deformed points; null without stress.
     const Material *material = nullptr;
     /// Material::strength_reduction() at the end of the step.
     double strength_reduction = 1.;
-    /// The row that a kick sums up, or null: points as they are before the
-    /// kick, with velocities interpolated by the fraction row_fraction between
-    /// the velocities before and after the kick.
+    /// The row that a kick sums up, or null. Points are taken before the kick,
+    /// and row_fraction interpolates between the velocities before and after
+    /// it.
     RowSums<dim> *row          = nullptr;
     double        row_fraction = 0.;
   };
 
 
 
-  /// Sums and extremes over updated points, which indicate whether a step was
-  /// sound.
+  /// Sums and extremes over updated points, for checks of a step.
   struct PointSums
   {
     /// For moved points: mass (kg; 2D: kg / m), momentum, and the largest

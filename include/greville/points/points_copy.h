@@ -7,16 +7,16 @@
 namespace greville
 {
   /**
-   * A copy of the material points of one body on this process, in less than
-   * half of their memory: it restores an earlier state for inspection, not for
-   * an exact continuation.
+   * A copy of the material points of one body on this process in less than half
+   * of their memory. It restores an earlier state for inspection; steps would
+   * not continue exactly.
    *
-   * Mass, stress-free volume and id are stored exactly, the first two once for
-   * consecutive points that share them. All other numbers have single
-   * precision: the position relative to the centre of its cell (to 1e-7
-   * of a cell), the initial position relative to the current one, J, its
-   * projection and the diagonal of F less 1, others relative to their own size.
-   * Lanes without a point are not stored.
+   * Mass, stress-free volume and id are stored exactly; mass and volume are
+   * stored once for consecutive points that share them. All other numbers are
+   * stored in single precision after a subtraction: the centre of the cell from
+   * the position (precise to 1e-7 of a cell), the current position from the
+   * initial one, and 1 from J, its projection and the diagonal of F. Empty
+   * lanes are not stored.
    */
   template <int dim>
   class PointsCopy
@@ -25,8 +25,8 @@ namespace greville
     void
     copy(const MaterialPoints<dim> &points);
 
-    /// Overwrite @p points by the copy, with the layout of the copy. They must
-    /// be the copied points or other points of the same space.
+    /// Overwrite @p points by the copy, with the layout of the copy. @p points
+    /// must have the space of the copied points.
     void
     restore(MaterialPoints<dim> &points) const;
 

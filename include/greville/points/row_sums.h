@@ -39,9 +39,9 @@ namespace greville
 
 
 
-  /// The points with the largest edges x (m), position plus half of the size,
-  /// whose total mass is at least @p needed (kg; 2D: kg / m), or all points.
-  /// Only few of many points are stored at a time.
+  /// The points with the largest edges x (m), an edge being the position plus
+  /// half of the size. Their total mass is at least @p needed (kg; 2D: kg / m),
+  /// or they are all points. Only few points are stored at a time.
   class OuterPoints
   {
   public:
@@ -99,8 +99,8 @@ namespace greville
     using Lane = std::array<double, width>;
 
     /// Energies are computed for the @p material, and omitted if it is null.
-    /// Only points with y above @p runout_above count for run-out fronts.
-    /// outer_points() collects the outermost of these points with the mass
+    /// Only points with y above @p runout_above count for the run-out.
+    /// outer_points() collects the outermost of these points up to the mass
     /// @p outer_mass, see OuterPoints; none if the mass is 0.
     RowSums(const Material *material  = nullptr,
             const double runout_above = std::numeric_limits<double>::lowest(),
@@ -142,7 +142,7 @@ namespace greville
     std::array<Lane, n_spins> angular_momentum{};
     Lane                      square_of_speed{};
     Largest                   runout, height;
-    /// The mass of points that count for fronts.
+    /// The mass of the points that count for the run-out.
     double mass_above = 0.;
 
     static double

@@ -17,11 +17,11 @@ namespace greville
 
 
   /// Points on a part of the surface of a body, which move and deform with it
-  /// and bear one load. Their initial area dA0, m^2 (in 2D m, or m^2 per
-  /// radian), is stored as their mass, so that sums over points treat their
-  /// field "load" as a force per initial area, Pa. They have no volume, stress
-  /// or material; F refers to the initial positions, and the field "normal"
-  /// contains the outward normal there.
+  /// and bear one load. Their mass is their initial area dA0, m^2 (in 2D m, or
+  /// m^2 per radian), so that sums over points treat their field "load" as a
+  /// force per initial area, Pa. They have no volume, stress or material. F
+  /// refers to the initial positions, and the field "normal" contains the
+  /// outward normal there.
   template <int dim>
   struct Surface
   {
@@ -29,17 +29,16 @@ namespace greville
     MaterialPoints<dim> points;
     /// The number of the body.
     unsigned int body = 0;
-    /// The contact to which the load belongs and whose data the points store;
-    /// empty if none. Points in contact have the fields "slip", "new_slip",
-    /// "gap", "state", with water "pore_pressure" (see ContactPoint), and
-    /// "before", x at the start of the last step. The gap is limited to
-    /// farthest_gap_in_cells, also if nothing is near. Material points of the
-    /// body in contact have a "radius" (m), "last_radius" at the start of the
-    /// last step, their area as mass, and the opposite of the other side's
-    /// normal as normal.
+    /// The contact that sets the load, empty if none. Its points store contact
+    /// data: the fields "slip", "new_slip", "gap", "state", with water
+    /// "pore_pressure" (see ContactPoint), and "before", x at the start of the
+    /// last step. The gap is at most farthest_gap_in_cells, also without a near
+    /// surface. If they are material points of the body, they also have a
+    /// "radius" (m), "last_radius" at the start of the last step, their area as
+    /// mass, and as normal the opposite of the other side's normal.
     std::string contact;
     /// Upper bounds of the derivatives of the load per initial area by
-    /// displacement, Pa / m, and by velocity, Pa s / m, which limit explicit
+    /// displacement, Pa / m, and by velocity, Pa s / m. They limit explicit
     /// steps.
     double stiffness = 0., damping = 0.;
   };

@@ -12,15 +12,15 @@ namespace greville
 {
   /**
    * Collective. Return the values of a spline with these coefficients at the
-   * points of each of the @p surfaces, in their order. The cells of the spline
-   * are the @p parents of the points' cells: owned cell c lies in owned cell
-   * parents[c].
+   * points of each of the @p surfaces, in their order. The spline may have
+   * larger cells: owned cell c of the points lies in owned cell parents[c] of
+   * the spline, with the @p parents.
    *
-   * Basis functions are evaluated as for the points, in total Lagrangian steps
-   * in the initial configuration. The surface of a material point with the
-   * radius R that faces another surface (see Surface) is ahead of the point, so
-   * its value is @f$p + R \, n \cdot \nabla p@f$, which is exact for water at
-   * rest.
+   * Basis functions are evaluated as for the points; in total Lagrangian steps,
+   * this is the initial configuration. If a material point with the radius R
+   * faces another surface (see Surface), the surface of its body is ahead of
+   * it. Its value is then @f$p + R \, n \cdot \nabla p@f$, which is exact for
+   * water at rest.
    */
   template <int dim>
   std::vector<std::vector<double>>

@@ -23,12 +23,12 @@ namespace greville
 
 
   /// Up to four points of a cell in a trial step, in the configuration at its
-  /// start. Lanes without a point have zeros, except for positions and domains.
+  /// start. Empty lanes have zeros, except for positions and domains.
   template <int dim>
   struct TrialGroup
   {
-    /// The number of pairs (iJ), row by row, followed in 2D by the pair of f_zz
-    /// = 1 + u_r / radius, which multiplies u_r in place of a derivative; it is
+    /// The number of pairs (iJ), row by row. In 2D, the pair of f_zz = 1 + u_r
+    /// / radius follows, which multiplies u_r instead of a derivative; it is
     /// zero in plane strain.
     static constexpr int n_pairs = dim == 2 ? 5 : 9;
     using Pairs                  = std::array<Lanes, n_pairs>;
@@ -36,16 +36,18 @@ namespace greville
     /// The position at which basis functions are evaluated, m.
     Lanes x[dim];
     /// The first Piola-Kirchhoff stress relative to the start, times the volume
-    /// there: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per radian).
+    /// at the start: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per
+    /// radian).
     Pairs stress;
-    /// If requested: V dP / df in PointTangents, and the means of V dP_ij /
-    /// df_ij, in the axes of the end, over i = j (compression) and over other
+    /// If requested: V dP / df in PointTangents, and two means of V dP_ij /
+    /// df_ij in the axes of the end, over i = j (compression) and over other
     /// pairs (shear).
     double *tangent;
     Lanes   compression, shear;
     /// For points with projected volumes: the change of f in an isotropic
-    /// expansion of 1 in each direction, and the dual vector, whose products
-    /// with changes of f are the traces of displacement gradients.
+    /// expansion of 1 in each direction, and its dual vector. The product of
+    /// the dual vector with a change of f is the trace of the displacement
+    /// gradient.
     Pairs expansion, dual;
     /// Half of the edges of the domain over which gradients are averaged in
     /// cells that reach their neighbours (CellWindows), m.
@@ -107,11 +109,12 @@ namespace greville
     reinit(const SplineSpace<dim> &space,
            const CellWindows<dim> *windows = nullptr);
 
-    /// Evaluate the points of one body in a step of length @p dt that ends at
-    /// @p time (s) with the displacement @p u (m) and a @p strength_reduction
-    /// (see Material::strength_reduction()), and pass them cell by cell to
-    /// @p action, which may change them. Their derivatives are added to
-    /// @p tangents, unless null. @p J_hat is null without a projection.
+    /// Evaluate the points of one body in a step of length @p dt (s), which
+    /// ends at @p time (s), with the displacement @p u (m) and a
+    /// @p strength_reduction (see Material::strength_reduction()). Pass the
+    /// points cell by cell to @p action, which may change them. The derivatives
+    /// are added to @p tangents, unless null. @p J_hat is null without a
+    /// projection.
     using Action = std::function<void(const unsigned int            cell,
                                       std::vector<TrialGroup<dim>> &groups)>;
 
@@ -135,8 +138,8 @@ namespace greville
 
 
 
-  /// Sums over TrialGroup of cells, and over the points of surfaces, on a space
-  /// of any order on the same mesh.
+  /// Sums over the TrialGroup objects of cells and over surface points, on a
+  /// space of any order on the same mesh.
   template <int dim>
   class TrialSums
   {
@@ -161,10 +164,10 @@ namespace greville
     add_force(const unsigned int                         cell,
               const std::vector<TrialSurfacePoint<dim>> &points);
 
-    /// Add the terms that PointTangents omit in a cell that reaches its
-    /// neighbours: the product of a field with the derivative of the force with
-    /// means over domains, less the product with gradients at points. @p u is
-    /// the buffer of CellWindows::read().
+    /// For a cell that reaches its neighbours, add the product of a field with
+    /// the derivative of the force with means over domains, less the product of
+    /// PointTangents, which has gradients at points. @p u is the buffer of
+    /// CellWindows::read().
     void
     add_change(const unsigned int                  cell,
                const std::vector<TrialGroup<dim>> &groups,
@@ -182,8 +185,8 @@ namespace greville
     void
     take_force(VectorField<dim> &force) const;
 
-    /// Return the contribution of surface loads to the stiffness, minus their
-    /// derivative: the symmetric part of the matrix of a cell, in the layout of
+    /// Return the contribution of surface loads to the stiffness of a cell: the
+    /// symmetric part of minus their derivative, in the layout of
     /// BlockStencil::add_cell() with a stride of n.
     const float *
     stiffness(const unsigned int                         cell,
@@ -198,8 +201,8 @@ namespace greville
                    const std::vector<dealii::Point<dim>> &points,
                    const Visit                           &visit) const;
 
-    /// Add the full contribution times a vector of dim components on the
-    /// StencilPlaces of a matrix.
+    /// Add the product of this contribution, including its skew part, with a
+    /// vector of dim components on the StencilPlaces of a matrix.
     void
     add_product(double                                    *y,
                 const double                              *x,

@@ -27,9 +27,10 @@ namespace greville
 
 
 
-  /// A surface and the force per initial area on its points; or the points of a
-  /// body, which have a mass in place of the area and no normal, and the force
-  /// per mass, which depends on their position and velocity only.
+  /// A surface with the force per initial area on its points; or the points of
+  /// a body with the force per mass. Points of bodies have a mass instead of
+  /// the area and no normal, and their force depends only on position and
+  /// velocity.
   template <int dim>
   struct LoadedSurface
   {
@@ -41,8 +42,8 @@ namespace greville
 
 
 
-  /// The motion of a surface in a trial step with the displacement u: its state
-  /// after the given share of the step, with the velocity v + v_by_u u.
+  /// The motion of a surface in a trial step with the displacement u. Its state
+  /// is after the given share of the step, with the velocity v + v_by_u u.
   template <int dim>
   struct SurfaceMotion
   {

@@ -7,7 +7,7 @@
 
 namespace greville
 {
-  /// For a body's points: the projected J, the derivatives of P by its
+  /// Data of a body's points: the projected J, the derivatives of P by its
   /// logarithm, and the share of these derivatives in a stiffness matrix.
   template <int dim>
   struct ProjectedBody
@@ -21,8 +21,8 @@ namespace greville
 
 
   /**
-   * A projection of volume ratios against locking (F-bar): in place of F and J
-   * = det F of the motion, the material of a body uses
+   * A projection of volume ratios against locking (F-bar). Instead of F and J =
+   * det F of the motion, the material of a body uses
    * @f[
    *   \hat F = (\hat J / J)^{1/dim} F, \qquad
    *   \hat J = \sum_I c_I N_I, \qquad
@@ -39,18 +39,18 @@ namespace greville
    * of a step, so errors do not accumulate.
    *
    * In updated Lagrangian steps, x is the position at the start of the step. In
-   * total Lagrangian steps, it is the initial position, and J and V are
+   * total Lagrangian steps, x is the initial position. J and V are then
    * relative to the initial configuration, so that initial stresses are
    * preserved.
    *
-   * The system is solved by a few iterations with the lumped matrix, with the
-   * same number for all right-hand sides, so that J hat is linear in J. The
+   * The system is solved by a few iterations with the lumped matrix. All
+   * right-hand sides use the same number, so that J hat is linear in J. The
    * iterations need no extension of the N_I at surfaces, preserve a constant J,
    * and are exact for p = 1. For nearly incompressible bodies, a single
    * iteration would suffice; the others make J hat accurate for changes of
    * volume, above all at surfaces. If functions of order p = 1 are extended,
    * bodies still lock with the N_I on the mesh. Cells of the coarse mesh begin
-   * at the lower corner of the grid, and the last cells extend beyond it if the
+   * at the lower corner of the grid. The last cells extend beyond it if the
    * number of cells is odd.
    *
    * Bodies are projected one by one, since their stiffness may differ.
@@ -60,9 +60,9 @@ namespace greville
   {
   public:
     /// Collective. The space of order p is kept by reference. If @p coarse, the
-    /// cells of the projection have twice the size. Throws dealii::ExcMessage
-    /// if @p coarse and a periodic direction has too few cells or an odd
-    /// number.
+    /// cells of the projection have twice the size. Periodic directions then
+    /// need an even and sufficient number of cells; otherwise, throws
+    /// dealii::ExcMessage.
     void
     reinit(const SplineSpace<dim>        &space,
            DistributedTriangulation<dim> &triangulation,
@@ -79,9 +79,9 @@ namespace greville
             const VectorField<dim>    *direction = nullptr,
             const bool                 moves     = true);
 
-    /// Collective. Return the derivative of log J hat, less a @p share of the
-    /// derivative of log J, of the same points in the direction @p du of the
-    /// displacement @p u, which resulted in @p J_hat.
+    /// Collective. Return, for the same points, the derivative of log J hat
+    /// less a @p share of the derivative of log J, in the direction @p du of
+    /// the displacement @p u. @p J_hat belongs to @p u.
     const std::vector<double> &
     differentiate(const MaterialPoints<dim> &points,
                   const VectorField<dim>    &u,

@@ -28,18 +28,17 @@ namespace greville
    * @f}
    * where all gradients, V = J V_0 and areas belong to the end of the step. The
    * last line is Nitsche's method for the pressure of drained boundaries, with
-   * the outflow \f$\kappa (\beta / h \, (p - \bar p) - w \cdot n)\f$. For a
-   * seepage face, the line is replaced by the positive part of the outflow
-   * times q_b (@ref Chouly2015 "Chouly, Hild and Renard, 2015", theta = 0),
-   * which is not less stable: its points switch between drained and impervious
-   * within Newton's method. For a given flow, the line is replaced by this
-   * flow. The change of volume is summed at the points of the displacement, and
-   * the storage is per V_0.
+   * the outflow \f$\kappa (\beta / h \, (p - \bar p) - w \cdot n)\f$. On a
+   * seepage face, the positive part of the outflow times q_b replaces this line
+   * (@ref Chouly2015 "Chouly, Hild and Renard, 2015", theta = 0), which is not
+   * less stable: its points switch between drained and impervious within
+   * Newton's method. A given flow replaces this line, too. The change of volume
+   * is summed at the points of the displacement, and the storage is per V_0.
    *
-   * BDF2 has the same form: a step of length (1 + s) / (1 + 2 s) dt, with s^2 /
-   * (1 + 2 s) times each point's inflow in the previous step subtracted from r
-   * (@ref Hairer1993 "Hairer, Norsett and Wanner, 1993", section III.5), where
-   * s is the ratio of the lengths of both steps.
+   * BDF2 has the same form. Its step has the length (1 + s) / (1 + 2 s) dt, and
+   * s^2 / (1 + 2 s) times each point's inflow in the previous step is
+   * subtracted from r, where s is the ratio of the lengths of both steps
+   * (@ref Hairer1993 "Hairer, Norsett and Wanner, 1993", section III.5).
    *
    * p_n is the pressure stored in the points, sampled at their positions: if
    * points do not move in the space of the pressure, as in total Lagrangian
@@ -54,16 +53,15 @@ namespace greville
   {
   public:
     /// The spaces have the same order and are kept by reference. Cells of the
-    /// @p pressures are the @p parents of the cells of the @p displacements,
-    /// for each of which there is an entry: owned cell c lies in owned cell
-    /// parents[c].
+    /// @p pressures may be larger: owned cell c of the @p displacements lies in
+    /// owned cell parents[c], with the @p parents.
     void
     reinit(const SplineSpace<dim>          &displacements,
            const SplineSpace<dim>          &pressures,
            const std::vector<unsigned int> &parents,
            const bool                       is_axisymmetric = false);
 
-    /// The positions of the points' numbers for the pressure, Pa, and the
+    /// The positions of a point's numbers for the pressure, Pa, and for the
     /// inflow of water in the last step per stress-free volume. Without BDF2,
     /// the position of the inflow is invalid.
     struct Numbers
@@ -71,9 +69,9 @@ namespace greville
       unsigned int pressure, change;
     };
 
-    /// Begin a step of length @p dt (s) without points, with the @p weight of
-    /// water per volume (N / m^3). The inflow of the previous step counts with
-    /// the factor @p earlier.
+    /// Begin a step of length @p dt (s), and remove all points. @p weight is
+    /// the weight of water per volume (N / m^3), and @p earlier the factor of
+    /// the inflow in the previous step.
     void
     clear(const double                  dt,
           const dealii::Tensor<1, dim> &weight,
@@ -111,27 +109,27 @@ namespace greville
     void
     begin_force(VectorField<dim> &force) const;
 
-    /// Collective. Set the displacement @p u, m^2 s^2 / kg times Pa, by which
-    /// the forces of the pressure 1 move a body with the mass M and without
-    /// stiffness, M u = - f: it is not zero if the body can move at its
-    /// surface. It is needed by add_schur_complement() for bodies with inertia.
+    /// Collective. Set the displacement @p u, m^2 s^2 / kg times Pa, with M u =
+    /// -f for the mass M and the force f of the pressure 1. It moves a body
+    /// without stiffness, and is not zero if the body can move at its surface.
+    /// add_schur_complement() needs it for bodies with inertia.
     void
     set_free_motion(const VectorField<dim> &u);
 
     /// Add the Schur complement: the derivative of r by p at the start of the
-    /// step, and the contribution of the displacement that follows the
-    /// pressure. If @p kick is 0, the displacement is for stiff soil without
-    /// inertia: the sum of V q q over the modulus of pressure waves of each
-    /// point. Otherwise, it is for soil without stiffness and with its mass
-    /// times @p kick (s^2): the sum of V / rho grad q . grad q and, at free
-    /// surfaces, of V div u q q with the u of set_free_motion(). The functions
-    /// may have any order on the same cells as the pressures.
+    /// step, and the contribution of the displacement caused by the pressure.
+    /// If @p kick is 0, the soil is stiff and has no inertia, which gives the
+    /// sum of V q q over the modulus of pressure waves of each point.
+    /// Otherwise, the soil has no stiffness, and its mass times @p kick (s^2)
+    /// gives the sum of V / rho grad q . grad q and, at free surfaces, of V div
+    /// u q q with the u of set_free_motion(). The functions may have any order
+    /// on the same cells as the pressures.
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
                          const double                 kick,
                          StencilMatrix<dim>          &matrix) const;
 
-    /// Collective. Compute the mean of the initial pressure around each
+    /// Collective. Compute the mean of the pressure at the start around each
     /// function of the pressure; 0 if there are no points.
     void
     average_old_pressure(VectorType &p) const;
@@ -152,17 +150,17 @@ namespace greville
     }
 
     /// Return the work of the pressure on the soil of this process in the step
-    /// of the last evaluate(), with the mean of its values at both ends, J (2D:
-    /// J / m).
+    /// of the last evaluate(), J (2D: J / m). The pressure is the mean of both
+    /// ends.
     double
     work() const
     {
       return pressure_work;
     }
 
-    /// Return two sums for the last evaluate() on this process: of the squares
-    /// of the cell forces, and of the absolute values of the terms in the rows,
-    /// to which round-off is relative.
+    /// Return two sums for the last evaluate() on this process, to which
+    /// round-off is relative: of the squares of the cell forces, and of the
+    /// absolute values of the terms in the rows.
     const std::array<double, 2> &
     squares() const
     {
@@ -190,8 +188,8 @@ namespace greville
     using Sources     = typename WaterTerms<dim>::Sources;
     using Change      = typename WaterTerms<dim>::Change;
 
-    /// Begin a pass with the given fields, unless null, and zeros for the
-    /// requested sums, by function. Sums that are not requested are null.
+    /// Begin a pass with the given fields, unless null. Sums by function are
+    /// set to zero if requested, otherwise to null.
     typename WaterTangents<dim>::Fields
     begin_pass(const VectorField<dim> *u,
                const VectorType       *p,

@@ -14,9 +14,8 @@ namespace greville
   /**
    * The pressure of water at rest below a water table,
    *   p(x) = rho_w g (s(x) - y), at least -suction,
-   * with the height s of the table at the place and the height y of the place,
-   * both upwards along the axis of gravity. Without a table, it is 0
-   * everywhere.
+   * with the height s of the table above x and the height y of x, both upwards
+   * along the axis of gravity. Without a table, it is 0 everywhere.
    */
   template <int dim>
   class WaterTable

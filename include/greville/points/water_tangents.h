@@ -10,11 +10,11 @@
 namespace greville
 {
   /**
-   * The derivatives of the contributions of bodies' points to the sums of
-   * WaterPoints, in the direction of a displacement u and a pressure q of the
-   * grid. With gradients at the end of the trial step, h = grad u, the relative
-   * change of volume e = tr h (in axisymmetry + u_r / r), the volume V there
-   * and w = grad p - rho_w g,
+   * The derivatives of the points' contributions to the sums of WaterPoints, in
+   * the direction of a displacement u and a pressure q of the grid. Gradients
+   * are taken at the end of the trial step. With h = grad u, the relative
+   * change of volume e = tr h (in axisymmetry plus u_r / r), the volume V at
+   * the end and w = grad p - rho_w g,
    * @f{align*}{
    *   df_a &= - \sum_p V \left((q + e p) \nabla N_a
    *            - p \, h^T \nabla N_a \right), \\
@@ -22,10 +22,10 @@ namespace greville
    *         + dt \sum_p V \left(\kappa (e w + \nabla q - h^T \nabla p - h w)
    *         + (\kappa_J e + \kappa_p q) w\right) \cdot \nabla q_b,
    * @f}
-   * with the derivatives of the mobility by the relative change of volume and
-   * by the pressure. Points are stored in groups of four, cell by cell, with 15
-   * numbers each in 2D and 22 in 3D; the last one is 1 / r in axisymmetry and 0
-   * otherwise.
+   * with the derivatives kappa_J and kappa_p of the mobility by the relative
+   * change of volume and by the pressure. Points are stored in groups of four,
+   * cell by cell, with 15 numbers each in 2D and 22 in 3D. The last number is 1
+   * / r in axisymmetry and 0 otherwise.
    */
   template <int dim>
   class WaterTangents
@@ -38,7 +38,7 @@ namespace greville
         const std::vector<typename WaterTerms<dim>::Point> &points);
 
     /// Fields and sums for the owned and ghost functions of the spaces, which
-    /// have the same order; cell c of the displacement lies in cell parents[c]
+    /// have the same order. Cell c of the displacement lies in cell parents[c]
     /// of the pressure.
     struct Fields
     {
@@ -49,7 +49,7 @@ namespace greville
       double                          *forces, *rows;
     };
 
-    /// Add df and dr. If the displacement is null, add only df, for u = 0.
+    /// Add df and dr. If the displacement is null, add only df with u = 0.
     void
     add_product(const Fields &fields) const;
 

@@ -14,8 +14,8 @@ namespace greville
   {
     /// Porosity over the bulk modulus of water, 1 / Pa.
     double storage = 0.;
-    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s); if
-    /// the solid part is given, in the stress-free state.
+    /// Hydraulic conductivity over the unit weight of water, m^2 / (Pa s); with
+    /// @p solid, in the stress-free state.
     double mobility = 0.;
     /// 1 - porosity if the conductivity follows the void ratio; 0 if it is
     /// constant.
@@ -26,16 +26,16 @@ namespace greville
 
 
 
-  /// Return the law of Kozeny and Carman (@ref Carman1937 "1937"), e^3 / (1 +
-  /// e) over its value for J = 1, with the void ratio e from 1 + e = J / solid,
-  /// and its derivative by J. The value is at least 1e-6, even if hardly any
-  /// pores are left.
+  /// Return the law of Kozeny and Carman (@ref Carman1937 "1937") and its
+  /// derivative by J: e^3 / (1 + e) over its value for J = 1, with the void
+  /// ratio e from 1 + e = J / solid. The value is at least 1e-6, even if hardly
+  /// any pores are left.
   std::array<double, 2>
   kozeny_carman(const double J, const double solid);
 
   /**
    * Return the conductivity at a pressure p (Pa) relative to saturation, and
-   * its derivative: it decreases smoothly from 1 at p = 0 to 1e-3 at p =
+   * its derivative. It decreases smoothly from 1 at p = 0 to 1e-3 at p =
    * -suction, and is 1 if the suction is 0. This lets water leave the soil
    * above a free surface (@ref Bathe1979 "Bathe and Khoshgoftaar, 1979"); the
    * pores remain saturated.
@@ -69,8 +69,8 @@ namespace greville
       double radius = 0., radius_of_F = 0., end_radius = 0.;
 
       // At the end of a trial step: the volume relative to the start and its
-      // change, the map from gradients of the basis functions to gradients
-      // there, and the pressure.
+      // change, the map from gradients of the basis functions to gradients at
+      // the end, and the pressure.
       double                 J = 1., change = 0.;
       dealii::Tensor<2, dim> map;
       double                 p = 0.;
@@ -127,7 +127,7 @@ namespace greville
       double                 radial = 0.;
       double                 value  = 0.;
       dealii::Tensor<1, dim> gradient;
-      // See Term: round-off of value and gradient is relative to these sizes.
+      // Round-off of value and gradient is relative to these sizes, see Term.
       double value_size = 0., gradient_size = 0.;
     };
 
@@ -135,7 +135,7 @@ namespace greville
     struct Change
     {
       dealii::Tensor<2, dim> h;         // of the displacement
-      double                 hoop = 0.; // that along r over r
+      double                 hoop = 0.; // u_r / r
       double                 p    = 0.;
       dealii::Tensor<1, dim> gradient;
     };
@@ -156,7 +156,7 @@ namespace greville
     Sources
     sources(const Drained &term) const;
 
-    /// Return the derivative in a direction, at the end of the last trial step.
+    /// Return the derivative of the sources at the end of the last trial step.
     Sources
     derivative(const Drained &term, const Change &change) const;
 
