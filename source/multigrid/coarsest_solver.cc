@@ -207,8 +207,8 @@ namespace greville
   void
   CoarsestSolver<dim>::factorize(const std::vector<double> &entries)
   {
-    // Functions can be linearly dependent, and tangents indefinite: the
-    // diagonal is raised as far as necessary.
+    // Functions can be linearly dependent, and tangents indefinite: raise the
+    // diagonal as far as necessary.
     constexpr double   smallest_shift = 1e-6, largest_shift = 10., growth = 30.;
     const unsigned int n = values.size();
     for (double shift = smallest_shift; shift < largest_shift; shift *= growth)

@@ -83,7 +83,7 @@ namespace greville
       const float *r_i = r.begin(), *u_i = u.begin(), *w_i = w.begin(),
                   *s_i    = s.begin();
       const std::size_t n = r.locally_owned_size();
-      // Sums in single precision have few terms.
+      // Sums in single precision must have few terms.
       constexpr std::size_t block = 64 * n_at_once;
       std::size_t           i     = 0;
       while (i + n_at_once <= n)

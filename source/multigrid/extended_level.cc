@@ -28,8 +28,8 @@ namespace greville
 
 
     /// Attach translations and rotations to a matrix of @p dim components as
-    /// near-null space: the coefficients of a linear field are its values at
-    /// the Greville points of the functions of the rows.
+    /// near-null space. The coefficients of a linear field are its values at
+    /// the Greville points of the functions.
     template <int dim>
     void
     set_rigid_body_modes(const Mat                        matrix,
@@ -223,8 +223,8 @@ namespace greville
                                 const CholeskyParameters &parameters,
                                 OverlappingCholesky      &factors) const
   {
-    // Tangents couple more unknowns than masses: a layer alone would double
-    // the iterations on four processes in 3D.
+    // Tangents couple more unknowns than masses. With one layer, four processes
+    // in 3D would take twice as many iterations.
     constexpr unsigned int n_layers = 2;
     factors.factorize(matrix,
                       *extended_mass.unknowns().unknown_layout(),

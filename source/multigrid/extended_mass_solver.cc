@@ -15,7 +15,7 @@ namespace greville
 
   namespace
   {
-    /// Columns are stored in blocks of 1, 2, 4 or 8.
+    /// Return the number of stored columns: blocks of 1, 2, 4 or 8.
     unsigned int
     width_for(const unsigned int n_columns)
     {
@@ -59,7 +59,7 @@ namespace greville
   ExtendedMassSolver<dim>::factorize() const
   {
     // Kronecker products of band matrices remain positive definite without the
-    // outermost diagonals, and cost less than half.
+    // outermost diagonals. The factorization then costs less than half.
     const unsigned int degree = mass.matrix().space().degree();
     const int          reach  = std::max(1, int(degree) - 1);
     factors.factorize(mass.local_entries((1u << dim) - 1, reach),
@@ -280,7 +280,7 @@ namespace greville
           sums[2][c] += x_i[i + c] * x_i[i + c];
           sums[3][c] += r_i[i + c];
         }
-    // A times a constant is the row sums.
+    // A times a constant vector gives the row sums.
     if (in_single)
       {
         sums[3]               = {};
@@ -329,7 +329,7 @@ namespace greville
         sums = residual<width>(r, x, b, false);
         now  = norms_of<width>(sums[0], n_fields, dim);
       }
-    // A guess that is worse than zero is discarded.
+    // Discard a guess that is worse than zero.
     for (unsigned int k = 0; k < n_fields; ++k)
       if (!(now[k] <= target[k]))
         for (unsigned int c = k * dim; c < (k + 1) * dim; ++c)
@@ -372,11 +372,11 @@ namespace greville
                               n_fields);
         n_trusted = ratio <= tolerance ? max_trusted : 0;
         n_vain += ratio > 0.5 * start;
-        // The residual consists of round-off.
+        // If the residual consists of round-off, accept it.
         if (ratio > 0.1 * start && ratio < 1e-11)
           ratio = std::min(ratio, tolerance);
       }
-    // The residual becomes orthogonal to constants.
+    // Make the residual orthogonal to constants.
     const auto &is_constrained = mass.unknowns().has_constrained();
     for (unsigned int c = 0; c < n_fields * dim; ++c)
       if (!is_constrained[c % dim] && total_mass > 0.)
@@ -411,7 +411,7 @@ namespace greville
     const MPI_Comm        comm    = mass.unknowns().communicator();
     for (VectorOf<float> *vector : {&e, &p, &s})
       std::fill_n(vector->begin(), n, 0.f);
-    // Entries of order 1.
+    // Scale entries to order 1.
     Columns<width> scale{}, rr{};
     for (int c = 0; c < width; ++c)
       if (squares[c] > 0.)
@@ -465,7 +465,7 @@ namespace greville
         if (!std::isfinite(ratio))
           break;
       }
-    // A times a constant is the row sums.
+    // A times a constant vector gives the row sums.
     std::array<Columns<width>, 1> change{};
     const auto &functions = mass.unknowns().unknown_functions();
     const bool  has_sums  = row_sums.size() > 0;

@@ -34,8 +34,8 @@ namespace greville
           ++group_of[c];
         if (group_of[c] < groups.size())
           continue;
-        // Quadrature points that give exactly the matrix of the material
-        // points.
+        // With this quadrature, the weights give exactly the matrix of the
+        // material points.
         groups.push_back({c, {}, nullptr});
         for (unsigned int l = 0; l < orders.n_levels(); ++l)
           groups.back().levels.push_back(std::make_unique<MassLevel<dim>>(

@@ -8,8 +8,8 @@
 
 namespace greville
 {
-  /// The coarse functions of the functions of a level that depend on others (on
-  /// unknowns), the rows of E P.
+  /// For the functions of a level that depend on unknowns, the coarse functions
+  /// that interpolate them: the rows of E P.
   template <int dim>
   class ExtendedTerms
   {
@@ -33,15 +33,15 @@ namespace greville
     ExtendedTerms(const LatticeUnknowns<dim> &coarse,
                   const LatticeLevel<dim>    &fine);
 
-    /// Return whether a function, or a column of its row, depends on others.
+    /// Return whether a function, or a column of its row, depends on unknowns.
     bool
     touches(const Position &i) const
     {
       return box.contains(i) && is_near[box.place(i)];
     }
 
-    /// Return the coarse functions of a function that depends on others, or
-    /// null.
+    /// Return the coarse functions of a function that depends on unknowns;
+    /// otherwise null.
     const Terms *
     find(const Position &i) const
     {
@@ -115,7 +115,7 @@ namespace greville
     std::vector<std::pair<Position, float>> entries;
     for (const auto &[given, weight] : terms)
       {
-        // The image next to the function.
+        // Choose the image next to the function.
         Position u = given;
         for (unsigned int d = 0; d < 3; ++d)
           if (lattice[d].is_periodic())
@@ -140,8 +140,8 @@ namespace greville
     std::vector<float> sums(box_of_terms.size(), 0.f);
     for (const auto &[I, weight] : entries)
       sums[box_of_terms.place(I)] += weight;
-    // Neighbours in x do not follow each other: a vector that is loaded waits
-    // for the store of another one with a part of its numbers.
+    // Do not process neighbours in x one after another: loading a vector waits
+    // for the store of a vector that overlaps it.
     for (int x = 0; x < box_of_terms.extents[0]; ++x)
       for (std::size_t place = x; place < sums.size();
            place += box_of_terms.extents[0])

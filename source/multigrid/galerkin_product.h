@@ -8,9 +8,9 @@
 namespace greville
 {
   /// The sum of P_i^T B_ij P_j over the blocks of half rows B, in half rows of
-  /// the coarse unknowns. P_i has the coarse functions of the function i, and
-  /// of the unknowns on which i depends if it is extended. Functions that do
-  /// not depend on others are inserted direction by direction.
+  /// the coarse unknowns. P_i contains the coarse functions of function i, and
+  /// of the unknowns on which an extended i depends. Other functions are
+  /// inserted direction by direction.
   template <int dim, int nc, int n>
   class GalerkinProduct
   {
@@ -53,15 +53,15 @@ namespace greville
     static constexpr int block_width = nc == 3 ? 4 : nc;
     using Block                      = FixedSimd<float, block_width>;
 
-    /// A column of a function that depends on others.
+    /// A column of a function that depends on unknowns.
     struct Column
     {
       Position     first;
       const Terms *terms;
     };
 
-    /// A box of coarse functions, for each of which a row has a block: entry
-    /// (c, d) at place() + c * stride + d.
+    /// A box of coarse functions, for which a row has one block each. Entry (c,
+    /// d) of a block is at place() + c * stride + d.
     struct Box
     {
       Position begin, end;
@@ -82,7 +82,7 @@ namespace greville
       }
 
       /// Extend the lines of the box along x, from p functions before @p first
-      /// to p functions behind @p last.
+      /// to p functions after @p last.
       void
       include_lines(const int first, const int last)
       {
@@ -114,7 +114,7 @@ namespace greville
       }
     };
 
-    /// Add a multiple of k numbers, whole vectors.
+    /// Add @p factor times k numbers, as whole vectors.
     static void
     add_multiple(float *to, const float factor, const float *from, const int k)
     {
@@ -185,8 +185,8 @@ namespace greville
       box.include(d, r.first, r.first + int(r.weights.size()) - 1);
     }
 
-    /// Let a box receive the lines of all coarse functions of i, and set its
-    /// blocks to zero.
+    /// Prepare a box for the lines of all coarse functions of i, with zero
+    /// blocks.
     void
     begin_blocks(const Position &i, const Terms *own, Box &box)
     {
@@ -198,7 +198,7 @@ namespace greville
       blocks.assign(box.size() + block_width, 0.f);
     }
 
-    /// Add P_i^T times the blocks of a box, which can exceed rows.
+    /// Add P_i^T times the blocks of a box, which may reach beyond rows.
     void
     add_rows(const Position &i,
              const Terms    *own,
@@ -223,8 +223,8 @@ namespace greville
         add(sum(first, term.offset), term.weight);
     }
 
-    /// Add the sum of B_ij P_j over columns j that do not depend on others,
-    /// whose coarse functions are in the box @p plain.
+    /// Add the sum of B_ij P_j over columns j that do not depend on unknowns.
+    /// The box @p plain contains their coarse functions.
     void
     sum_columns(const Position &i,
                 const float    *row,
@@ -318,9 +318,9 @@ namespace greville
       add_row();
     }
 
-    /// Copy a row to plain_row, without the columns of functions that depend on
-    /// others, which are listed in columns, and without the components @p
-    /// constrained (bits) of the row.
+    /// Copy a row to plain_row, without the @p constrained components (bits) of
+    /// the row. Columns of functions that depend on unknowns are not copied but
+    /// listed in columns.
     void
     take_extended_columns(const Position     &i,
                           const float        *row,
@@ -383,7 +383,7 @@ namespace greville
     }
 
     /// Add a multiple of the blocks of a box to the row of a coarse function,
-    /// as far as it reaches.
+    /// except for blocks beyond the row.
     void
     add_to_row(const Position    &I,
                const unsigned int u,
@@ -484,8 +484,8 @@ namespace greville
 
     /// Write the half rows. A block before the diagonal block is added,
     /// transposed, to the row of the function in its column. Blocks of
-    /// functions that are no unknowns, and of constrained components, are left
-    /// out.
+    /// constrained components, and of functions that are not unknowns, are
+    /// omitted.
     void
     write_half_rows()
     {
@@ -524,7 +524,7 @@ namespace greville
 
     float              plain_row[Half::row_size];
     std::vector<float> in_x, in_y, blocks;
-    // Rows with all neighbours: entry (line, c, x, d).
+    // Rows with all neighbours, as [line][c][x][d].
     std::vector<float> sums;
   };
 } // namespace greville

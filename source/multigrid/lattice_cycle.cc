@@ -18,7 +18,7 @@ namespace greville
     // Lattices become coarser until a part has at most this number of rows.
     constexpr unsigned int small_size = 250;
 
-    // The distance of parts in a lattice, more than any overlap of domains.
+    // The distance between parts in a common lattice, more than any overlap.
     constexpr int far_away = 100;
 
     unsigned int
@@ -162,7 +162,7 @@ namespace greville
                 LatticeMatrix<dim>::can_coarsen(last))
               {
                 auto matrix = std::make_unique<LatticeMatrix<dim>>(last);
-                // Many bodies of a few functions have more unknowns if coarser.
+                // Coarsening many bodies of a few functions each adds unknowns.
                 if (CoarsestSolver<dim>::n_rows(*matrix, false) <=
                     2 * CoarsestSolver<dim>::n_rows(*parts[part], false))
                   {
@@ -171,8 +171,7 @@ namespace greville
                     changes = true;
                   }
               }
-            // Below the finest level, unchanged parts need a LatticeMatrix,
-            // too.
+            // Unchanged parts also need a LatticeMatrix below the finest level.
             if (!block.coarser && levels.size() == 1 && parts.size() > 1)
               {
                 coarse.push_back(
@@ -217,7 +216,7 @@ namespace greville
         matrices.resize(of_part.size());
         for (unsigned int c = 0; c < of_part.size(); ++c)
           matrices[c].push_back(std::move(of_part[c]));
-        // The positions of parts must differ.
+        // Shift the parts, so that all positions differ.
         for (std::array<int, 3> position : block.matrix->unknown_positions())
           {
             position[2] += begin_of_part;
@@ -264,7 +263,7 @@ namespace greville
   LatticeCycle<dim>::estimate_eigenvalue(const unsigned int l)
   {
     // Lanczos' method, by conjugate gradients. The start is a function of the
-    // position only, so that the estimate does not depend on the number of
+    // position, so that the estimate does not depend on the number of
     // processes.
     constexpr unsigned int n_steps = 8;
     constexpr double       safety  = 1.2;

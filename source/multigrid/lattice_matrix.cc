@@ -41,8 +41,8 @@ namespace greville
                                     const bool               coarsen)
     : places(fine, coarsen)
   {
-    // Coarse functions at the edge of a body can be linearly dependent. This
-    // part of the diagonal keeps matrices of single precision positive
+    // Coarse functions at the edge of a body can be linearly dependent. Adding
+    // this part of the diagonal keeps matrices in single precision positive
     // definite.
     const double regularization = coarsen ? 1e-6 : 0.;
     with_sizes([&](const auto nc, const auto n) {
@@ -55,7 +55,7 @@ namespace greville
         for (unsigned int c = 0; c < n_components(); ++c)
           rows[u * row_size + c * Half::line_size + (n - 1) * nc + c] *=
             1. + regularization;
-      // Stencils read some numbers behind their last place.
+      // Stencils read some numbers after the last place.
       for (auto *values : {&place_x, &place_y})
         values->assign(places.n_places() * nc + Half::line_size, 0.f);
     });
@@ -175,7 +175,7 @@ namespace greville
   UpperTriangle
   LatticeMatrix<dim>::diagonal_block(const int component) const
   {
-    // The mean leaves out constrained components.
+    // Constrained components do not enter the mean.
     const unsigned int n          = places.positions().size();
     const unsigned int components = n_components();
     std::vector<float> scale(n, 1.f);

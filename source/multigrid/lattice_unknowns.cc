@@ -100,7 +100,7 @@ namespace greville
       n_keys *= direction.n_functions();
     checked_index<types::global_dof_index>(n_keys, "functions of a level");
 
-    // The listed functions: their keys, in ascending order, and components.
+    // The functions in this list: keys, in ascending order, and components.
     const Wanted                         wanted = find_wanted(fine);
     std::vector<types::global_dof_index> keys;
     std::vector<unsigned char>           needed;
@@ -116,8 +116,8 @@ namespace greville
     mine.add_range(n_keys * me / n_processes, n_keys * (me + 1) / n_processes);
     others.add_indices(keys.begin(), keys.end());
     List list(mine, others, comm);
-    // Set all entries, combine the entries @p value(k) of all processes, and
-    // return the results of the listed functions.
+    // Set all entries to the initial value, combine the entries @p value(k) of
+    // all processes, and return the results for the listed functions.
     const auto combine = [&](const double                  initial,
                              const VectorOperation::values operation,
                              const auto                   &value) {
@@ -173,7 +173,7 @@ namespace greville
                                                          ghost_numbers,
                                                          comm);
 
-    // The components that a process needs and none constrains.
+    // The free components: a process needs them, and none constrains them.
     constrained_components.assign(of_unknowns.size(), 0);
     const auto constrained_of_finer = fine.constrained_functions();
     for (unsigned int c = 0; c < components; ++c)

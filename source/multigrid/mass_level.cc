@@ -34,7 +34,7 @@ namespace greville
     const SplineSpace<dim> &space = *spline_space;
     if (!is_extended())
       {
-        // Without a threshold, all cells with mass are hosts.
+        // Without a threshold, each cell with mass is a host.
         std::vector<double> parts(space.owned_cells().size(), 0.);
         for (unsigned int c = 0; c < parts.size(); ++c)
           for (unsigned int q = 0; q < density_weights.n_points(); ++q)
@@ -119,7 +119,7 @@ namespace greville
   void
   MassLevel<dim>::distribute(VectorType &x, const unsigned int) const
   {
-    // Coefficients without mass take part in transfers with unit weights, so
+    // With unit weights, coefficients without mass take part in transfers, so
     // that constants are preserved.
     if (is_extended())
       entries->unknowns().distribute(x, 0);

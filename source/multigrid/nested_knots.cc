@@ -29,7 +29,7 @@ namespace greville
       return *this;
     NestedKnots result = *this;
     result.breakpoints.clear();
-    // Only the small cells of graded knots join: neighbours become more alike.
+    // Join only the small cells of graded knots: neighbours then differ less.
     constexpr double most   = 1.5;
     double           length = breakpoints.back() - breakpoints.front();
     for (int k = 0; k + 2 <= n && !is_uniform; ++k)

@@ -152,7 +152,7 @@ namespace greville
         b[l - 1] = 0.;
         transfer.restrict_and_add(l, b[l - 1], residual[l]);
         cycle(l - 1, type, true);
-        // The coarsest level is solved, so a second visit would change nothing.
+        // The coarsest level is solved, so that a second visit would not help.
         if (type != Cycle::V && l > 1)
           cycle(l - 1, type == Cycle::W ? Cycle::W : Cycle::V, false);
         transfer.prolongate_and_add(l, x[l], x[l - 1]);
@@ -201,7 +201,7 @@ namespace greville
           coarse_preconditioner->vmult(x[0], b[0]);
         return;
       }
-    // Too few iterations give a worse correction, but no error.
+    // If the iterations do not suffice, the correction is merely worse.
     solve_krylov(
       {coarse_tolerance, parameters.coarse_max_iterations},
       [&](VectorType &dst, const VectorType &src) {

@@ -76,8 +76,8 @@ namespace greville
     double
     largest_eigenvalue_with(const LevelOperator<dim> &level, const Apply &apply)
     {
-      // The start is a function of the position only, so that the estimate does
-      // not depend on the number of processes.
+      // The start is a function of the position, so that the estimate does not
+      // depend on the number of processes.
       VectorType x, y;
       initialize_vector(x, level);
       initialize_vector(y, level);
@@ -116,9 +116,9 @@ namespace greville
 
 
 
-    /// A factorization, on several processes scaled so that two smoothing
-    /// steps, 2 B - B A B, are positive definite: where domains overlap, B A
-    /// may have eigenvalues above 2.
+    /// A factorization B, scaled on several processes: B A may have eigenvalues
+    /// above 2 where domains overlap, but two smoothing steps, 2 B - B A B,
+    /// must be positive definite.
     template <int dim>
     class ScaledFactorization : public Preconditioner
     {
@@ -179,7 +179,7 @@ namespace greville
         chebyshev.initialize(matrix, data);
         VectorType vector;
         initialize_vector(vector, level);
-        // All processes have the same norms, and stop if one is NaN.
+        // The norms are equal on all processes, so all stop if one is NaN.
         try
           {
             chebyshev.estimate_eigenvalues(vector);
@@ -286,7 +286,7 @@ namespace greville
 
 
 
-    /// The list of smoothers. A new smoother is a line here.
+    /// The list of smoothers, one line each.
     template <int dim>
     std::vector<Entry<dim>> &
     smoothers()

@@ -11,10 +11,11 @@ namespace greville
 {
   /**
    * The last level of a LatticeCycle: a factorized matrix of few rows, on each
-   * process. Its unknowns are the components of the last lattices of all parts,
-   * or if @p lowers_order, of the functions of order 1 on them. A function of
-   * order 1 is then interpolated by a spline whose coefficients are its values
-   * at the Greville points, which is exact for linear functions.
+   * process. Its unknowns are the components of the last lattices of all parts.
+   * If @p lowers_order, they are the components of functions of order 1 on
+   * these lattices. A function of order 1 is interpolated by the spline whose
+   * coefficients are its values at the Greville points, which is exact for
+   * linear functions.
    */
   template <int dim>
   class CoarsestSolver
@@ -30,8 +31,8 @@ namespace greville
     n_rows(const LatticeLevel<dim> &lattice, const bool lowers_order);
 
     /// Collective. The matrix is the sum of the @p lattices of all parts and,
-    /// unless @p coupling is null, of its given level divided by @p unit. The
-    /// lattices are kept by reference.
+    /// unless @p coupling is null, of the given level of the coupling divided
+    /// by @p unit. The lattices are kept by reference.
     void
     reinit(const std::vector<const LatticeMatrix<dim> *> &lattices,
            const bool                                     lowers_order,
@@ -39,8 +40,8 @@ namespace greville
            const unsigned int                             level,
            const double                                   unit);
 
-    /// Return whether there is a factorized matrix: it has few enough rows, and
-    /// the factorization has succeeded.
+    /// Return whether there is a factorized matrix: it has few rows, and the
+    /// factorization has succeeded.
     bool
     is_factorized() const
     {
@@ -52,8 +53,7 @@ namespace greville
     add_solution(Blocks &x, const Blocks &b) const;
 
   private:
-    /// The columns with their weights of each component of the owned unknowns
-    /// of a part.
+    /// For each component of a part's owned unknowns, its columns with weights.
     struct Columns
     {
       std::vector<std::size_t>                     begin{0};
@@ -61,7 +61,7 @@ namespace greville
     };
 
     /// Call add(column, weight) for the columns of a component of a local
-    /// unknown, counted from the first column of the part.
+    /// unknown. Columns are counted from the first column of the part.
     template <typename Add>
     static void
     for_each_column(const LatticeMatrix<dim> &lattice,

@@ -8,7 +8,7 @@
 namespace greville
 {
   /// The finest level of a LatticeCycle: a scalar matrix E^T B E. Derived
-  /// classes have more components with the same unknowns.
+  /// classes have several components with the same unknowns.
   template <int dim>
   class ExtendedLattice : public LatticeLevel<dim>
   {
@@ -106,7 +106,7 @@ namespace greville
     const ExtendedMass<dim> &matrix;
 
   private:
-    /// Return the position with a number in the order of positions.
+    /// Return the position that has a lexicographic number.
     Position
     position(const std::uint64_t number) const;
 

@@ -14,9 +14,9 @@ namespace greville
   /**
    * Base class of levels of p-multigrid on extended B-splines: an operator E^T
    * B E with the Extension E of a space of one order, for fields with one or
-   * more components. Coefficients can be constrained, component by component:
-   * their rows and columns are zero except for the diagonal, as for inactive
-   * and extended functions.
+   * more components. Coefficients can be constrained, component by component.
+   * Rows and columns of constrained, inactive and extended coefficients are
+   * zero except for the diagonal.
    *
    * The mass matrix of the space stores the unknowns and is used in the
    * transfer between orders.
@@ -120,7 +120,7 @@ namespace greville
     std::vector<UpperTriangle>
     diagonal_blocks(const bool by_components) const;
 
-    /// Collective. Factorize the mean of the diagonal blocks of the components,
+    /// Collective. Factorize the mean of the diagonal blocks of all components,
     /// or each block.
     std::vector<OverlappingCholesky>
     factorize(const CholeskyParameters &parameters,
@@ -133,9 +133,9 @@ namespace greville
     }
 
   protected:
-    /// Collective. Begin with points at new positions, whose @p filling is kept
-    /// by reference; @p changed says whether the filling differs from the last
-    /// call. The mass and its weights must then be filled.
+    /// Collective. Begin with points at new positions. Their @p filling is kept
+    /// by reference; @p changed says whether it differs from the last call. The
+    /// mass and its weights must then be filled.
     void
     begin_level(const CellFilling<dim> &filling, const bool changed);
 
@@ -144,14 +144,14 @@ namespace greville
     void
     set_diagonal();
 
-    /// Collective. Compute dst = A src with the @p product(result, source) of
+    /// Collective. Compute dst = A src with a @p product(result, source) of
     /// vectors of unknowns.
     void
     multiply_unknowns(VectorType                  &dst,
                       const VectorType            &src,
                       const std::function<void()> &product) const;
 
-    /// Return a scalar matrix, with the unknowns of the mass. Its factors
+    /// Return a scalar matrix with the unknowns of the mass, whose factors
     /// represent the given components (bits).
     virtual const ExtendedMass<dim> &
     diagonal_block(const unsigned int components) const = 0;
@@ -185,8 +185,8 @@ namespace greville
           const unsigned int         component,
           const unsigned int         n) const;
 
-    // The factors of the mass, computed by the first call of
-    // apply_inverse_mass() for it.
+    // The factors of the mass, made by the first apply_inverse_mass() after a
+    // change.
     mutable std::unique_ptr<OverlappingCholesky> mass_factors;
 
     double                      largest = 0.;

@@ -22,23 +22,23 @@ namespace greville
 
 
   /**
-   * Conjugate gradients for A x = b with an ExtendedMass, for all components of
-   * one or two vector fields together, with one pass over matrix and factors.
-   * The preconditioner is OverlappingCholesky with a drop tolerance: one
-   * factorization of the matrix without constraints for all components.
+   * Conjugate gradients for A x = b with an ExtendedMass. All components of one
+   * or two vector fields are solved together, with one pass over matrix and
+   * factors. The preconditioner is OverlappingCholesky with a drop tolerance:
+   * one factorization of the matrix without constraints for all components.
    * Constrained entries of its result are set to zero. A given preconditioner
-   * may be nonlinear and need not treat constraints.
+   * may be nonlinear and may ignore constraints.
    *
    * A factorization is kept until the unknowns change, or until the additional
-   * iterations due to its age cost more than a new one. It is made when a solve
-   * needs a preconditioner: bodies in free flight need none.
+   * iterations due to its age cost more than a new one. It is made only when a
+   * solve needs a preconditioner: bodies in free flight need none.
    *
    * Iterations are in single precision, with one sum over the processes each
-   * (@ref Chronopoulos1989 "Chronopoulos and Gear, 1989"), for the correction
-   * of a residual that is computed in double precision; a smaller tolerance
-   * than 1e-5 needs several corrections. After one correction of a good guess,
-   * the residual of the iteration counts, if that of double precision confirmed
-   * it in one of the last solves.
+   * (@ref Chronopoulos1989 "Chronopoulos and Gear, 1989"). They correct a
+   * residual that is computed in double precision; a tolerance below 1e-5 needs
+   * several corrections. After one correction of a good guess, the residual of
+   * the iteration is accepted if double precision has confirmed it in one of
+   * the last solves.
    *
    * The residual of the solution is orthogonal to constants in columns without
    * constrained functions, so that momentum does not depend on the tolerance.
@@ -47,18 +47,18 @@ namespace greville
   class ExtendedMassSolver
   {
   public:
-    /// Parameters and mass are kept by reference. The @p first_tolerance is for
-    /// solves without a guess, whose errors would stay in the guesses of a
-    /// uniform motion. If no @p preconditioner is given, this class factorizes
-    /// the matrix.
+    /// Parameters and mass are kept by reference. The @p first_tolerance
+    /// applies to solves without a guess, since their errors would remain in
+    /// the guesses of a uniform motion. If no @p preconditioner is given, this
+    /// class factorizes the matrix.
     ExtendedMassSolver(ExtendedMass<dim>          &mass,
                        const SolverParameters     &parameters,
                        const ColumnPreconditioner &preconditioner  = {},
                        const double                first_tolerance = 1.);
 
-    /// Collective. Update after a change of the mass. With the lumped mass,
-    /// which is kept by reference, not every solve ends by a residual of double
-    /// precision.
+    /// Collective. Update after a change of the mass. If the lumped mass, which
+    /// is kept by reference, is given, some solves end without a residual in
+    /// double precision.
     void
     update(const double total_mass, const VectorType *lumped_mass = nullptr);
 
@@ -72,7 +72,7 @@ namespace greville
           const std::vector<const VectorField<dim> *> &b,
           const std::vector<double>                   &shares = {});
 
-    /// Require a new factorization, and check the next residual.
+    /// Require a new factorization, and a check of the next residual.
     void
     forget()
     {
@@ -111,8 +111,8 @@ namespace greville
     template <int width>
     using ResidualSums = std::array<std::array<double, width>, 4>;
 
-    /// Set r = b - A x. With a product in single precision, the sums of r
-    /// follow from the row sums.
+    /// Set r = b - A x. If the product has single precision, the sums of r are
+    /// computed from the row sums.
     template <int width>
     ResidualSums<width>
     residual(VectorType       &r,
@@ -128,11 +128,11 @@ namespace greville
             const std::vector<double> &shares,
             const unsigned int         max_iterations) const;
 
-    /// Add to @p x a solution of A e = @p residual in single precision, with
-    /// norms of fields below @p goal times the @p target. @p sums belong to the
-    /// residual; the sums of its columns are updated. Counts the iterations in
-    /// @p k. Returns the largest ratio of a norm to its target that the
-    /// iteration has reached.
+    /// Add to @p x a solution of A e = @p residual in single precision, such
+    /// that the norm of each field is below @p goal times its @p target.
+    /// @p sums belong to the residual; the sums of its columns are updated.
+    /// Counts the iterations in @p k. Returns the largest ratio of a norm to
+    /// its target at the end.
     template <int width>
     double
     correct(VectorType          &x,
@@ -157,12 +157,12 @@ namespace greville
     static constexpr unsigned int max_trusted = 7;
     mutable unsigned int          n_trusted   = 0; // solves to come
 
-    /// Single precision reduces a residual by this factor.
+    /// The factor by which single precision can reduce a residual.
     static constexpr double reduction = 1e-5;
 
     bool is_old = true; // unit and the matrix in single precision
 
-    // Vectors of the last solve, whose memory is used again.
+    // Vectors of the last solve; later solves use their memory again.
     VectorType         unknowns, rows;
     mutable VectorType residual_rows;
 

@@ -28,9 +28,9 @@ namespace greville
                       const PMultigridParameters &parameters,
                       const SmootherParameters   &smoother_parameters);
 
-    /// Collective. Update after a change of the mass, and of the set of
-    /// unknowns if @p unknowns_changed, with their @p filling. @p fill(weights)
-    /// fills the weights of a level.
+    /// Collective. Update after a change of the mass. If @p unknowns_changed,
+    /// the set of unknowns with this @p filling is new. @p fill(weights) fills
+    /// the weights of a level.
     void
     update(const CellFilling<dim>                           &filling,
            const bool                                        unknowns_changed,

@@ -11,10 +11,11 @@ namespace greville
 {
   /// The memory of a row of a symmetric matrix of blocks of @p nc x @p nc
   /// numbers, for functions of a lattice with @f$ |i_d - j_d| \le p = n - 1 @f$
-  /// in each direction d: the half of its stencil with j >= i in lexicographic
-  /// order, with one half of the block on the diagonal. Entry (c, d) of the
-  /// block at x in line number k, counted from the own line, is row[(k * nc +
-  /// c) * line_size + x * nc + d]; blocks with j < i in the own line are zero.
+  /// in each direction d. It is the half of the stencil with j >= i in
+  /// lexicographic order; the block on the diagonal is stored with half of each
+  /// entry. Entry (c, d) of the block at x in line number k, counted from the
+  /// row's own line, is row[(k * nc + c) * line_size + x * nc + d]. Blocks with
+  /// j < i in the own line are zero.
   template <int dim, int nc, int n, typename Number>
   struct HalfStencil
   {

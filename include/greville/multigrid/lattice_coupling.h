@@ -19,11 +19,11 @@ namespace greville
    *   C = \sum_k G_k^T K_k G_k, \qquad
    *   G_k x = \sum_\text{parts} \sum_u g_{ku} x_u,
    * @f]
-   * with a symmetric positive semidefinite K_k of dim components for each
-   * *key* k, and with weights g of the unknowns u of all parts, the same for
-   * all components but for constrained ones. On the next coarser level G
-   * becomes G P. The matrices G have dim rows for each key, on the process that
-   * owns it, and interleaved components of unknowns.
+   * with a symmetric positive semidefinite K_k of dim components for each *key*
+   * k. The weights g of the unknowns u of all parts are the same for all
+   * components, except for constrained ones. On the next coarser level, G
+   * becomes G P. G has dim rows for each key, on the process that owns it, and
+   * interleaved components of unknowns as columns.
    */
   template <int dim>
   class LatticeCoupling
@@ -53,7 +53,7 @@ namespace greville
     void
     add_keys(const std::vector<dealii::Tensor<2, dim>> &stiffness);
 
-    /// Collective. Add weights to the keys of the last group, also to keys of
+    /// Collective. Add weights to keys of the last group, which may belong to
     /// other processes. The sum of all weights of an own key is multiplied by
     /// its factor. The @p layout numbers the unknowns of the part.
     void
@@ -63,8 +63,8 @@ namespace greville
                 const std::vector<double> &factors);
 
     /// Collective. Append a level. @p transfers[part] are the unknowns of the
-    /// coarser level, or null if the part stays the same. @p layouts belong to
-    /// the finer level.
+    /// coarser level, or null if the part is the same there. @p layouts belong
+    /// to the finer level.
     void
     coarsen(const std::vector<const LatticeUnknowns<dim> *> &transfers,
             const std::vector<const InterleavedLayout *>    &layouts);
@@ -83,9 +83,9 @@ namespace greville
                 const Blocks      &x,
                 const double       factor) const;
 
-    /// Collective. Return the entries of C between the owned unknowns of this
-    /// process and without the coupling of components, sorted. The unknowns of
-    /// the parts are numbered one part after another.
+    /// Collective. Return the entries of C between owned unknowns of this
+    /// process and between equal components, sorted. The unknowns of the parts
+    /// are numbered one part after another.
     std::vector<BlockEntry>
     owned_entries(const unsigned int                            level,
                   const std::vector<const InterleavedLayout *> &layouts) const;

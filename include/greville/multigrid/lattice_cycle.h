@@ -21,14 +21,14 @@ namespace greville
 
   /**
    * A V-cycle on lattices that are coarsened by two in each direction at the
-   * same order of the splines, with Galerkin products, for one or several
-   * *parts* that a LatticeCoupling can couple. Vectors and matrices have single
-   * precision. The smoother is a Chebyshev polynomial over IC(0) of the mean
-   * diagonal block, or of each block, of the unknowns of all parts together, in
-   * domains of processes that overlap by a layer, or by two on the finest
-   * lattice of order 3. The couplings within a process are included. A part
-   * whose lattice cannot become coarser, or has few functions, stays the same
-   * on the coarser levels of other parts.
+   * same order of the splines, with Galerkin products. It has one or several
+   * *parts*, which a LatticeCoupling can couple. Vectors and matrices have
+   * single precision. The smoother is a Chebyshev polynomial over IC(0) of the
+   * mean diagonal block, or of each block. Its unknowns are the unknowns of all
+   * parts together, in domains of processes that overlap by a layer, or by two
+   * on the finest lattice of order 3. Couplings within a process are included.
+   * A part that has few functions or cannot be coarsened is the same on the
+   * coarser levels of other parts.
    *
    * The last level is a CoarsestSolver.
    */
@@ -40,8 +40,8 @@ namespace greville
     using Blocks = std::vector<SingleVector>;
 
     /// Collective. The @p coupling of the parts, unless null, is kept by
-    /// reference; it receives coarser levels. Without @p coarsens, the cycle
-    /// consists of smoothing steps.
+    /// reference; coarser levels are added to it. Without @p coarsens, the
+    /// cycle consists of smoothing steps only.
     LatticeCycle(Parts                         parts,
                  const LatticeCycleParameters &parameters,
                  LatticeCoupling<dim>         *coupling = nullptr,
@@ -116,8 +116,8 @@ namespace greville
     void
     subtract_product(const unsigned int l, Blocks &x) const;
 
-    /// Add the smoother's correction for the residual b to x. All steps but the
-    /// last one update b.
+    /// Add the smoother's correction for the residual b to x. All steps except
+    /// the last one update b.
     void
     smooth(const unsigned int l) const;
 

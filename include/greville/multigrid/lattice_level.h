@@ -13,10 +13,10 @@ namespace greville
   /// A vector of unknowns in single precision, with interleaved components.
   using SingleVector = VectorOf<float>;
 
-  /// A symmetric operator on splines, some of whose functions are *unknowns*,
-  /// as a level of LatticeCycle. Functions have positions in a lattice, wrapped
-  /// in periodic directions. The operator is the sum of the rows of all
-  /// processes.
+  /// A symmetric operator on splines, as a level of LatticeCycle. Some
+  /// functions of the splines are *unknowns*. Functions have positions in a
+  /// lattice, which are wrapped in periodic directions. The operator is the sum
+  /// of the rows of all processes.
   template <int dim>
   class LatticeLevel
   {
@@ -45,8 +45,8 @@ namespace greville
     virtual std::vector<unsigned char>
     constrained_unknowns() const = 0;
 
-    /// Return the constrained functions of this process whose rows are stored,
-    /// with their components (bits).
+    /// Return the constrained functions with stored rows on this process, and
+    /// their constrained components (bits).
     virtual std::vector<std::pair<Position, unsigned char>>
     constrained_functions() const = 0;
 
@@ -63,7 +63,7 @@ namespace greville
     for_each_row(const std::function<void(const Position &, const float *)>
                    &visit) const = 0;
 
-    /// A block of functions i, j beyond the size of a HalfStencil, whose
+    /// A block of functions i, j that does not fit into a HalfStencil. Its
     /// transpose belongs to j, i. Positions are not wrapped.
     struct FarBlock
     {
@@ -71,7 +71,7 @@ namespace greville
       float    block[dim * dim];
     };
 
-    /// Call visit(block) for the blocks of this process beyond its rows.
+    /// Call visit(block) for the far blocks of this process.
     virtual void
     for_each_far_block(
       const std::function<void(const FarBlock &)> & /*visit*/) const
@@ -85,8 +85,8 @@ namespace greville
     virtual void
     multiply(SingleVector &y, SingleVector &x) const = 0;
 
-    /// Return the part of this process, between local unknowns, of the mean of
-    /// the diagonal blocks of the components, or of each block.
+    /// Return this process' part, between local unknowns, of the mean of the
+    /// diagonal blocks of all components, or of each block.
     virtual std::vector<UpperTriangle>
     diagonal_blocks(const bool by_components) const = 0;
   };

@@ -8,9 +8,9 @@
 namespace greville
 {
   /// The Galerkin product @f$ P^T A P @f$ of a level on the lattice of twice
-  /// the size. Splines are nested, so that rows keep the size of a HalfStencil;
-  /// extended functions of the finer level add a few blocks beyond it, which
-  /// are listed.
+  /// the size. Splines are nested, so rows keep the size of a HalfStencil.
+  /// Extended functions of the finer level add a few blocks beyond it, which
+  /// are listed separately.
   template <int dim>
   class LatticeMatrix : public LatticeLevel<dim>
   {
@@ -35,9 +35,9 @@ namespace greville
       return places;
     }
 
-    /// Collective. Return @f$ Q^T A Q @f$, row by row, with @p n columns in Q.
-    /// rows_of_Q(u, c, add) calls add(j, w) for the entries w of the row of
-    /// component c of local unknown u, which is not constrained.
+    /// Collective. Return @f$ Q^T A Q @f$, row by row. Q has @p n columns;
+    /// rows_of_Q(u, c, add) calls add(j, w) for the entries w in the row of the
+    /// unconstrained component c of local unknown u.
     using AddEntry = std::function<void(unsigned int column, double weight)>;
     using Rows     = std::function<void(const unsigned int unknown,
                                     const unsigned int component,
@@ -45,8 +45,8 @@ namespace greville
     std::vector<double>
     reduced_entries(const unsigned int n, const Rows &rows_of_Q) const;
 
-    /// Collective. Return @p unit times the entries, with a diagonal of @p unit
-    /// of constrained components.
+    /// Collective. Return @p unit times the entries; constrained components
+    /// have the diagonal entry @p unit.
     PetscMatrix
     petsc_matrix(const double unit) const;
 
@@ -110,8 +110,8 @@ namespace greville
     diagonal_blocks(const bool by_components) const override;
 
   private:
-    /// Call an action with the numbers of components and of functions per
-    /// direction of a cell as constants.
+    /// Call an action with two constants: the numbers of components, and of
+    /// functions of a cell per direction.
     template <typename Action>
     void
     with_sizes(const Action &action) const;
@@ -123,7 +123,7 @@ namespace greville
     for_each_block(const Visit &visit) const;
 
     /// Return the upper triangle of the diagonal block of a component, or of
-    /// the mean of all blocks (-1).
+    /// the mean of all diagonal blocks (-1).
     UpperTriangle
     diagonal_block(const int component) const;
 

@@ -10,10 +10,10 @@
 namespace greville
 {
   /// The unknowns on the lattice of twice the size below a level, and the knot
-  /// insertion P from them, which is multilinear for order 1. The unknowns are
-  /// all coarse functions from which a component of an unknown of the finer
-  /// level is interpolated. Components from which a constrained one is
-  /// interpolated are constrained.
+  /// insertion P from them to the level, which is multilinear for order 1. The
+  /// unknowns are all coarse functions that are needed to interpolate a
+  /// component of an unknown of the finer level. A coarse component is
+  /// constrained if it is needed to interpolate a constrained one.
   template <int dim>
   class LatticeUnknowns
   {
@@ -63,7 +63,7 @@ namespace greville
       return (constrained_components[u] >> c) & 1;
     }
 
-    /// Return whether a function of the finer level exists, @p i may be any
+    /// Return whether a function of the finer level exists; @p i may be any
     /// integer in periodic directions.
     bool
     has_insertion(const unsigned int d, const int i) const
@@ -89,8 +89,8 @@ namespace greville
                insertion(2, i[2]).first}};
     }
 
-    /// Call visit(I, weight) for the coarse functions I of a function of the
-    /// finer level, not wrapped.
+    /// Call visit(I, weight) for the coarse functions I that interpolate a
+    /// function of the finer level. I is not wrapped.
     template <typename Visit>
     void
     for_each_coarse(const Position &i, const Visit &visit) const
@@ -119,16 +119,16 @@ namespace greville
       return box.contains(i) ? unknown_at[box.place(i)] : -1;
     }
 
-    /// Return the local unknown in another line at the distance @p x from u, or
-    /// -1; see distance().
+    /// Return the local unknown in another line at the distance @p x from u, -1
+    /// if there is none; see distance().
     int
     unknown_in_line(const unsigned int u, const int line, const int x) const
     {
       return unknown_at[unknown_places[u] + distance(line) + x];
     }
 
-    /// Return the distance of places in lines, which are counted from the own
-    /// line as in HalfStencil.
+    /// Return the distance from a place to the same x in another line; lines
+    /// are counted from the own line as in HalfStencil.
     std::ptrdiff_t
     distance(const int line) const
     {
@@ -175,7 +175,7 @@ namespace greville
     void restrict(SingleVector &coarse, const SingleVector &fine) const;
 
   private:
-    /// The coarse functions of a process. By function: the components (bits)
+    /// The coarse functions of a process. For each one, the components (bits)
     /// that finer unknowns need, and whether rows refer to it.
     struct Wanted
     {
@@ -183,7 +183,7 @@ namespace greville
       std::vector<unsigned char> needed, is_listed;
     };
 
-    /// Return the number of functions beyond each end with stored insertions.
+    /// Return the number of stored insertions beyond each end.
     int
     margin() const
     {

@@ -21,8 +21,8 @@ namespace greville
    * coefficient for each function of a spline space and component c,
    * interleaved: entry i * n_components() + c of local function i.
    *
-   * *Inactive* functions do not take part in A, because there is no material in
-   * their support, they are constrained, or they depend on others (extended
+   * *Inactive* functions do not take part in A, because they have no material
+   * in their support, are constrained, or depend on others (extended
    * B-splines). Their rows and columns are zero except for the diagonal, so
    * that a right-hand side of zero gives zero.
    */
@@ -52,8 +52,8 @@ namespace greville
       vmult(dst, src);
     }
 
-    /// Compute dst = A src for smoothers and cycles, possibly with entries in
-    /// single precision, which halves the memory traffic.
+    /// Compute dst = A src for smoothers and cycles. Entries may have single
+    /// precision, which halves the memory traffic.
     virtual void
     vmult_in_cycle(VectorType &dst, const VectorType &src) const
     {
@@ -68,10 +68,10 @@ namespace greville
     virtual const std::vector<unsigned int> &
     inactive() const = 0;
 
-    /// Return the entries of one component, for smoothers that work on them:
-    /// the entries of A if it has one component, otherwise a matrix that
-    /// represents all diagonal blocks (MPIAIJ). Numbers are global numbers of
-    /// the space.
+    /// Return the entries of one component, for smoothers that need them: the
+    /// entries of A if it has one component, otherwise a matrix that represents
+    /// all diagonal blocks (MPIAIJ). Rows and columns have the global numbers
+    /// of the space.
     virtual Mat
     matrix() const
     {
@@ -82,9 +82,9 @@ namespace greville
       return nullptr;
     }
 
-    /// Collective. Compute @f$ x \leftarrow E x @f$, all coefficients of a
-    /// spline, for one @p component, from the active ones. Inactive functions
-    /// get zero unless they depend on others.
+    /// Collective. Compute all coefficients of a spline from the active ones,
+    /// @f$ x \leftarrow E x @f$, for one @p component. Inactive functions
+    /// become zero unless they depend on others.
     virtual void
     distribute(VectorType &x, const unsigned int /*component*/ = 0) const
     {
@@ -102,9 +102,9 @@ namespace greville
     }
 
     /// Return a symmetric positive definite B, dst = B src for all components,
-    /// for smoothers: incomplete factorizations of the diagonal blocks of the
-    /// components, or one of the mean block for all components. Null if there
-    /// is none.
+    /// for smoothers. It has incomplete factorizations of the diagonal blocks
+    /// of the components, or one factorization of their mean. Null if there is
+    /// none.
     virtual std::unique_ptr<Preconditioner>
     factorization(const CholeskyParameters & /*parameters*/,
                   const bool /*by_components*/) const
@@ -141,7 +141,7 @@ namespace greville
     }
 
     /// Return the points and weights for the L2 products of a transfer; null
-    /// for the volume.
+    /// for integrals over the volume.
     virtual const DensityWeights<dim> *
     transfer_weights() const
     {
@@ -169,7 +169,7 @@ namespace greville
     vector.reinit(owned, space.communicator());
   }
 
-  /// Apply @p action(to, from, c), which works on one component c, to all @p n
+  /// Apply @p action(to, from, c), which handles one component c, to all @p n
   /// components of interleaved vectors. The vectors @p to and @p from have the
   /// layouts of one component; they are not used for n = 1.
   template <typename Action>

@@ -44,7 +44,7 @@ namespace greville
     }
 
     /// Use extended B-splines from the next assemble() on. Local functions that
-    /// are @p constrained (not zero) are left out of the columns of E.
+    /// are @p constrained (not zero) are omitted from the columns of E.
     void
     extend(Extension<dim>             extension,
            std::vector<unsigned char> constrained = {})
@@ -112,8 +112,8 @@ namespace greville
     void
     condense(VectorType &x, const unsigned int component = 0) const override;
 
-    /// Return IC(0) or ICT, one for all components. ICT leaves out the same
-    /// entries as ExtendedMassSolver.
+    /// Return IC(0) or ICT, one for all components. ICT omits the same entries
+    /// as ExtendedMassSolver.
     std::unique_ptr<Preconditioner>
     factorization(const CholeskyParameters &parameters,
                   const bool) const override;

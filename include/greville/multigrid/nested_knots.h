@@ -7,16 +7,16 @@
 
 namespace greville
 {
-  /// The knots of B-splines of order p in one direction of a lattice and of
-  /// coarser lattices: the breakpoints between its cells. Knots at the ends are
-  /// repeated, or the direction is periodic. Function i has the knots number i
-  /// - p to i + 1.
+  /// The knots of B-splines of order p in one direction of a lattice, and of
+  /// coarser lattices, given by the breakpoints between cells. Knots at the
+  /// ends are repeated, or the direction is periodic. Function i has the knots
+  /// number i - p to i + 1.
   class NestedKnots
   {
   public:
     NestedKnots() = default;
 
-    /// Cells between @p edges; equal ones, of length 1, if there are none.
+    /// Cells between @p edges; if there are none, equal cells of length 1.
     NestedKnots(const unsigned int         degree,
                 const unsigned int         n_cells,
                 const bool                 periodic,
@@ -53,15 +53,15 @@ namespace greville
       return periodic ? n_cells() : n_cells() + p;
     }
 
-    /// Return the knots of cells of twice the size, or, if cells have different
-    /// sizes, with the smallest cells joined in pairs; the same knots if there
-    /// is one cell or a period would have too few.
+    /// Return the knots of cells of twice the size. If cells have different
+    /// sizes, the smallest cells are joined in pairs. Returns the same knots if
+    /// there is one cell or a period would have too few.
     NestedKnots
     coarser() const;
 
     /// Return the cell of the Greville point of function @p i (the mean of its
     /// inner knots), and the fraction of the cell before this point. The last
-    /// breakpoint of all has a cell of its own.
+    /// breakpoint has a cell of its own.
     std::pair<unsigned int, double>
     greville_point(const int i) const;
 
@@ -73,8 +73,8 @@ namespace greville
       std::vector<float> weights;
     };
 
-    /// Return the row of function @p i, which may be any integer in a periodic
-    /// direction, for the @p coarse knots, a part of the knots of this object.
+    /// Return the row of function @p i for the @p coarse knots, which are a
+    /// part of these knots. In a periodic direction, @p i may be any integer.
     Row
     insertion(const int i, const NestedKnots &coarse) const;
 

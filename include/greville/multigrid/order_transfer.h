@@ -12,15 +12,15 @@
 
 namespace greville
 {
-  /// A function that makes an approximate inverse of the mass matrix of a
-  /// level, to be applied in place. The weight of the mass is the weight of the
-  /// level, or 1 if @p unit_weight.
+  /// A function that makes an approximate inverse of a level's mass matrix, to
+  /// be applied in place. The mass has the weight of the level, or 1 if
+  /// @p unit_weight.
   template <int dim>
   using MakeInverseMass = std::function<std::unique_ptr<Preconditioner>(
     const LevelOperator<dim> &level, const bool unit_weight)>;
 
-  /// Add a name to the lists of OrderTransfer, before parameters are read, for
-  /// both dimensions.
+  /// Add a name to the lists of OrderTransfer, for both dimensions, before
+  /// parameters are read.
   template <int dim>
   void
   add_inverse_mass(const std::string &name, const MakeInverseMass<dim> &make);

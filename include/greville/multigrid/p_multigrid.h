@@ -12,9 +12,9 @@ namespace greville
   struct PMultigridParameters
   {
     /// Declare the parameters. @p smoothers and @p coarse_preconditioners are
-    /// the names to choose from, separated by '|'; without
-    /// @p coarse_preconditioners, there is no choice. All other values come
-    /// from the code, or from declare_levels() in benchmarks.
+    /// the names to choose from, separated by '|'; if the latter is empty,
+    /// there is no choice. All other values are set in the code, or by
+    /// declare_levels() in benchmarks.
     void
     declare(dealii::ParameterHandler &prm,
             const std::string        &smoothers,
@@ -74,9 +74,9 @@ namespace greville
    * steps after the coarse correction use @f$ S^T @f$, so that V- and W-cycles
    * are symmetric (up to the tolerance of the coarse solver).
    *
-   * With coarsening = "none" there is no coarse level: a cycle consists of @f$
-   * \nu_1 + \nu_2 @f$ smoothing steps. With "lattice" and "hp" there is one
-   * level with a LatticeCycle; the coarse preconditioner "lattice" is a
+   * With coarsening = "none" there is no coarse level: a cycle consists of
+   * @f$ \nu_1 + \nu_2 @f$ smoothing steps. With "lattice" and "hp", there is
+   * one level with a LatticeCycle. The coarse preconditioner "lattice" is a
    * LatticeCycle on level 0.
    *
    * The cycle is not dealii::Multigrid's, whose W-cycle runs as a V-cycle up to

@@ -67,9 +67,9 @@ namespace greville
                                                   const LevelOperator<dim> &,
                                                   const bool symmetric)>;
 
-  /// Add a smoother to the list, in place of one with the same name, for both
-  /// dimensions, before parameters are read. @p needs_matrix is true if the
-  /// smoother works on LevelOperator::matrix(), @p by_components if it takes
+  /// Add a smoother to the list, for both dimensions, in place of one with the
+  /// same name, before parameters are read. @p needs_matrix says that the
+  /// smoother uses LevelOperator::matrix(); @p by_components says that it takes
   /// vectors of one component only.
   template <int dim>
   void
@@ -88,16 +88,16 @@ namespace greville
   bool
   smoother_needs_matrix(const std::string &name);
 
-  /// Collective. Return LevelOperator::factorization() for all components,
-  /// scaled so that two smoothing steps are positive definite on several
-  /// processes, too; null if there is none.
+  /// Collective. Return LevelOperator::factorization() for all components; null
+  /// if there is none. It is scaled so that two smoothing steps are positive
+  /// definite, also on several processes.
   template <int dim>
   std::unique_ptr<Preconditioner>
   make_factorization(const LevelOperator<dim> &level,
                      const CholeskyParameters &parameters);
 
-  /// Collective. Make a smoother for @p level, which is kept by reference.
-  /// @p symmetric asks for a symmetric one if there is a choice. Throws
+  /// Collective. Make a smoother for @p level, which is kept by reference. With
+  /// @p symmetric, it is symmetric if there is a choice. Throws
   /// dealii::ExcMessage for an unknown name or a factorization that fails.
   template <int dim>
   std::unique_ptr<Preconditioner>
