@@ -42,8 +42,8 @@ namespace greville
 
 
 
-    /// A pass through the columns of a matrix whose rows have ascending
-    /// columns.
+    /// A pass through the columns of a matrix with ascending columns in each
+    /// row.
     class ColumnPass
     {
     public:
@@ -63,8 +63,8 @@ namespace greville
         return head[column] == none;
       }
 
-      /// Call visit(k, weight) for the rows k with an entry in a column, after
-      /// finish() for all columns before.
+      /// Call visit(k, weight) for the rows k with an entry in a column. Call
+      /// finish() for all previous columns before.
       template <typename Visit>
       void
       for_each(const unsigned int column, const Visit &visit) const
@@ -113,7 +113,7 @@ namespace greville
 
 
 
-    /// A row that is being summed up: its values, and bits that mark its
+    /// A row that is being summed up: its values, and bits that mark nonzero
     /// entries.
     class RowSum
     {
@@ -235,8 +235,8 @@ namespace greville
     {
       UpperTriangle result;
       ColumnPass    W_pass(W, n), C_pass(C, n);
-      // An entry of W adds about six entries in blocks and balls. Growing
-      // arrays would exist twice.
+      // An entry of W adds about six entries for blocks and balls. Reserve
+      // memory: arrays that grow would exist twice.
       const std::size_t n_entries =
         std::size_t(n) * (Utilities::fixed_power<dim>(2 * reach + 1) / 2 + 1) +
         8 * W.columns.size();
@@ -340,7 +340,7 @@ namespace greville
             if (!is_constrained_extended[k] &&
                 !is_constrained[E.extended_entries[e].unknown])
               row.push_back(E.extended_entries[e]);
-          // Ghosts have the last numbers, but not the last places.
+          // Sort by place: ghosts have the last numbers, not the last places.
           std::sort(row.begin(), row.end(), [](const Entry &a, const Entry &b) {
             return a.unknown < b.unknown;
           });
@@ -436,7 +436,7 @@ namespace greville
           else
             M.for_each_entry(E.unknowns[i], add_unknown, reach);
         }
-      // The rows of the products from column i on.
+      // Add the rows of the products from column i on.
       W_pass.for_each(i, [&](const unsigned int k, const double factor) {
         sum.add(C, k, C_pass.entry(k), factor);
       });

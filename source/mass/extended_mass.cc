@@ -61,8 +61,8 @@ namespace greville
   void
   ExtendedMass<dim>::finish()
   {
-    // If points lie only at the outermost edge of a function's support, its
-    // mass is round-off.
+    // If points lie only at the outer edge of a function's support, its mass is
+    // round-off.
     double largest = 0.;
     for (const unsigned int place : E->unknowns)
       if (place != numbers::invalid_unsigned_int)

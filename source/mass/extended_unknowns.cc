@@ -101,8 +101,8 @@ namespace greville
 
   namespace
   {
-    /// Collective. Ask the owners for the numbers of the unknowns at positions,
-    /// and return pairs of a number and its position, ascending. The unknowns
+    /// Collective. Ask the owners for the numbers of unknowns at given
+    /// positions. Return pairs of number and position, ascending. The unknowns
     /// of this process are @p functions, numbered from @p first_unknown on.
     template <int dim>
     std::vector<std::pair<types::global_dof_index, std::uint64_t>>
@@ -143,7 +143,7 @@ namespace greville
           signed_numbers[place] = 0;
     const bool owned_changed = choose_unknowns();
 
-    // Rows of E for the extended functions, with positions instead of numbers.
+    // The rows of E for extended functions have positions instead of numbers.
     const auto &rows   = extension->rows();
     extended_functions = extension->extended_functions();
     extended_begin     = rows.begin;

@@ -19,7 +19,7 @@ namespace greville
     const unsigned int                     width,
     const unsigned int                     component) const
   {
-    // Plain pointers and bits, for a loop without calls.
+    // Use plain pointers and bits, for a loop without calls.
     std::array<const double *, max_width> from;
     std::array<unsigned int, max_width>   bit;
     const unsigned int                    n = columns.size();
@@ -120,7 +120,7 @@ namespace greville
     VectorType                            &x,
     const unsigned int                     width) const
   {
-    // Extended functions depend on constrained unknowns, too.
+    // Extended functions also depend on constrained unknowns.
     const auto columns = columns_of<VectorType>(fields);
     for (unsigned int u = 0; u < n_owned; ++u)
       for (unsigned int c = 0; c < columns.size(); ++c)

@@ -172,9 +172,9 @@ namespace greville
       src.update_ghost_values();
     dst = 0.;
 
-    // Along a column of batches, neighbours share all layers of coefficients
-    // but one: each layer is interpolated in the other directions once, when it
-    // enters the column, and integrated once, when it leaves.
+    // Neighbouring batches in a column share all layers of coefficients except
+    // one. A layer is interpolated in the other directions when it enters the
+    // column, and integrated when it leaves, once each.
     typename Side::Tables in_tables, out_tables;
     NativeSimd            coefficients[max_cell_size(dim - 1)];
     NativeSimd            in_memory[max_cell_size(dim)];
@@ -305,7 +305,7 @@ namespace greville
       rows->kernels.integrate(values, tables.x, tables.y, tables.z, result);
       rows->scatter_add(b, batch, result, dst.begin());
     };
-    // A formula can fail at a point of one process.
+    // A formula may fail at a point of one process.
     run_on_all(rows->space.communicator(), [&]() {
       for (std::size_t b = 0; b < weights->batches().size(); ++b)
         add_batch(b);
@@ -362,9 +362,8 @@ namespace greville
   {
     constexpr double round_off = 1e-15;
     const double     norm      = diagonal.linfty_norm();
-    // Walls may constrain all functions of a level, such as the functions of
-    // order 1 in a single row of cells between two walls: there is nothing to
-    // solve.
+    // If walls constrain all functions of a level, there is nothing to solve.
+    // An example is order 1 in a single row of cells between two walls.
     const double              largest = norm > 0. ? norm : 1.;
     std::vector<unsigned int> inactive;
     for (unsigned int i = 0; i < diagonal.locally_owned_size(); ++i)

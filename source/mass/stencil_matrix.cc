@@ -13,7 +13,7 @@ namespace greville
 
   namespace
   {
-    /// Kernels access up to this many numbers behind the entries of a cell.
+    /// Kernels may access this many numbers after the entries of a cell.
     constexpr unsigned int max_padding = 64;
   } // namespace
 
@@ -292,8 +292,8 @@ namespace greville
 
   namespace
   {
-    /// The numbers at a place. Three numbers are loaded and stored as four, of
-    /// which the last one is zero.
+    /// The numbers at a place. Three numbers are loaded and stored as four; the
+    /// last one is zero.
     template <int width, typename Number>
     struct Place
     {
@@ -395,7 +395,7 @@ namespace greville
       std::fill(y + std::size_t(segment.begin) * width,
                 y + std::size_t(segment.end) * width,
                 Number(0.));
-    // The number of places at a time; their numbers stay in the cache.
+    // The number of places at a time. Their numbers stay in the cache.
     constexpr unsigned int n_at_once = 64;
     for (const Segment &segment : segments)
       for (unsigned int i = segment.begin; i < segment.end; i += n_at_once)

@@ -97,8 +97,8 @@ namespace greville
       for (int dy = -p; dy <= p; ++dy)
         neighbor_lines.push_back(dz * int(n_lines_y) + dy);
 
-    // The range of x in each line, and the range that the rows of neighbouring
-    // lines reach.
+    // The range of x in each line, and the range reached by the rows of
+    // neighbouring lines.
     std::vector<Range> own(size(1) * (dim == 3 ? size(dim - 1) : 1), empty);
     for (const Function &function : functions)
       {

@@ -296,8 +296,8 @@ namespace greville
 
 
     /// Function a of lane l is entry l + a of a row. All functions are summed
-    /// in registers before they are stored, since stores that partly overlap
-    /// earlier ones would stall subsequent loads.
+    /// in registers before they are stored: stores that partly overlap earlier
+    /// ones would delay later loads.
     template <int n, int a, int n_vectors>
     inline __attribute__((always_inline)) void
     add_shifted(const NativeSimd *values, NativeSimd (&sums)[n_vectors])

@@ -21,8 +21,8 @@ namespace greville
    *   w_q = \sum_p m_p L_q(x_p),
    * @f]
    * with the Lagrange polynomials @f$ L_q @f$ of the Gauss points. Products
-   * @f$ N_i N_j @f$ of order p have the degree 2 p in each direction, so that
-   * with 2 p + 1 Gauss points per direction these weights give *exactly* the
+   * @f$ N_i N_j @f$ of order p have the degree 2 p in each direction. With 2 p
+   * + 1 Gauss points per direction, these weights therefore give *exactly* the
    * matrix of the material points. Such weights can be negative.
    */
   template <int dim>
@@ -32,9 +32,9 @@ namespace greville
     DensityWeights() = default;
 
     /// Collective. Evaluate @p density at @p n_points_1d Gauss points per
-    /// direction in the owned cells of @p space. Throws dealii::ExcMessage if
-    /// the density is negative or not finite, with the point and the value, and
-    /// if it is zero everywhere.
+    /// direction in the owned cells of @p space. Throws dealii::ExcMessage with
+    /// the point and the value if the density is negative or not finite, and if
+    /// it is zero everywhere.
     DensityWeights(const SplineSpace<dim>      &space,
                    const unsigned int           n_points_1d,
                    const dealii::Function<dim> &density);
@@ -83,9 +83,9 @@ namespace greville
       return cell_batches;
     }
 
-    /// Return the weights of a batch, n_points() x CellBatches::width(), points
-    /// in lexicographic order. Weights of lanes without a cell of their own are
-    /// zero.
+    /// Return the weights of a batch, n_points() x CellBatches::width(), with
+    /// points in lexicographic order. Lanes without a cell of their own have
+    /// zero weights.
     const double *
     operator[](const std::size_t batch) const
     {

@@ -18,9 +18,9 @@ namespace greville
    *              M_{ij} (e_i - e_j)(e_i - e_j)^T,
    * @f]
    * with the mass matrix M of its points and the Extension E. In the following,
-   * M~ denotes @f$ \tilde M @f$. It does not couple the lumped functions of
-   * fragments with others, but has the row sums of M, so that mass and momentum
-   * are conserved.
+   * M~ denotes @f$ \tilde M @f$. M~ does not couple the lumped functions of
+   * fragments with other functions, but has the row sums of M, so that mass and
+   * momentum are conserved.
    *
    * M~ is stored as a StencilMatrix, and A is applied as the product of the
    * three matrices, so that a step assembles M only. The entries of A are
@@ -40,7 +40,7 @@ namespace greville
     reinit(const SplineSpace<dim> &space);
 
     /// Set up another matrix with the unknowns of @p other, which must outlive
-    /// it: calls on these unknowns affect both matrices.
+    /// it. Calls on these unknowns affect both matrices.
     void
     reinit(const ExtendedMass &other);
 
@@ -70,14 +70,14 @@ namespace greville
       return points_mass;
     }
 
-    /// Collective. Set M to zero. The extension, kept by reference, must belong
-    /// to the points to be added; @p changed says whether it differs from the
-    /// last call.
+    /// Collective. Set M to zero. The @p extension, kept by reference, must
+    /// belong to the points to be added; @p changed says whether it differs
+    /// from the last call.
     void
     begin(const Extension<dim> &extension, const bool changed);
 
-    /// Set M to zero, for a matrix with the unknowns of another one. Call
-    /// begin() of the other matrix before.
+    /// Set M to zero, for a matrix that shares the unknowns of another matrix.
+    /// Call begin() of the other matrix first.
     void
     begin(const bool changed);
 
@@ -102,40 +102,40 @@ namespace greville
                                    });
     }
 
-    /// Subtract from @p rows the contribution E^T M~ (E h) of the constrained
-    /// coefficients h of the fields, which need not be zero.
+    /// Subtract from @p rows the product E^T M~ E h for the constrained
+    /// coefficients h of the fields, which may be nonzero.
     void
     subtract_constrained(VectorType                            &rows,
                          const std::vector<VectorField<dim> *> &fields,
                          const unsigned int                     width) const;
 
     /// Compute rows = E^T M~ field, component by component, at the functions of
-    /// the owned unknowns; zero elsewhere. As in A, rows of M~ at constrained
-    /// functions do not contribute.
+    /// the owned unknowns; zero elsewhere. Rows of M~ at constrained functions
+    /// do not contribute, as in A.
     void
     multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
 
-    /// Compute rows = M~ field at the constrained functions, including extended
+    /// Compute rows = M~ field at constrained functions, including extended
     /// ones; zero elsewhere.
     void
     multiply_constrained_rows(VectorField<dim>       &rows,
                               const VectorField<dim> &field) const;
 
     /// Collective. Compute rows = M~ field - b at the constrained functions;
-    /// zero elsewhere. The rows include the contribution E^T of functions that
-    /// are not constrained but depend on constrained unknowns: if A solves for
-    /// the field, the sum of the rows is the sum of all entries of M~ field -
-    /// b.
+    /// zero elsewhere. The rows include the contribution, by E^T, of
+    /// unconstrained functions that depend on constrained unknowns. If the
+    /// field solves the system with A, the sum of the rows is the sum of all
+    /// entries of M~ field - b.
     void
     constrained_rows(VectorField<dim>       &rows,
                      const VectorField<dim> &field,
                      const VectorField<dim> &b) const;
 
-    /// Return the entries that this process contributes to A between its
+    /// Return this process' contribution to the entries of A between its
     /// unknowns. Unknowns that are constrained in all @p components (bits) have
-    /// a diagonal entry only; unknowns constrained in some components are kept.
-    /// On one process, the result is A without the entries of M~ beyond
-    /// @p reach, see StencilMatrix::for_each_entry().
+    /// only a diagonal entry; unknowns that are constrained in some components
+    /// are treated as free. On one process, the result is A without the entries
+    /// of M~ beyond @p reach, see StencilMatrix::for_each_entry().
     UpperTriangle
     local_entries(const unsigned int components, const int reach) const;
 
@@ -143,10 +143,10 @@ namespace greville
     UpperTriangle
     local_entries(const unsigned int components) const;
 
-    /// Collective. Return the rows of A that differ between components, because
-    /// unknowns, or extended functions that depend on them, are constrained in
-    /// some components only. Variant 0 has the local_entries() of all
-    /// components.
+    /// Collective. Return the rows of A that differ between components. They
+    /// differ if the unknown, or an extended function that depends on it, is
+    /// constrained in some components only. Variant 0 has the local_entries()
+    /// of all components.
     RowVariants
     row_variants(const int reach) const;
 
@@ -159,7 +159,7 @@ namespace greville
   private:
     class EntrySums;
 
-    /// Collective. Return by local unknown whether its row differs.
+    /// Collective. Return, for each local unknown, whether its row differs.
     std::vector<unsigned char>
     rows_that_differ(const int reach) const;
 

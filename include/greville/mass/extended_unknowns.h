@@ -19,15 +19,15 @@ namespace greville
 
 
   /**
-   * The *unknowns* of extended B-splines, which are the coefficients of the
-   * stable and the lumped functions only, and the matrix E that gives all
-   * coefficients from them (see Extension). Unknowns are numbered without gaps
-   * in lexicographic order on each process. Vectors of unknowns are
-   * interleaved: entry c of unknown i at i * width + c.
+   * The *unknowns* of extended B-splines are the coefficients of the stable and
+   * the lumped functions. The matrix E computes all coefficients from them (see
+   * Extension). Unknowns are numbered without gaps in lexicographic order on
+   * each process. Vectors of unknowns are interleaved: entry c of unknown i is
+   * at i * width + c.
    *
-   * Functions can be constrained to zero column by column (at walls): they are
-   * then left out of the columns of E. E is applied on
-   * StencilPlaces. Each image has the row of its function.
+   * Functions can be constrained to zero column by column (at walls); they are
+   * then omitted from the columns of E. E is applied on StencilPlaces. Each
+   * image has the row of its function.
    */
   template <int dim>
   class ExtendedUnknowns
@@ -48,8 +48,8 @@ namespace greville
     void
     constrain(const std::vector<unsigned char> &constrained);
 
-    /// Return the components with a constrained function with mass on any
-    /// process.
+    /// Return the components in which a function with mass is constrained on
+    /// any process.
     const std::array<bool, dim> &
     has_constrained() const;
 
@@ -68,7 +68,7 @@ namespace greville
     communicator() const;
 
     /// Return the places of the unknowns of this process, owned ones first and
-    /// ascending. Ghost unknowns that occur in E only have
+    /// in ascending order. Ghost unknowns that only occur in E have
     /// invalid_unsigned_int.
     const std::vector<unsigned int> &
     unknown_places() const;
@@ -86,10 +86,9 @@ namespace greville
     const std::shared_ptr<const InterleavedLayout> &
     unknown_layout() const;
 
-    /// Compute y = E^T B E x for @p width columns and a matrix B between the
-    /// places, given as @p product(y, x), which computes y = B x. Constrained
-    /// entries of x count as zero, and are zero in y. Ghost entries of x are
-    /// updated.
+    /// Compute y = E^T B E x for @p width columns. @p product(y, x) computes y
+    /// = B x for vectors on the places. Constrained entries of x count as zero,
+    /// and are zero in y. Ghost entries of x are updated.
     template <typename Number>
     void
     multiply(
@@ -108,9 +107,9 @@ namespace greville
     void
     for_each_image_of_unknown(const Visit &visit) const;
 
-    /// Copy the entries at unconstrained unknowns from a vector of levels,
+    /// Copy the entries of unconstrained unknowns from a vector of levels,
     /// which has @p width interleaved components of all owned functions, to a
-    /// vector of unknowns; write() copies them back and sets all other entries
+    /// vector of unknowns. write() copies them back and sets all other entries
     /// to zero.
     void
     read(VectorType        &unknowns,
@@ -131,8 +130,8 @@ namespace greville
     void
     condense(VectorType &x, const unsigned int component) const;
 
-    /// Compute rows = E^T b for fields b of the space, one after another:
-    /// component c of field k is column k dim + c.
+    /// Compute rows = E^T b for fields b of the space. Component c of field
+    /// number k is column k dim + c.
     void
     restrict_fields(VectorType                                  &rows,
                     const std::vector<const VectorField<dim> *> &fields,
@@ -144,8 +143,8 @@ namespace greville
                 const std::vector<const VectorField<dim> *> &fields,
                 const unsigned int                           width) const;
 
-    /// Set fields = E x except at constrained functions; inactive functions get
-    /// zero. The constrained entries of @p x are read from the fields.
+    /// Set fields = E x, except at constrained functions. Inactive functions
+    /// become zero. The constrained entries of @p x are read from the fields.
     void
     write_fields(const std::vector<VectorField<dim> *> &fields,
                  VectorType                            &x,
@@ -153,7 +152,7 @@ namespace greville
 
     /// Collective. Set the coefficients of extended functions to their values
     /// by E. The sum of the coefficients times @p weights, the lumped mass, is
-    /// conserved: changes of extended functions are subtracted from the
+    /// conserved: the changes of extended functions are subtracted from the
     /// functions on which they depend.
     void
     extend(VectorField<dim> &field, const VectorType &weights) const;
@@ -173,9 +172,9 @@ namespace greville
       double       weight;
     };
 
-    /// Collective. Compute rows = E^T b for @p columns b, which belong to the
-    /// @p component and the following ones: ..., dim - 1, 0, ...;
-    /// write_columns() sets columns = E x except at constrained functions.
+    /// Collective. Compute rows = E^T b for @p columns b. They belong to the
+    /// @p component and the following ones: ..., dim - 1, 0, ...
+    /// write_columns() sets columns = E x, except at constrained functions.
     void
     restrict_columns(VectorType                            &rows,
                      const std::vector<const VectorType *> &columns,
@@ -206,14 +205,14 @@ namespace greville
     void
     zero_constrained(Number *values, const unsigned int width) const;
 
-    /// Call visit(f, place) for the first @p n_functions local functions if
-    /// they are active.
+    /// Call visit(f, place) for the active ones of the first @p n_functions
+    /// local functions.
     template <typename Visit>
     void
     for_each_active(const unsigned int n_functions, const Visit &visit) const;
 
-    /// Call visit(f, place) for all places of all active local functions,
-    /// images last.
+    /// Call visit(f, place) for all places of active local functions, images
+    /// last.
     template <typename Visit>
     void
     for_each_active_place(const Visit &visit) const;
@@ -226,9 +225,8 @@ namespace greville
     is_constrained(const unsigned int function,
                    const unsigned int column) const;
 
-    /// Return whether the function at a place is an extended one that depends
-    /// on unknowns that are constrained in a column or that are not stored on
-    /// this process.
+    /// Return whether the function at a place is extended and depends on
+    /// unknowns that are constrained in a column or not stored on this process.
     bool
     may_extend_constrained(const unsigned int place,
                            const unsigned int column) const;
@@ -244,17 +242,17 @@ namespace greville
     std::vector<std::size_t>  extended_begin;
     std::vector<Entry>        extended_entries;
 
-    // By place: 1 + the unknown, or -1 - the extended function, or 0.
+    // By place: 1 + its unknown, or -1 - its extended function, or 0.
     ZeroedArray<int> signed_numbers;
 
     std::vector<unsigned char>                          constrained_functions;
     std::vector<std::pair<unsigned int, unsigned char>> constrained_places;
     std::array<bool, dim> component_has_constrained{};
-    // Some functions are constrained in this component, but not in all.
+    // True if some, but not all functions are constrained in the component.
     std::array<bool, dim> component_is_partly_constrained{};
 
-    // Work arrays of products; those of single precision use the memory of
-    // place_y, too.
+    // Work arrays of products. Products in single precision also use the memory
+    // of place_y.
     mutable ZeroedArray<double> place_x, place_y;
     mutable ZeroedArray<float>  single_x;
     mutable VectorType          column; // of unknowns
@@ -268,21 +266,21 @@ namespace greville
     choose_unknowns();
 
     /// Collective. Append the unknowns of other processes: functions of owned
-    /// cells, and others, without places, that occur in E. Sets the layout if
+    /// cells, and functions without places that occur in E. Sets the layout if
     /// numbers change, and returns the numbers of ghosts by position.
     std::map<std::uint64_t, unsigned int>
     number_ghost_unknowns(const std::vector<std::uint64_t> &positions_in_E,
                           const bool                        owned_changed);
 
-    /// Give images the rows of E of their functions.
+    /// Copy the rows of E to the images of their functions.
     void
     add_rows_of_images();
 
     const StencilPlaces<dim> *stencil   = nullptr;
     const Extension<dim>     *extension = nullptr;
 
-    // True if the unknowns have been numbered on all processes; this process
-    // may have no unknowns.
+    // True if the unknowns have been numbered on all processes, even if this
+    // process has none.
     bool                      is_numbered = false;
     std::vector<unsigned int> extended_functions; // local numbers
 

@@ -235,8 +235,7 @@ namespace greville
     const unsigned int                                   width,
     const std::function<void(Number *, const Number *)> &product) const
   {
-    // Products are only added up at places with a row, where they begin with
-    // zero.
+    // Products are set only at places with a row; they must be zero before.
     Number *values, *products = reinterpret_cast<Number *>(place_y.data());
     if constexpr (std::is_same_v<Number, double>)
       values = place_x.data();

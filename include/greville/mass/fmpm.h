@@ -34,11 +34,11 @@ namespace greville
    * series FMPM(K) of K = @p n_terms terms,
    * @f[ x = \sum_{j<K} (1 - M_L^{-1} M)^j M_L^{-1} b, @f]
    * by K - 1 steps @f$ x \leftarrow x + M_L^{-1} (b - M x) @f$ (@ref Nairn2021
-   * "Nairn and Hammerquist, 2021"). Coefficients whose entry of @p
-   * inverse_lumped is zero are not changed. @p matrix must have a vmult().
+   * "Nairn and Hammerquist, 2021"). Coefficients with a zero entry of
+   * @p inverse_lumped do not change. @p matrix must have a vmult().
    *
    * Returns M times the sum of the first K - 1 terms, empty for K = 1. The sum
-   * of the entries of M_L x is the sum of b at coefficients that change plus
+   * of the entries of M_L x is the sum of b at coefficients that change, plus
    * the sum of this product at coefficients that do not.
    */
   template <typename Matrix>

@@ -63,8 +63,8 @@ namespace greville
     integrate(VectorType &dst, const dealii::Function<dim> &f) const;
 
     /// Return the square roots of @f$ \sum_q w_q (u(x_q) - f(x_q))^2 @f$ and
-    /// @f$ \sum_q w_q f(x_q)^2 @f$ for the spline u of the rows' space with
-    /// @p coefficients.
+    /// @f$ \sum_q w_q f(x_q)^2 @f$, where u is the spline of the rows' space
+    /// with these @p coefficients.
     std::pair<double, double>
     difference(const VectorType            &coefficients,
                const dealii::Function<dim> &f) const;
@@ -139,9 +139,9 @@ namespace greville
 
 
 
-  /// Collective. Replace zeros of @p diagonal, up to the round-off of weights
-  /// of both signs, by its largest entry. Returns this entry and the local
-  /// numbers of the replaced entries.
+  /// Collective. Replace entries of @p diagonal that are zero up to the
+  /// round-off of weights of both signs by its largest entry. Returns this
+  /// entry and the local numbers of the replaced entries.
   std::pair<double, std::vector<unsigned int>>
   fill_inactive(VectorType &diagonal);
 } // namespace greville

@@ -11,14 +11,14 @@ namespace greville
 {
   /**
    * The part of a matrix @f$ M_{ij} @f$ that the cells of this process
-   * contribute, for functions with @f$ |i_d - j_d| \le p @f$ in each direction:
+   * contribute, for functions with @f$ |i_d - j_d| \le p @f$ in each direction;
    * the mass matrix is the sum over all processes. The matrix is symmetric in
-   * each direction separately, as sums @f$ \sum_p m_p N_i(x_p) N_j(x_p) @f$
-   * over products of splines are: @f$ M_{ij} @f$ depends on @f$ \min(i_d, j_d)
-   * @f$ and @f$ |i_d - j_d| @f$ only. The row of the function min(i, j) stores
-   * these @f$ (p + 1)^\text{dim} @f$ entries, without column numbers. Entries
-   * of another symmetric matrix that share a number are replaced by their mean,
-   * without the part that is antisymmetric in a direction.
+   * each direction separately, as are sums @f$ \sum_p m_p N_i(x_p) N_j(x_p) @f$
+   * over products of splines: @f$ M_{ij} @f$ depends on @f$ \min(i_d, j_d) @f$
+   * and @f$ |i_d - j_d| @f$ only. The row of the function min(i, j) stores
+   * these @f$ (p + 1)^\text{dim} @f$ entries, without column numbers. Another
+   * symmetric matrix loses the part that is antisymmetric in a direction: its
+   * entries that share a number are replaced by their mean.
    *
    * Vectors are on StencilPlaces. Each line stores the entries from its first
    * row to its last one, so that the matrix needs little more memory than its
@@ -49,8 +49,8 @@ namespace greville
     find_lines(const unsigned int cell, CellLine *lines);
 
     /// Set the matrix to zero and allocate the rows of @p functions (local
-    /// numbers) and of their images. They are the functions of all cells that
-    /// will be added. No entry is stored outside them.
+    /// numbers) and of their images. They must contain the functions of all
+    /// cells that will be added; no other entries are stored.
     void
     set_rows(const std::vector<unsigned int> &functions);
 
@@ -58,20 +58,20 @@ namespace greville
     void
     clear();
 
-    /// Add the mass matrix of an owned cell. With the pairs (a, b), a <= b, of
-    /// its functions in one direction, numbered (0, 0), (0, 1), ..., (1, 1),
-    /// ..., @p sums contains @f$ \sum_p m_p N_a(x_p) N_b(x_p) @f$ for all
+    /// Add the mass matrix of an owned cell. Pairs (a, b), a <= b, of its
+    /// functions in one direction are numbered (0, 0), (0, 1), ..., (1, 1), ...
+    /// @p sums contains @f$ \sum_p m_p N_a(x_p) N_b(x_p) @f$ for all
     /// combinations of pairs of the directions, x fastest.
     void
     add_cell(const unsigned int cell, const double *sums);
 
-    /// Add a symmetric @p matrix of the (p + 1)^dim functions of an owned cell,
-    /// of which the entries (a, b), a <= b, are read.
+    /// Add a symmetric @p matrix of the (p + 1)^dim functions of an owned cell.
+    /// Only its entries (a, b), a <= b, are read.
     void
     add_cell(const unsigned int cell, const dealii::FullMatrix<double> &matrix);
 
-    /// Remove the entries that couple the function at @p place with others and
-    /// add them to both diagonal entries, which keeps all row sums.
+    /// Remove the entries that couple the function at @p place with others, and
+    /// add them to both diagonal entries, so that row sums do not change.
     void
     decouple(const unsigned int place);
 
@@ -119,12 +119,12 @@ namespace greville
 
     /// Compute y = M x for @p width (1, 2, 3, 4 or 8) interleaved vectors,
     /// which must be zero at all places without a row. If @p width is 3, up to
-    /// three numbers behind the stencil of a row are read and written without
-    /// being changed.
+    /// three numbers after the stencil of a row are read and rewritten
+    /// unchanged.
     void
     vmult(double *y, const double *x, const unsigned int width) const;
 
-    /// Copy the entries divided by @p unit in single precision, for products y
+    /// Store the entries divided by @p unit in single precision, for products y
     /// = M / unit x of 2, 4 or 8 vectors.
     void
     make_single(const double unit);
@@ -148,8 +148,8 @@ namespace greville
     using StencilPlaces<dim>::segments;
     using typename StencilPlaces<dim>::Segment;
 
-    /// Call visit(j, e) for the places j of row @p i in @p reach, or for j >= i
-    /// only, ascending, where e is the number of the stored entry.
+    /// Call visit(j, e) for the places j of row @p i in @p reach, or only for j
+    /// >= i, ascending; e is the number of the stored entry.
     template <bool upper, typename Visit>
     void
     visit_places(const unsigned int i,
@@ -163,8 +163,7 @@ namespace greville
              const Number *entries,
              const double  unit) const;
 
-    /// The stored rows of a line, between which there may be places without a
-    /// row.
+    /// The stored rows of a line. Places without a row may be between them.
     struct LineRows
     {
       unsigned int begin = 0, size = 0; // the first place, and places
@@ -189,8 +188,8 @@ namespace greville
              !(is_decoupled[i] || is_decoupled[j]);
     }
 
-    /// Return how many entries with j >= i share their stored number with the
-    /// entry M_ij at a @p distance (of (p + 1)^dim, x fastest).
+    /// Return the number of entries with j >= i that share the stored entry of
+    /// M_ij at a @p distance (of (p + 1)^dim, x fastest).
     unsigned int
     n_equal(unsigned int distance) const;
 

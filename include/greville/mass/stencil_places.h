@@ -12,13 +12,13 @@
 namespace greville
 {
   /**
-   * The *places* of functions in memory: the functions of a line in x have
+   * The *places* of functions in memory. The functions of a line in x have
    * consecutive places, padded such that neighbours are found by arithmetic
-   * without tests for walls. Vectors on places are interleaved, entry c of
-   * place i at i * width + c. Entries that are never written use no memory.
+   * without tests for walls. Vectors on places are interleaved: entry c of
+   * place i is at i * width + c. Entries that are never written use no memory.
    *
-   * Some functions have *rows*; ranges of rows at consecutive places of a line
-   * are segments.
+   * Some functions have *rows*. Segments are ranges of rows at consecutive
+   * places of a line.
    *
    * If a direction of n functions is periodic, the functions with @f$ i_d < p
    * @f$ have a second place, an *image*, at @f$ n + i_d @f$, for cells at the
@@ -53,8 +53,8 @@ namespace greville
       return place_of[function];
     }
 
-    /// Return the place of function (@p x, @p line) of an owned cell: x and the
-    /// number of the line among its (p + 1)^(dim - 1) lines.
+    /// Return the place of function number @p x in line number @p line of the
+    /// (p + 1)^(dim - 1) lines of an owned cell.
     unsigned int
     cell_place(const unsigned int cell,
                const unsigned int x,
@@ -88,9 +88,8 @@ namespace greville
           visit(i);
     }
 
-    /// Call visit(begin, end, distance) for all segments; distance(k) is the
-    /// distance to the place with the same x in line number k of the
-    /// neighbours.
+    /// Call visit(begin, end, distance) for all segments. distance(k) is the
+    /// distance to the place with the same x in neighbouring line number k.
     template <typename Visit>
     void
     for_each_segment(const Visit &visit) const
@@ -131,10 +130,9 @@ namespace greville
     }
 
     /// Call visit(j, low_line, low, k) for the lines up to the distance
-    /// @p reach from the place @p i, or only for its own line and lines with
-    /// later places. j is the place with the same x, low is the place with this
-    /// x in the line low_line, which has the smaller indices of both lines, and
-    /// k = |dy| + |dz| (p + 1).
+    /// @p reach from the place @p i, or only for its own line and later lines.
+    /// j is the place with the same x. Of both lines, low_line has the smaller
+    /// indices, and low is its place with this x. k = |dy| + |dz| (p + 1).
     template <bool upper, typename Visit>
     void
     for_each_line(const unsigned int i,

@@ -8,8 +8,8 @@
 #include <greville/spline/spline_space.h>
 
 /// Kernels of the cell-wise operators: sum factorization over a batch of cells
-/// that are neighbours in x. Basis values in x differ from lane to lane (near
-/// walls), basis values in y and z are the same in all lanes. To be included in
+/// that are neighbours in x. Basis values in x differ between lanes (near
+/// walls); basis values in y and z are equal in all lanes. To be included in
 /// sources, not in headers.
 namespace greville
 {
