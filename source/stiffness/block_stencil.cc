@@ -69,7 +69,7 @@ namespace greville
     constexpr int n_z         = dim == 3 ? n : 1;
     constexpr int n_functions = n * n * n_z;
 
-    // The block (i, k), and whether it is the transpose of a stored block.
+    // The block (i, k), and whether the transpose of a stored block is used.
     const Number *blocks[dim][dim];
     for (int i = 0, block = 0; i < dim; ++i)
       for (int k = i; k < dim; ++k, ++block)

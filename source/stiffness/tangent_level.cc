@@ -57,7 +57,7 @@ namespace greville
     if (mass_factor != 0.)
       blocks.add(mass_factor, this->extended_mass.matrix());
 
-    // The products with the unknowns, without the contributions of extended
+    // The products with the unknowns, without contributions of extended
     // functions.
     VectorType &result   = this->result;
     result               = 0.;

@@ -259,8 +259,7 @@ namespace greville
     VectorType x, b;
     initialize(x);
     initialize(b);
-    // The contribution of constrained coefficients moves to the right-hand
-    // side.
+    // Move the contribution of constrained coefficients to the right-hand side.
     VectorField<dim> constrained;
     for (unsigned int c = 0; c < dim; ++c)
       constrained[c] = velocity[c];
@@ -279,7 +278,7 @@ namespace greville
       },
       x,
       b);
-    // Round-off may leave more than the tolerance if points spread thinly.
+    // If few points are spread widely, round-off may exceed the tolerance.
     constexpr double negligible = 1e-9;
     result.converged = result.converged || result.reduction < negligible;
     extend(velocity, x);

@@ -58,7 +58,7 @@ namespace greville
     for (const TrialBody<dim> &body : bodies)
       points.push_back(body.points);
     transfers.back().filling(points, filled_part);
-    // Springs determine functions in the same way as points.
+    // Springs determine functions as points do.
     for (const Surface<dim> &surface : surfaces)
       for (const unsigned int cell : surface.points.cells())
         if (filled_part[cell] <= 0.)
@@ -105,9 +105,10 @@ namespace greville
 
 
     /// Append the derivative of V P of a group by the logarithm of J hat, for
-    /// an isotropic expansion, 1 / dim in each direction (1 / 3 in
-    /// axisymmetry), without the dependence of f on it. A share of it remains
-    /// in the derivative by f, a full matrix of @p n_used pairs.
+    /// an isotropic expansion of 1 / dim in each direction (1 / 3 in
+    /// axisymmetry). The dependence of f on J hat is excluded. A share of the
+    /// derivative remains in the derivative by f, a full matrix of @p n_used
+    /// pairs.
     template <int dim>
     void
     take_volume_stiffness(const int           n_used,
@@ -138,7 +139,7 @@ namespace greville
 
 
 
-    /// Return the share of the volumetric stiffness that makes it not much
+    /// Return the share of the volumetric stiffness with which it is not much
     /// larger than the shear stiffness.
     double
     share_of_volume_stiffness(const Moduli &moduli)
@@ -164,7 +165,7 @@ namespace greville
   {
     std::string problem;
     // Sums over cells of the compression and shear moduli of K, see
-    // sum_moduli(), and of the square of a cell's compression modulus before
+    // sum_moduli(), and of the square of each cell's compression modulus before
     // take_volume_stiffness().
     std::vector<double> sums_of_moduli(3);
     sums.clear();
@@ -279,7 +280,7 @@ namespace greville
       return false;
     if (mass_factor == 0.)
       return true;
-    // The largest entries of K and c M in the last finish_tangent().
+    // Compare the largest entries of K and c M in the last finish_tangent().
     constexpr double    stiff = 30.;
     std::vector<double> sums{finest().largest_diagonal(), 0.};
     double              mass = 0.;
@@ -287,8 +288,8 @@ namespace greville
          finest().extended().unknowns().unknown_places())
       if (place != numbers::invalid_unsigned_int)
         mass = std::max(mass, finest().extended().matrix().diagonal(place));
-    // The entries belong to the largest cells. In the smallest cells, with h in
-    // place of H, K / M is (H / h)^2 times as large.
+    // The entries belong to the largest cells, of size H. In the smallest
+    // cells, of size h, K / M is (H / h)^2 times as large.
     double graded = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       graded =

@@ -8,12 +8,12 @@
 namespace greville
 {
   /**
-   * The part of a symmetric matrix of dim x dim blocks @f$ B_{ij} @f$ that the
-   * cells of this process contribute, for functions with @f$ |i_d - j_d| \le p
-   * @f$ in each direction d: a stiffness matrix. A row is a stencil of @f$ (2 p
-   * + 1)^\text{dim} @f$ blocks; its half with j >= i in lexicographic order is
-   * stored, without column numbers, on the places of a StencilMatrix. The
-   * diagonal block is stored with half of each entry.
+   * The part of a stiffness matrix, or another symmetric matrix of dim x dim
+   * blocks @f$ B_{ij} @f$, that the cells of this process contribute, for
+   * functions with @f$ |i_d - j_d| \le p @f$ in each direction d. A row is a
+   * stencil of @f$ (2 p + 1)^\text{dim} @f$ blocks. Its half with j >= i in
+   * lexicographic order is stored, without column numbers, on the places of a
+   * StencilMatrix. The diagonal block is stored with half of each entry.
    *
    * Vectors on places are interleaved: component c of place i is entry i * dim
    * + c. @p Number is double, or float for preconditioners. Products in single
@@ -52,14 +52,14 @@ namespace greville
     add(const double factor, const StencilMatrix<dim> &scalar);
 
     /// Set a scalar matrix to the diagonal block of a component, or to the mean
-    /// of the blocks of several @p components (bits), which it then represents.
+    /// of the diagonal blocks of several @p components (bits).
     void
     diagonal_block(StencilMatrix<dim> &scalar,
                    const unsigned int  components) const;
 
-    /// Compute y = B x; x must be zero at all places without a row. Some
-    /// numbers behind the stencil of a row are read and written without being
-    /// changed; they must be finite.
+    /// Compute y = B x. x must be zero at all places without a row. Some
+    /// numbers after the stencil of a row are read and rewritten unchanged;
+    /// they must be finite.
     void
     vmult(double *y, const double *x) const;
 
@@ -81,8 +81,8 @@ namespace greville
       return 2. * row(place)[first_of_line + c * line_size + c];
     }
 
-    /// Call visit(j, block) for all places j >= i of row @p i with a block that
-    /// is not zero, block[c * dim + d].
+    /// Call visit(j, block) for all nonzero blocks of row @p i with j >= i,
+    /// block[c * dim + d].
     template <typename Visit>
     void
     for_each_block(const unsigned int i, const Visit &visit) const;
@@ -101,8 +101,8 @@ namespace greville
     void
     multiply_rows(Number *y, const Number *x) const;
 
-    /// Return the first entry of component c in line number @p k of the
-    /// neighbours of a row, counted from its own line: (2 p + 1) * dim entries,
+    /// Return the first entry of component c in neighbouring line number @p k
+    /// of a row, counted from its own line. A line has (2 p + 1) * dim entries,
     /// [x][d].
     std::size_t
     line(const unsigned int k, const unsigned int c) const

@@ -10,13 +10,13 @@ namespace greville
   /**
    * The tangent of an implicit step on the space of one order,
    * @f[ A = E^T (c \tilde M + K) E, @f]
-   * for vector fields of dim components, with the stiffness K of the points,
-   * their mass M~ (see ExtendedMass), a factor c (1/s^2) and the Extension E of
+   * for vector fields of dim components. K is the stiffness of the points, M~
+   * their mass (see ExtendedMass), c a factor (1/s^2), and E the Extension of
    * the space.
    *
    * The level stores symmetric entries (see PointTangents) in single precision,
-   * for smoothers, cycles and factorizations. vmult() uses the product of
-   * set_product() if it is set.
+   * for smoothers, cycles and factorizations. vmult() uses the product given by
+   * set_product(), if any.
    */
   template <int dim>
   class TangentLevel : public ExtendedLevel<dim>
@@ -44,7 +44,7 @@ namespace greville
       return this->mass_weights;
     }
 
-    /// Collective. If @p lump, only the row sums of the mass are kept.
+    /// Collective. With @p lump, the mass is replaced by its row sums.
     void
     finish_mass(const bool lump);
 

@@ -29,7 +29,7 @@ namespace greville
       return method == "cg";
     }
 
-    /// Coarse levels of the cycle are used never, always, or if they pay.
+    /// Whether the cycle uses coarse levels: never, always, or if they pay.
     bool
     never_takes_levels() const
     {

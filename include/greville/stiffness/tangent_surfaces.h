@@ -12,8 +12,8 @@
 namespace greville
 {
   /// The contribution of surface forces to a TangentSystem: forces on the grid,
-  /// and their stiffness, which is applied point by point and whose symmetric
-  /// part is assembled for preconditioners.
+  /// and their stiffness. The stiffness is applied point by point; its
+  /// symmetric part is assembled for preconditioners.
   template <int dim>
   class TangentSurfaces
   {
@@ -28,7 +28,7 @@ namespace greville
 
     /// Collective. Add the force of loads on @p surfaces for the displacement
     /// @p u, and their stiffness if @p with_stiffness. Returns whether all
-    /// derivatives are symmetric; true without stiffness.
+    /// derivatives are symmetric; without stiffness, returns true.
     bool
     add(const std::vector<LoadedSurface<dim>> &surfaces,
         const VectorField<dim>                &u,
@@ -60,7 +60,7 @@ namespace greville
         &visit) const;
 
     /// Collective. Set the norms, N / m (2D: N / m^2), of the stiffness of
-    /// these points for stiffness_scale(). This stiffness is not assembled.
+    /// points for stiffness_scale(). This stiffness is not assembled.
     void
     set_stiffness_of_points(
       const std::vector<const MaterialPoints<dim> *> &surfaces,
@@ -74,8 +74,8 @@ namespace greville
       scale_of_points = 0.;
     }
 
-    /// Add the stiffness to a level, with the @p number counted from the
-    /// coarsest one.
+    /// Add the stiffness to a level. Its @p number counts from the coarsest
+    /// one.
     void
     assemble(TangentLevel<dim> &level, const unsigned int number);
 
@@ -84,7 +84,7 @@ namespace greville
     add_product(double *y, const double *x, const StencilMatrix<dim> &stencil);
 
     /// Return the Euclidean norm of the cell contributions to the stiffness of
-    /// displacement-dependent forces, N / m, for the last add() and
+    /// displacement-dependent forces, N / m, from the last add() and
     /// set_stiffness_of_points().
     double
     stiffness_scale() const

@@ -21,19 +21,19 @@ namespace greville
    * (PointTangents). Only symmetric tangents of order 1 are assembled, which
    * costs less than a few products; the cycle copies them. Krylov methods are
    * preconditioned by a LatticeCycle, or, for 'Levels' = orders, by PMultigrid
-   * on one TangentLevel for each order; both are assembled in single precision
-   * from the same points. The set-up of a
-   * preconditioner (entries, factorizations, eigenvalues, coarse levels) is
-   * reused for subsequent systems as long as it pays; after a system with more
-   * iterations than expected, the entries are assembled anew.
+   * on one TangentLevel for each order. Both are assembled in single precision
+   * from the same points. The set-up of a preconditioner (entries,
+   * factorizations, eigenvalues, coarse levels) is reused for subsequent
+   * systems as long as it pays. After a system with more iterations than
+   * expected, the entries are assembled anew.
    *
-   * A VolumeProjection couples functions beyond their stencils. K, used in the
-   * preconditioner, then has a volumetric stiffness not much larger than its
+   * A VolumeProjection couples functions beyond their stencils. In the K of the
+   * preconditioner, the volumetric stiffness is therefore reduced to about the
    * shear stiffness, and multiply() adds the terms of J hat point by point. The
-   * projected volume changes are much stiffer than in K, whereas all other
-   * modes agree, so the number of iterations hardly depends on the bulk
-   * modulus. If gradients are averaged over domains, K uses the gradients at
-   * points, and multiply() adds the difference.
+   * projected volume changes are much stiffer than in K, but all other modes
+   * agree, so the number of iterations hardly depends on the bulk modulus. If
+   * gradients are averaged over domains, K uses the gradients at points, and
+   * multiply() adds the difference.
    *
    * Fields have a coefficient for each function of the space. The coefficients
    * of constrained functions are given, and the coefficients of extended
@@ -48,10 +48,10 @@ namespace greville
     using ConstrainedFunctions =
       std::function<std::vector<unsigned char>(const SplineSpace<dim> &space)>;
 
-    /// Collective. Orders, parameters, the @p projection and the @p windows,
-    /// both of which may be null, are kept by reference. Cells are well-filled
-    /// from the fraction @p filling on, see CellFilling. If @p lump, the row
-    /// sums of the mass are used.
+    /// Collective. Orders, parameters, the @p projection and the @p windows are
+    /// kept by reference; the last two may be null. Cells are well-filled from
+    /// the fraction @p filling on, see CellFilling. With @p lump, the row sums
+    /// of the mass are used.
     TangentSystem(const OrderHierarchy<dim>  &orders,
                   const ConstrainedFunctions &constrained,
                   const TangentParameters    &parameters,
@@ -84,8 +84,8 @@ namespace greville
     }
 
     /// Collective. Update the extension and the mass after the points have
-    /// moved, with the outer hosts of CellFilling if @p is_static. Functions
-    /// are extended also to cells that contain only points of loaded
+    /// moved. With @p is_static, the outer hosts of CellFilling are used.
+    /// Functions are also extended to cells that contain only points of loaded
     /// @p surfaces.
     void
     set_points(const std::vector<TrialBody<dim>> &bodies,
@@ -119,13 +119,13 @@ namespace greville
     }
 
     /// Collective. Return the Euclidean norm of the cell contributions to the
-    /// last internal force, which for the most part balance each other.
+    /// last internal force. For the most part, these balance each other.
     double
     force_scale() const;
 
-    /// Return the norm of the cell contributions for a displacement gradient of
-    /// one, with the moduli of the last evaluate() with stiffness: the unit of
-    /// round-off of internal forces.
+    /// Return the unit of round-off of internal forces: the norm of the cell
+    /// contributions for a displacement gradient of one, with the moduli of the
+    /// last evaluate() with stiffness.
     double
     stiffness_scale() const
     {
@@ -140,20 +140,19 @@ namespace greville
 
     /// Collective. Build the operators of all levels, from the coarsest to the
     /// finest, from the stiffness of the last evaluate() and a mass factor
-    /// (1/s^2). They serve a custom preconditioner, in place of set_operator()
+    /// (1/s^2). A custom preconditioner needs them instead of set_operator()
     /// and solve().
     typename PMultigrid<dim>::Levels
     make_levels(const double mass_factor);
 
-    /// Let smoothers that are chosen automatically treat each component
-    /// separately.
+    /// Let smoothers that are chosen automatically treat components separately.
     void
     smooth_components()
     {
       by_components = true;
     }
 
-    /// The system as a part of a LatticeCycle of several systems, which
+    /// The system as a part of a LatticeCycle of several systems. The cycle
     /// @p coarsens if coarse levels pay.
     struct LatticePart
     {
@@ -164,13 +163,12 @@ namespace greville
     LatticePart
     lattice_part() const;
 
-    /// Let set-ups leave out the preconditioner, for coupled systems that have
-    /// a LatticeCycle.
+    /// Omit the preconditioner in set-ups, for coupled systems that have a
+    /// LatticeCycle.
     void
     set_coupled(const bool is);
 
-    /// Return a number of the last set-up, which no other set-up of this
-    /// process has.
+    /// Return the number of the last set-up, which is unique on this process.
     std::uint64_t
     set_up_number() const
     {
@@ -178,8 +176,8 @@ namespace greville
     }
 
     /// Call visit(s, u, weight, constrained) for the weights with which the
-    /// unknowns u of the mass interpolate point number s of a surface, except
-    /// for constrained components (bits).
+    /// unknowns u of the mass interpolate point number s of a surface.
+    /// Constrained components (bits) have no weight.
     using VisitWeight = std::function<
       void(std::size_t s, unsigned int u, double weight, unsigned char)>;
     void
@@ -208,7 +206,7 @@ namespace greville
     void
     extend(VectorField<dim> &field, const VectorType &x) const;
 
-    /// Read the coefficients of the unknowns in a field, with zeros at
+    /// Read the coefficients of the unknowns from a field, with zeros at
     /// constrained ones.
     void
     read(VectorType &x, const VectorField<dim> &field) const;
@@ -217,13 +215,13 @@ namespace greville
     void
     multiply(VectorType &dst, const VectorType &src);
 
-    /// Collective. Solve A x = b until the residual is @p tolerance times its
-    /// value for x = 0. Throws ErrorOnAll like set_operator().
+    /// Collective. Solve A x = b until the residual is @p tolerance times the
+    /// residual of x = 0. Throws ErrorOnAll like set_operator().
     SolveResult
     solve(VectorType &x, const VectorType &b, const double tolerance);
 
-    /// Collective. Solve coupled systems by a method @p run(n) of at most n
-    /// iterations. Set-ups are reused as long as they pay.
+    /// Collective. Solve coupled systems by a method @p run(n), which takes at
+    /// most n iterations. Set-ups are reused as long as they pay.
     static SolveResult
     solve_together(
       const std::vector<TangentSystem *> &systems,
@@ -268,8 +266,7 @@ namespace greville
     bool
     needs_levels(const double mass_factor) const;
 
-    /// Return whether the set-up of the last operator suits an operator with
-    /// this mass factor.
+    /// Return whether the last set-up can be reused for this mass factor.
     bool
     is_reusable(const double mass_factor) const;
 
@@ -287,13 +284,13 @@ namespace greville
     void
     assemble_entries();
 
-    /// Compute y = (c M~ + K) x for vectors that are ordered like the places of
-    /// the StencilMatrix of the finest level.
+    /// Compute y = (c M~ + K) x for vectors on the places of the finest level's
+    /// StencilMatrix.
     void
     multiply_at_places(double *y, const double *x);
 
-    /// Collective. Build the preconditioner of the operator; it is the smoother
-    /// alone if coarse levels cannot be built or do not pay.
+    /// Collective. Build the preconditioner of the operator. It is only the
+    /// smoother if coarse levels cannot be built or do not pay.
     void
     set_up();
 
@@ -326,7 +323,7 @@ namespace greville
     // The displacement of the last evaluate() with stiffness and a projection.
     VectorField<dim>                displacement;
     std::vector<ProjectedBody<dim>> projected_bodies;
-    // The points with domains in each cell that reaches its neighbours.
+    // The points with domains, for each cell that reaches its neighbours.
     CellWindows<dim>                                                  *windows;
     std::vector<std::pair<unsigned int, std::vector<TrialGroup<dim>>>> domains;
     std::vector<double> window_buffer;
@@ -335,8 +332,8 @@ namespace greville
     std::array<double, 2> moduli{};
     double                force_of_strain = 0.;
 
-    // The state of the set-up; its number of iterations is for a reduction of
-    // the residual by ten.
+    // The state of the set-up. Its number of iterations refers to a reduction
+    // of the residual by ten.
     bool          has_levels = false, is_fresh = false;
     bool          wants_entries = false; // the next system needs new entries
     bool          levels_fail = false; // coarse levels fail for these unknowns
