@@ -20,15 +20,14 @@ namespace greville
 
   namespace
   {
-    // Smaller pivots of the scaled matrix are round-off, or the result of
-    // dropped fill. If they are far below zero, the factors grow without
-    // bounds.
+    // Smaller pivots of the scaled matrix are round-off, or result from dropped
+    // fill. If they are far below zero, the factors grow without bound.
     constexpr double smallest_pivot = 3e-5;
     constexpr double lowest_pivot   = -0.1;
 
-    // The smallest shift, and the largest shift used to bound the eigenvalues
-    // of the preconditioned matrix: larger shifts cost more iterations than
-    // they save.
+    // The smallest shift; and the largest shift that bounds eigenvalues of the
+    // preconditioned matrix. Larger shifts would cost more iterations than they
+    // save.
     constexpr double first_shift       = 1e-3;
     constexpr double largest_remedy    = 4e-3;
     constexpr double largest_tolerable = 2.;
@@ -38,7 +37,7 @@ namespace greville
 
   namespace
   {
-    /// The finished columns of a factor, found by the row of their next entry.
+    /// The finished columns of a factor, sorted by the row of their next entry.
     class ColumnsByRow
     {
     public:
@@ -404,7 +403,7 @@ namespace greville
       const ColumnsOfRows<decltype(w)::value> at{x};
       for (std::size_t k = size(); k-- > 0;)
         {
-          // Use two sums: the first entries wait for the rows just before.
+          // Use two sums: the first entries wait for the preceding rows.
           Columns           sum = inverse_pivots[k] * at[k], other_sum = 0.f;
           std::size_t       e   = column_begin[k];
           const std::size_t end = column_begin[k + 1];

@@ -23,7 +23,7 @@ namespace greville
               std::to_string(largest_index) +
               ": use a coarser grid, a 'Scheme/Mass' other than exact mass, or "
               "a deal.II with 64-bit indices.");
-    // deal.II divides by the size, even if no process owns anything.
+    // deal.II divides by the size, which must not be zero.
     const types::global_dof_index size =
       std::max<types::global_dof_index>(1, n_all * width);
     IndexSet owned(size), others(size);

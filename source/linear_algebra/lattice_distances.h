@@ -23,9 +23,9 @@ namespace greville
 
 
 
-    /// Return the distance of each unknown from the nearest one of the other
-    /// kind, owned or ghost, in a lattice whose diagonal neighbors have
-    /// distance 1, but at most @p largest. @p order is lexicographic.
+    /// Return the lattice distance of each unknown from the nearest one of the
+    /// other kind, owned or ghost, but at most @p largest. Diagonal neighbors
+    /// have the distance 1. @p order is lexicographic.
     inline std::vector<int>
     distances_to_other_part(const std::vector<std::array<int, 3>> &positions,
                             const std::vector<unsigned int>       &order,
@@ -37,7 +37,7 @@ namespace greville
         for (int dz = -1; dz <= 1; ++dz)
           for (int dy = -1; dy <= 1; ++dy)
             {
-              // Three neighbors in a row along x.
+              // Look at three neighbors in a row along x.
               std::array<int, 3> first = positions[u];
               first[0] -= 1;
               first[1] += dy;

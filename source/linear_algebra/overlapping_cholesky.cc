@@ -76,7 +76,7 @@ namespace greville
         const auto is_fixed = rows.is_fixed(v);
         LastRows  &variant  = last_rows[v];
         run_on_all(domain.communicator(), [&]() {
-          // The complement contains the shift.
+          // Do not shift again: the complement contains the shift.
           variant.factors.factorize(factors.complement(last, is_fixed),
                                     {0., parameters.drop_tolerance});
         });
@@ -96,8 +96,8 @@ namespace greville
   OverlappingCholesky::find_weights(const internal::OverlappingDomain &rows,
                                     const int                          reach)
   {
-    // The depth of ghosts falls from reach to 1 with the distance from the
-    // owned unknowns, whose depth is larger.
+    // In the overlap, the depth of ghosts falls from reach to 1 with the
+    // distance from the owned unknowns, which are deeper.
     const auto distances = internal::distances_to_other_part(
       rows.local_positions(), rows.lexicographic, n_owned, reach);
     using Vector = LinearAlgebra::distributed::Vector<double>;

@@ -17,15 +17,15 @@ namespace greville
       using UnknownOf   = OverlappingDomain::UnknownOf;
       using DomainEntry = OverlappingDomain::DomainEntry;
 
-      /// Collective. Send items to other processes, and return all received
-      /// ones.
+      /// Collective. Send items to other processes, and return the received
+      /// items.
       template <typename Item>
       std::vector<Item>
       send_and_receive(
         const std::map<unsigned int, std::vector<Item>> &messages,
         const MPI_Comm                                   comm)
       {
-        // Send bytes, since boost would serialize item by item.
+        // Send bytes: boost would serialize each item.
         static_assert(std::is_trivially_copyable<Item>::value, "");
         std::map<unsigned int, std::vector<char>> sent;
         for (const auto &[target, items] : messages)

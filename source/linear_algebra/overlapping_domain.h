@@ -13,9 +13,9 @@ namespace greville
 {
   namespace internal
   {
-    /// The domain of a process: its rows of A, and some layers of the unknowns
-    /// that A couples with them, in lexicographic order; rows that differ
-    /// between variants are last.
+    /// The domain of a process: its rows of A, and some layers of unknowns that
+    /// A couples with them, in lexicographic order. Rows that differ between
+    /// variants are last.
     class OverlappingDomain
     {
     public:
@@ -30,8 +30,7 @@ namespace greville
         double       value;
       };
 
-      /// An unknown, and a process: the one that owns it, or that needs its
-      /// row.
+      /// An unknown with a process that owns it or needs its row.
       struct UnknownOf
       {
         Number       unknown;
@@ -76,7 +75,7 @@ namespace greville
         return positions;
       }
 
-      /// The number of rows that are the same in all variants.
+      /// The number of rows that are equal in all variants.
       unsigned int
       n_common() const
       {
@@ -90,8 +89,7 @@ namespace greville
         return domain_matrix(matrix);
       }
 
-      /// Collective. Return R A R^T in a variant, of which the last rows are
-      /// given.
+      /// Collective. Return R A R^T of a variant. Its last rows are given.
       UpperTriangle
       domain_matrix(const unsigned int variant);
 
@@ -132,8 +130,8 @@ namespace greville
       }
 
       /// Collective. Send the entries with unknowns of other processes to these
-      /// processes, and keep the entries in own rows. Entries between unknowns
-      /// of a process are sent once.
+      /// processes, and store the entries in own rows. Entries between two
+      /// unknowns of one process are sent once.
       void
       sum_shared_rows(const UpperTriangle &own);
 
@@ -149,9 +147,9 @@ namespace greville
       std::map<unsigned int, std::vector<UnknownOf>>
       columns_for_others() const;
 
-      /// Return the entries that processes need in addition to the entries that
-      /// they share: between own rows that they need, once, and in other
-      /// columns.
+      /// Return the entries that processes need besides the entries that they
+      /// share: entries between own rows that they need, once, and entries in
+      /// other columns.
       std::map<unsigned int, std::vector<SharedEntry>>
       rows_for_others(const UpperTriangle &own) const;
 
@@ -175,7 +173,7 @@ namespace greville
       is_ghost(const Number unknown) const;
 
       /// Return the local number of an unknown, or invalid_unsigned_int. The
-      /// search begins behind the @p last ghost found, and updates it.
+      /// search begins after the @p last ghost found, and updates it.
       unsigned int
       local(const Number unknown, unsigned int &last) const;
 

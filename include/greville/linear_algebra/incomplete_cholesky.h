@@ -34,27 +34,28 @@ namespace greville
   /**
    * An incomplete Cholesky factorization
    * @f[ M \approx (1 + L) D (1 + L)^T. @f]
-   * The factorized matrix is scaled to a unit diagonal, to which a shift is
-   * added on request. IC(0) keeps entries of L only where M has entries (@ref
-   * Meijerink1977 "Meijerink and van der Vorst, 1977"). ICT keeps fill, too,
-   * but drops entries of @f$ L D^{1/2} @f$ below a tolerance as each column is
-   * completed (@ref Saad2003 "Saad, 2003", section 10.4, in its symmetric
-   * form).
+   * The factorized matrix is scaled to a unit diagonal, to which a shift can be
+   * added. IC(0) keeps entries of L only where M has entries
+   * (@ref Meijerink1977 "Meijerink and van der Vorst, 1977"). ICT also keeps
+   * fill, but drops entries of @f$ L D^{1/2} @f$ below a tolerance when a
+   * column is complete (@ref Saad2003 "Saad, 2003", section 10.4, in its
+   * symmetric form).
    *
-   * A pivot that is not safely positive is raised to a small number (3e-5), a
-   * shift of this row only, which costs fewer iterations than a shift of all
-   * rows. If a pivot is far below zero, all rows are shifted, first by 1e-3,
-   * then by twice as much until the factorization succeeds (@ref Manteuffel1980
-   * "Manteuffel, 1980"). If the pattern of IC(0) contains the fill, as for a
-   * Kronecker product in lexicographic order, the factorization is exact.
+   * A pivot that is not safely positive is raised to a small number (3e-5).
+   * This is a shift of one row, which costs fewer iterations than a shift of
+   * all rows. If a pivot is far below zero, all rows are shifted, first by
+   * 1e-3, then by twice as much until the factorization succeeds
+   * (@ref Manteuffel1980 "Manteuffel, 1980"). If the pattern of IC(0) contains
+   * the fill, as for a Kronecker product in lexicographic order, the
+   * factorization is exact.
    *
-   * Positive pivots do not suffice for IC(0): dropped entries can make the
+   * Positive pivots do not suffice for IC(0). Dropped entries can make the
    * factors nearly singular although M is not, so that a few eigenvalues of the
    * preconditioned matrix are large. If an estimate of the largest eigenvalue
-   * exceeds 2, all rows are shifted as well, by 4e-3 at most.
+   * exceeds 2, all rows are also shifted, by 4e-3 at most.
    *
-   * Factors and solves use single precision: half the memory traffic, at an
-   * error (1e-7) that is negligible in a preconditioner. The matrix is first
+   * Factors and solves use single precision, which halves the memory traffic.
+   * The error (1e-7) is negligible in a preconditioner. The matrix is first
    * divided by its largest diagonal entry, so that the unit of mass does not
    * matter.
    *
@@ -62,8 +63,8 @@ namespace greville
    * is x[i * width + c].
    *
    * The elimination may end before the last rows. Matrices that differ only in
-   * these rows share the columns before them, and each needs a factorization of
-   * its complement().
+   * these rows share the eliminated columns; each needs a factorization of its
+   * complement().
    */
   class IncompleteCholesky
   {
@@ -77,15 +78,15 @@ namespace greville
       factorize(matrix, parameters, matrix.size());
     }
 
-    /// Eliminate the first @p n_columns of the matrix only.
+    /// Eliminate only the first @p n_columns of the matrix.
     void
     factorize(const UpperTriangle      &matrix,
               const CholeskyParameters &parameters,
               const unsigned int        n_columns);
 
-    /// Return the Schur complement of the last rows, numbered from 0 on, of a
-    /// matrix that has the eliminated columns. Its diagonal contains the shift
-    /// and is positive. Fixed rows have a diagonal entry only, the unit().
+    /// Return the Schur complement of the last rows, numbered from 0, of a
+    /// matrix with the eliminated columns. Its diagonal contains the shift and
+    /// is positive. Fixed rows have only a diagonal entry, the unit().
     UpperTriangle
     complement(const UpperTriangle              &last_rows,
                const std::vector<unsigned char> &is_fixed) const;
@@ -122,8 +123,8 @@ namespace greville
     void
     solve(double *x, const unsigned int width) const;
 
-    /// Solve in place, in single precision: the entries should be of order 1.
-    /// The solution is multiplied by unit().
+    /// Solve in place in single precision. The entries should be of order 1,
+    /// and the solution is multiplied by unit().
     void
     solve(float *x, const unsigned int width) const
     {
@@ -131,12 +132,11 @@ namespace greville
       substitute(x, width);
     }
 
-    /// The first half of solve(), which subtracts the eliminated rows from
-    /// later ones.
+    /// The first half of solve(): subtract the eliminated rows from later ones.
     void
     eliminate(float *x, const unsigned int width) const;
 
-    /// The second half of solve(), given the solution of later rows.
+    /// The second half of solve(), for a given solution of later rows.
     void
     substitute(float *x, const unsigned int width) const;
 

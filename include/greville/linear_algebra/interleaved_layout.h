@@ -9,10 +9,10 @@
 
 namespace greville
 {
-  /// The unknowns that a process owns, and the unknowns of others that it
-  /// stores (ghosts). Vectors have several values per unknown, their *width*:
-  /// value c of local unknown u is entry u * width + c. Owned unknowns come
-  /// first, then ghosts in the order of their global numbers.
+  /// The unknowns that a process owns, and the unknowns of other processes that
+  /// it stores (ghosts). Vectors have several values per unknown, their
+  /// *width*: value c of local unknown u is entry u * width + c. Owned unknowns
+  /// come first, then ghosts in the order of their global numbers.
   class InterleavedLayout
   {
   public:
@@ -70,8 +70,8 @@ namespace greville
         partitioners;
   };
 
-  /// The unknowns of several parts as unknowns of one system: on each process,
-  /// the owned unknowns of one part after another.
+  /// The unknowns of several parts in one system. Each process numbers its
+  /// owned unknowns one part after another.
   struct JoinedLayout
   {
     /// Collective.

@@ -24,23 +24,23 @@ namespace greville
    * a matrix A that is the sum of matrices of all processes, each between the
    * local unknowns of its process.
    *
-   * The domain of process s are the unknowns that it owns and some layers of
-   * unknowns that A couples with them: a layer has p rows of the lattice for
-   * B-splines of order p. With the restriction R_s to this domain and a
-   * partition of unity
-   * @f$ \sum_s R_s^T W_s R_s = 1 @f$, which falls linearly in the overlap,
+   * The domain of process s contains the unknowns that it owns and some layers
+   * of unknowns that A couples with them. A layer has p rows of the lattice for
+   * B-splines of order p. R_s is the restriction to this domain, and
+   * @f$ \sum_s R_s^T W_s R_s = 1 @f$ a partition of unity, which falls linearly
+   * in the overlap. The preconditioner
    * @f[
    *   B = \sum_s R_s^T W_s^{1/2} (R_s A R_s^T)^{-1} W_s^{1/2} R_s,
    * @f]
-   * which is symmetric positive definite (@ref Cai1999 "Cai and Sarkis, 1999",
-   * with the square root of the partition of unity on both sides). Each domain
-   * is eliminated in lexicographic order. On one process B is
+   * is symmetric positive definite (@ref Cai1999 "Cai and Sarkis, 1999", with
+   * the square root of the partition of unity on both sides). Each domain is
+   * eliminated in lexicographic order. On one process, B is an
    * IncompleteCholesky.
    *
-   * RowVariants give the components of a field different matrices. Rows that
+   * Components of a field with different matrices have RowVariants. Rows that
    * differ are eliminated last, so that all components share the other columns
-   * of the factors; an unknown that is constrained in a component is divided by
-   * its diagonal entry there.
+   * of the factors. A constrained unknown of a component is divided by its
+   * diagonal entry.
    *
    * A factorization needs two exchanges with neighbours for each variant: the
    * matrix entries of shared rows, and the rows of the overlap. A solve needs
@@ -52,9 +52,9 @@ namespace greville
     /// Collective. @p matrix has the entries of this process between the
     /// unknowns of @p layout. The owned unknowns have @p positions in a
     /// lattice. Apart from few entries, the matrix couples unknowns whose
-    /// positions differ by at most @p reach; the overlap has @p n_layers of
-    /// this size. Throws ErrorOnAll if IncompleteCholesky::factorize() throws
-    /// on any process.
+    /// positions differ by at most @p reach. The overlap has @p n_layers layers
+    /// of this size. Throws ErrorOnAll if IncompleteCholesky::factorize()
+    /// throws on any process.
     void
     factorize(const UpperTriangle                   &matrix,
               const InterleavedLayout               &layout,
@@ -64,8 +64,8 @@ namespace greville
               const CholeskyParameters              &parameters,
               const RowVariants                     &variants = RowVariants());
 
-    /// Collective. Solve in place for the owned unknowns, @p width columns, the
-    /// components of fields one after another.
+    /// Collective. Solve in place for the owned unknowns and @p width columns,
+    /// which are the components of fields one after another.
     void
     solve(double *x, const unsigned int width) const;
 
@@ -78,7 +78,7 @@ namespace greville
     using Vectors =
       std::array<dealii::LinearAlgebra::distributed::Vector<Number>, 9>;
 
-    /// Solve on the domains, with @p vectors of the domains.
+    /// Solve on the domains, with work @p vectors of the domains.
     template <typename Number>
     void
     solve(Number            *x,

@@ -13,7 +13,7 @@
 namespace greville
 {
   /// Any preconditioner of PETSc, described by PETSc's options without prefix,
-  /// as in "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilu", or ILUT, see
+  /// as in "-pc_type asm -pc_asm_overlap 1 -sub_pc_type ilu"; also ILUT, see
   /// register_petsc_ilut().
   class PetscPreconditioner : public Preconditioner
   {

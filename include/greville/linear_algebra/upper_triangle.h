@@ -8,8 +8,8 @@
 
 namespace greville
 {
-  /// An entry, with row <= column, of the diagonal blocks of the components of
-  /// a symmetric matrix.
+  /// An entry, with row <= column, of the diagonal blocks of a symmetric
+  /// matrix; one value for each component.
   struct BlockEntry
   {
     unsigned int          row, column;
