@@ -116,7 +116,7 @@ namespace greville
       }
 
       /// Return the point at the beginning of a step that ends with @p next, as
-      /// an argument of Material::update().
+      /// the argument of Material::update().
       MaterialPoint
       begin_step(const Stretch &next, const double dt) const
       {
@@ -175,7 +175,7 @@ namespace greville
             if (is_done)
               break;
             const double full = -r / slope(begun);
-            // The step is shortened if it does not reduce the residual.
+            // Shorten the step if it does not reduce the residual.
             double factor    = 1.;
             bool   is_nearer = false;
             for (unsigned int k = 0; k < 40 && !is_nearer; ++k, factor *= 0.5)
@@ -194,7 +194,7 @@ namespace greville
               }
             if (!is_nearer)
               {
-                // The residual is round-off, or there is no solution.
+                // Either the residual is round-off, or there is no solution.
                 is_done = std::abs(r) <= 1e3 * tolerance;
                 break;
               }

@@ -124,9 +124,9 @@ namespace greville
   {
     AssertThrow(points.size() == result.size(),
                 ExcDimensionMismatch(points.size(), result.size()));
-    // Small against the strains at which laws bend, and large enough for
-    // rounding errors of f to be 1e-9 of the step. A power of two adds no
-    // rounding error.
+    // Small compared with the strains at which laws are nonlinear, and large
+    // enough for rounding errors of f to be 1e-9 of the step. A power of two
+    // adds no rounding error.
     const double                  size = std::ldexp(1., -23);
     std::array<MaterialPoint, 18> moved;
     for (std::size_t p = 0; p < points.size(); ++p)

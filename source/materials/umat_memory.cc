@@ -132,7 +132,7 @@ namespace greville
     const double *const kept    = image.data();
     for (unsigned int k = 0; k < image.size(); ++k)
       changed |= bits_of(data + k) ^ bits_of(kept + k);
-    // Four numbers are compared at once.
+    // Compare four numbers at once.
     std::array<std::uint64_t, n_guards> bad = {};
     for (unsigned int array = stran; array < n_arrays; ++array)
       for (unsigned int k = 0; k < n_guards; ++k)
@@ -158,8 +158,8 @@ namespace greville
           ++first;
         if (first == n_guards)
           continue;
-        // The UMAT wrote before the next array if only the end of the guard has
-        // changed.
+        // If only the end of the guard has changed, the UMAT has written before
+        // the next array.
         if (first >= n_guards / 2 && array + 1 < n_arrays)
           result = std::string("has written before ") + array_names[array + 1];
         else
@@ -198,7 +198,7 @@ namespace greville
   bool
   UmatMemory::is_finite() const
   {
-    // The results are contiguous, with guards between them that are NaN.
+    // The results are contiguous, with guards of NaNs between them.
     constexpr std::uint64_t exponent = 0x7ff0000000000000ULL;
     const double *const     first    = data + begin[results];
     const unsigned int      n        = begin[statev] + nstatv - begin[results];

@@ -18,8 +18,8 @@ namespace greville
 
   namespace
   {
-    /// Return the position among all six components of component k of the
-    /// components that are present.
+    /// Return the position of component k, which counts the present components,
+    /// among all six components.
     int
     component(const int k, const int ndi)
     {
@@ -43,7 +43,7 @@ namespace greville
 
 
 
-    /// Return the text with its numbers and words filled in.
+    /// Return the text with its numbers and words inserted.
     std::string
     filled(const std::string &text,
            const int         *integers,

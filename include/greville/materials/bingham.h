@@ -13,8 +13,9 @@ namespace greville
    *   2 eta dev(d), eta = mu + tau_y (1 - exp(-m g)) / g,
    *   g = sqrt(2 dev(d) : dev(d)),
    * so that simple shear at a rate g has the shear stress mu g + tau_y (1 -
-   * exp(-m g)): the law is Bingham's for m g >> 1 and a Newtonian fluid of the
-   * largest viscosity mu + tau_y m for m g << 1. It creeps at any stress.
+   * exp(-m g)). For m g >> 1, this is Bingham's law; for m g << 1, it is a
+   * Newtonian fluid of the largest viscosity mu + tau_y m, which creeps at any
+   * stress.
    * Parameters: mu ("Plastic viscosity", Pa s), tau_y ("Yield stress", Pa, in
    * simple shear), m ("Regularization", s).
    */
@@ -47,8 +48,8 @@ namespace greville
                              : yield_stress * regularization);
     }
 
-    /// tau_y (x exp(-x) + exp(-x) - 1) / (2 g^3), x = m g, by its power series
-    /// for small x.
+    /// Return tau_y (x exp(-x) + exp(-x) - 1) / (2 g^3) with x = m g, by its
+    /// power series for small x.
     double
     viscosity_slope(const double square) const
     {

@@ -12,14 +12,14 @@ namespace greville
   {
     /// ln(P / a), see PressureElasticity, and q = sqrt(3 J2), Pa.
     double log_pressure, q;
-    /// The volume over the volume before the step.
+    /// The volume at the end of the step over the volume at its start.
     double volume;
   };
 
 
 
-  /// ln(P / a) and q at the end of a step, and their derivatives by eps_v and q
-  /// of the trial state.
+  /// ln(P / a) and q at the end of a step, and their derivatives by the trial
+  /// state's eps_v and q.
   struct CriticalStateReturn
   {
     double log_pressure, q;
@@ -90,8 +90,8 @@ namespace greville
       return this->names_with(names);
     }
 
-    /// Throw dealii::ExcMessage for a mean stress beyond the attraction, and
-    /// for q > M P, beyond the critical state.
+    /// Throw dealii::ExcMessage for a mean stress above the attraction, and for
+    /// q > M P, that is, beyond the critical state.
     void
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const override
@@ -100,7 +100,7 @@ namespace greville
       const Principal eps       = elastic.invert(point, e, stress, Law::name);
       const double log_pressure = -(eps[0] + eps[1] + eps[2]) / elastic.kappa,
                    pressure     = elastic.attraction * std::exp(log_pressure);
-      // Computed from the stress, since the strains of stiff soil are rounded.
+      // Use the stress, since the strains of stiff soil have round-off.
       const double q = point.J * std::sqrt(1.5) * deviator(stress).norm();
       check_stress(
         q <= (1. + 1e-12) * ratio * pressure, Law::name, stress, [&]() {
@@ -264,8 +264,8 @@ namespace greville
       return -elastic.attraction * std::expm1(log_pressure);
     }
 
-    /// Return the state of the point in a lane; a state of zeros becomes the
-    /// state of a stress-free point.
+    /// Return the state of the point in a lane. A state of zeros is replaced by
+    /// the state of a stress-free point.
     State
     state_of(const MaterialLanes &points, const unsigned int lane) const
     {

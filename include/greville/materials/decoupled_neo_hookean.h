@@ -20,12 +20,12 @@ namespace greville
    * includes its entry along z.
    *
    * A wave along a principal stretch s has rho c^2 = (K (J^2 + 1) / 2 + mu (5
-   * tr(bbar) - 3 J^(-2/3) s^2) / 9) / J, which is positive; wave_modulus takes
-   * for s^2 the lower bound tr(b) / 3 - sqrt(2 / 3) |dev(b)| of the eigenvalues
-   * of b = F F^T.
+   * tr(bbar) - 3 J^(-2/3) s^2) / 9) / J, which is positive. For s^2,
+   * wave_modulus uses the lower bound tr(b) / 3 - sqrt(2 / 3) |dev(b)| of the
+   * eigenvalues of b = F F^T.
    *
    * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
-   * 0.5), initialize() for a stress that is not finite; each finite stress
+   * 0.5), and initialize() for a stress that is not finite. Each finite stress
    * belongs to one deformation.
    */
   class DecoupledNeoHookean : public ElasticMaterial<LanesMaterial>
@@ -34,9 +34,9 @@ namespace greville
     static constexpr const char *name = "decoupled-neo-hookean";
 
     /// Solve K (J^2 - 1) = 2 J p for J. The principal values of bbar are m +
-    /// e_a with e_a = J s_a / mu and the deviator s of sigma, and m makes their
-    /// product one. Newton's method for m starts from above, where the product
-    /// is convex.
+    /// e_a, with e_a = J s_a / mu and the deviator s of sigma; their product is
+    /// one, which determines m. Newton's method for m starts from above, where
+    /// the product is convex.
     void
     initialize(MaterialPoint                       &point,
                const dealii::SymmetricTensor<2, 3> &stress) const override
@@ -98,9 +98,9 @@ namespace greville
         }
     }
 
-    /// The energy is exact to round-off relative to itself, see NeoHookean:
-    /// with ln(det(b)) = 3 q, tr(bbar) / 3 - 1 = exp(-q) (tr(b) / 3 - 1 -
-    /// (exp(q) - 1)), in which all terms linear in b - 1 cancel.
+    /// The energy is exact up to relative round-off, see NeoHookean. With
+    /// ln(det(b)) = 3 q, tr(bbar) / 3 - 1 = exp(-q) (tr(b) / 3 - 1 - (exp(q) -
+    /// 1)), where all terms linear in b - 1 cancel.
     EnergyLanes
     energies(const MaterialLanes &points) const override
     {

@@ -44,9 +44,9 @@ namespace greville
    * psi, degrees, "Tension cut-off" p_t, Pa, "Cone" and "Strength reduction",
    * see StrengthReduction.
    *
-   * reinit() throws dealii::ExcMessage for psi > phi, for phi = c = 0, a
-   * cut-off beyond the apex, and an invalid Poisson's ratio, initialize() for a
-   * stress outside of the yield surface.
+   * reinit() throws dealii::ExcMessage for psi > phi, for phi = c = 0, for a
+   * cut-off beyond the apex, and for an invalid Poisson's ratio; initialize()
+   * throws for a stress outside of the yield surface.
    */
   class DruckerPrager : public HenckyPlasticity<DruckerPrager>
   {
@@ -126,8 +126,9 @@ namespace greville
       return reduction_of_strength.at(time);
     }
 
-    /// An opening that closes without stress takes its volumetric strain out of
-    /// the trial state, for which the flow rule has no counterpart.
+    /// An opening that closes without stress removes its volumetric strain from
+    /// the trial state. The flow rule has no counterpart, so the tangent is not
+    /// symmetric.
     bool
     has_symmetric_tangent() const override
     {
@@ -169,7 +170,7 @@ namespace greville
       if (f <= 0. && p <= largest_mean)
         return false;
 
-      // The radius sqrt(J2) and the mean stress on the surface.
+      // The radius sqrt(J2) and the mean stress of the returned stress.
       double radius = q, mean = largest_mean;
       if (q > corner_radius)
         {

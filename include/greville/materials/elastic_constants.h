@@ -75,10 +75,10 @@ namespace greville
                       strain[2] * strain[2]);
     }
 
-    /// Return the modulus of longitudinal waves in Hencky's law, the largest of
+    /// Return the modulus of longitudinal waves in Hencky's law: the largest of
     /// the values rho c^2 = (K + 4 G / 3 - tau_a) / J along the principal
-    /// directions a. It vanishes in strong tension, as the law softens. Since
-    /// time steps and estimates need a positive modulus, the wave speed is at
+    /// directions a. It vanishes in strong tension, as the law softens. Time
+    /// steps and estimates need a positive modulus, so the wave speed is at
     /// least a tenth of its value in the stress-free state.
     template <typename Number>
     Number
@@ -96,10 +96,10 @@ namespace greville
       return {bulk, shear, 0.};
     }
 
-    /// Invert Hencky's law: fill stress, F, J and wave_modulus of @p point and
-    /// return the principal Kirchhoff stresses; @p e becomes b - 1. ln J solves
-    /// ln J = J tr(sigma) / (3 K), which has no solution for tr(sigma) / 3 > K
-    /// / exp(1): throws dealii::ExcMessage.
+    /// Invert Hencky's law: fill stress, F, J and wave_modulus of @p point, set
+    /// @p e to b - 1, and return the principal Kirchhoff stresses. ln J solves
+    /// ln J = J tr(sigma) / (3 K). For tr(sigma) / 3 > K / exp(1), there is no
+    /// solution: throws dealii::ExcMessage.
     Principal
     invert_hencky(MaterialPoint                       &point,
                   dealii::SymmetricTensor<2, 3>       &e,
@@ -147,8 +147,8 @@ namespace greville
 
 
 
-  /// A base class of laws with elastic constants: derives from @p Base, a
-  /// Material or a MaterialLaw, and holds an ElasticConstants or another
+  /// A base class of laws with elastic constants. It derives from @p Base, a
+  /// Material or a MaterialLaw, and contains ElasticConstants or another
   /// elastic law with the same functions.
   template <typename Base, typename Elastic = ElasticConstants>
   class ElasticMaterial : public Base

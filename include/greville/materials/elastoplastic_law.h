@@ -15,13 +15,13 @@ namespace greville
   /**
    * A HenckyLaw whose points store the elastic part of their deformation, with
    * F = F_e F_p and the exponential map (de Souza Neto, Peric, Owen,
-   * Computational Methods for Plasticity, section 14.4): the trial state of a
+   * Computational Methods for Plasticity, section 14.4). The trial state of a
    * step with the increment f is b_e = f b_e f^T.
    *
-   * State: the elastic left Cauchy-Green tensor less the identity, b_e - 1 (all
-   * zeros are the stress-free state); the equivalent plastic strain; the
-   * plastic work per volume of the stress-free state, J / m^3, all of which
-   * counts as heat; and further variables of the @p Law.
+   * State: the elastic left Cauchy-Green tensor less the identity, b_e - 1
+   * (zero in the stress-free state); the equivalent plastic strain; the plastic
+   * work per volume of the stress-free state, J / m^3, all of which is heat;
+   * and further variables of the @p Law.
    */
   template <typename Law, typename Elastic = ElasticConstants>
   class ElastoplasticLaw : public HenckyLaw<Law, Elastic>

@@ -22,18 +22,18 @@ namespace greville
 
     /// The axial and lateral stress, Pa; one number sets both.
     std::vector<double> initial_stress = {1e5};
-    /// The values at which the controlled strain turns or ends, in order.
+    /// The values at which the controlled strain reverses or ends, in order.
     std::vector<double> strains = {0.2};
-    /// The number of steps between two of the values in strains.
+    /// The number of steps between two values of strains.
     unsigned int steps       = 200;
     double       strain_rate = 1e-2; // 1 / s
-    /// The initial void ratio, for laws that have none of their own.
+    /// The initial void ratio, for laws without a void ratio of their own.
     double void_ratio = 0.7;
   };
 
 
 
-  /// The results: the names of columns, and a row for the start and for each
+  /// The results: the names of columns, a row for the start, and a row for each
   /// step.
   struct ElementTestTable
   {
@@ -55,8 +55,8 @@ namespace greville
 
   /**
    * Apply the strain path of a soil laboratory test to a material point. With F
-   * = S F_0 from the state at the start and z for the axis, a step sets S and
-   * finds its unknown entry by Newton's method with Material::tangents():
+   * = S F_0 from the state at the start and z for the axis, a step sets S. It
+   * finds the unknown entry of S by Newton's method with Material::tangents():
    *
    * - isotropic: S = exp(-e / 3) 1 for the volumetric strain e;
    * - oedometer: S = diag(1, 1, exp(-e)) for the axial strain e;
@@ -76,8 +76,8 @@ namespace greville
    * incompressible grains; the pore_pressure, Pa; stress_axial (compression)
    * and stress_shear, Pa; and the history of the law.
    *
-   * Throws dealii::ExcMessage with @p section, the section of the material, for
-   * an unknown test, for invalid parameters, for an initial state that the law
+   * Throws dealii::ExcMessage, with the @p section of the material, for an
+   * unknown test, for invalid parameters, for an initial state that the law
    * does not allow, and if a step does not converge.
    */
   ElementTestTable

@@ -8,8 +8,8 @@
 #include <greville/materials/spectral_decomposition.h>
 
 /// Logarithmic (Hencky) strains of symmetric 3D tensors. Left Cauchy-Green
-/// tensors b = F F^T are kept as e = b - 1, which holds small strains to full
-/// precision: the principal logarithmic strains are ln(1 + e_a) / 2.
+/// tensors b = F F^T are stored as e = b - 1, which keeps small strains at full
+/// precision. The principal logarithmic strains are ln(1 + e_a) / 2.
 namespace greville
 {
   using Principal = std::array<double, 3>;
@@ -20,8 +20,7 @@ namespace greville
   inline dealii::SymmetricTensor<2, 3>
   left_cauchy_green_less_one(const dealii::Tensor<2, 3> &F)
   {
-    // Squares less one are computed as (F_ii - 1) (F_ii + 1), without
-    // cancellation.
+    // Compute squares less one as (F_ii - 1) (F_ii + 1), without cancellation.
     dealii::SymmetricTensor<2, 3> e;
     const double h0 = F[0][0] - 1., h1 = F[1][1] - 1., h2 = F[2][2] - 1.;
     e.access_raw_entry(0) =
@@ -54,7 +53,7 @@ namespace greville
 
 
 
-  /// Return the inverse: exp(2 strain) - 1.
+  /// Return the inverse function: exp(2 strain) - 1.
   template <typename Number>
   std::array<Number, 3>
   stretches_less_one(const std::array<Number, 3> &strains)

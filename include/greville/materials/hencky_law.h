@@ -19,9 +19,9 @@ namespace greville
 
 
   /**
-   * Base class of laws in logarithmic elastic strains eps: elastic constants,
-   * the stored energy, and the computation of stresses from strains in
-   * principal axes, for as many points at once as Lanes hold.
+   * Base class of laws in logarithmic elastic strains eps. It has the elastic
+   * constants and the stored energy, and computes stresses from strains in
+   * principal axes, for as many points at once as Lanes contain.
    *
    * A @p Law has
    *   std::array<Lanes, 6> trial(const MaterialLanes &points) const,
@@ -174,8 +174,8 @@ namespace greville
     }
 
   private:
-    /// Return 1 / J, or NaN if J is not positive: b = F F^T does not depend on
-    /// the sign of J.
+    /// Return 1 / J, or NaN if J is not positive. The check is necessary
+    /// because b = F F^T does not depend on the sign of J.
     static Lanes
     inverse_of(const Lanes &J)
     {

@@ -25,13 +25,13 @@ namespace greville
    *
    * The opening is the plastic volumetric strain (logarithmic, v >= 0) caused
    * by the largest mean stress, without dilatancy: separated grains or open
-   * cracks. It must close before the material bears pressure again (@ref
-   * Tampubolon2017 "Tampubolon et al., 2017", section 4.3): otherwise each
-   * cycle of opening and closing would leave more volume and more pressure
-   * behind. Therefore
+   * cracks. It must close before the material bears pressure again
+   * (@ref Tampubolon2017 "Tampubolon et al., 2017", section 4.3). Otherwise,
+   * each cycle of opening and closing would increase volume and pressure.
+   * Therefore
    *   eps(trial) += w / 3 1, v -= w,
-   * with w = v if the largest mean stress is 0; the part that remains open then
-   * opens again in the return. A material that bears tension takes w = min(v,
+   * with w = v if the largest mean stress is 0; the return then opens again the
+   * part that remains open. For a material that bears tension, w = min(v,
    * max(-tr(eps), 0)), so that it closes without stress. Closing does no
    * plastic work.
    *
@@ -136,7 +136,7 @@ namespace greville
     PrincipalTangent
     linearize(const MaterialLanes &points, std::array<Lanes, 3> eps) const
     {
-      // Openings that close without stress take away volumetric strain.
+      // Openings that close without stress remove volumetric strain.
       bool keeps_volume[n_lanes] = {};
       if constexpr (Law::opens)
         for (unsigned int lane = 0; lane < points.count; ++lane)
@@ -184,7 +184,7 @@ namespace greville
 
   protected:
     /// Return the equivalent plastic strain of a return from the Kirchhoff
-    /// stress @p trial to @p returned: 2 G dev(d eps_p) = dev(trial -
+    /// stress @p trial to @p returned, with 2 G dev(d eps_p) = dev(trial -
     /// returned).
     double
     equivalent_strain(const Principal &trial, const Principal &returned) const
@@ -204,8 +204,8 @@ namespace greville
     using ElastoplasticLaw<Law>::work;
     static constexpr unsigned int opening = ElastoplasticLaw<Law>::more;
 
-    /// Close the part of an opening that the elastic strain closes, and return
-    /// it.
+    /// Close an opening as far as the elastic strain closes it, and return the
+    /// closed part.
     double
     close(std::array<Lanes, 3> &eps,
           const unsigned int    lane,

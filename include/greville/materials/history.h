@@ -15,7 +15,7 @@ namespace greville
   {
     static constexpr unsigned int n_first = 12;
 
-    /// Make room for @p n numbers. Numbers beyond the first n_first are zero.
+    /// Resize to @p n numbers. Numbers after the first n_first become zero.
     void
     resize(const unsigned int n)
     {

@@ -26,8 +26,8 @@ namespace greville
 
 
 
-  // Return, lane by lane, a where the condition holds and b elsewhere. With
-  // this and the following functions, algorithms take a double or Lanes.
+  // Return, lane by lane, a where the condition is true and b elsewhere. With
+  // these functions, algorithms work on a double or on Lanes.
   inline double
   choose(const bool condition, const double a, const double b)
   {
@@ -88,8 +88,8 @@ namespace greville
   }
 
   /**
-   * With z = x / (2 + x), ln(1 + x) = 2 atanh(z), by its power series for
-   * |x| < 0.4; for -0.75 < x < 3 also ln(1 + x) = 4 ln(1 + y) with 1 + y =
+   * With z = x / (2 + x), use the power series of ln(1 + x) = 2 atanh(z) for
+   * |x| < 0.4. For -0.75 < x < 3, also use ln(1 + x) = 4 ln(1 + y) with 1 + y =
    * (1 + x)^(1/4).
    */
   inline Lanes
@@ -129,7 +129,7 @@ namespace greville
     return std::expm1(x);
   }
 
-  /// By the power series for |x| < 0.4; for |x| < 1.6 also by squaring twice,
+  /// Use the power series for |x| < 0.4. For |x| < 1.6, also square twice:
   /// exp(2 x) - 1 = (exp(x) - 1) (exp(x) + 1).
   inline Lanes
   exp_less_one(Lanes x)

@@ -21,8 +21,8 @@ namespace greville
 
 
 
-  /// Bulk and shear modulus (Pa), and the largest dynamic viscosities (Pa s) of
-  /// shear and of changes of volume.
+  /// Bulk and shear modulus (Pa), and the largest dynamic viscosities of shear
+  /// and of volume changes (Pa s).
   struct Moduli
   {
     double bulk           = 0.;
@@ -34,9 +34,9 @@ namespace greville
 
 
   /// The derivative D_ijkl = d sigma_ij / d l_kl of the Cauchy stress at the
-  /// end of a step by l = df f^-1, where f is the increment F_(n+1) F_n^-1: by
-  /// all nine l_kl, not only the symmetric part. If the law is objective, a
-  /// spin w gives w sigma - sigma w.
+  /// end of a step by l = df f^-1, where f is the increment F_(n+1) F_n^-1. It
+  /// is a derivative by all nine l_kl, not only by the symmetric part. If the
+  /// law is objective, a spin w changes the stress by w sigma - sigma w.
   using MaterialTangent = dealii::Tensor<4, 3>;
 
 
@@ -44,7 +44,7 @@ namespace greville
   /**
    * Base class of constitutive laws, which compute Cauchy stresses from the
    * deformation of points. A material does not depend on the grid, and updates
-   * many points per call.
+   * many points in each call.
    *
    * A new material is one header with a class that derives from MaterialLaw,
    * and one line in the list of source/materials/material.cc; or a call of
@@ -55,12 +55,12 @@ namespace greville
   public:
     virtual ~Material() = default;
 
-    /// Declare the density and the parameters of the law in the section that
-    /// @p prm is in. Values read by @p prm are written into this object.
+    /// Declare the density and the parameters of the law in the current section
+    /// of @p prm, which writes the values that it reads into this object.
     virtual void
     declare(dealii::ParameterHandler &prm);
 
-    /// Compute derived constants; to be called after reading and before any
+    /// Compute derived constants, to be called after reading and before any
     /// other function. Throws dealii::ExcMessage with the @p section if
     /// parameters contradict each other.
     virtual void
@@ -114,17 +114,17 @@ namespace greville
     }
 
     /**
-     * Compute the derivatives of the stresses that update() returns for @p
-     * points. The points are given as for update(): stress and state at the
+     * Compute the derivatives of the stresses that update() returns for
+     * @p points. The points have the input of update(): stress and state at the
      * beginning of the step, increment, F and J at the end. A change l dt of
-     * the velocity's gradient changes all three: (1 + l) f, (1 + l) F, (1 +
-     * tr(l)) J. If @p dim is 2, the columns with k = 2 or l = 2, which plane
-     * strain does not need, are zero. At a kink (for instance the onset of
-     * yield), the derivative is one-sided or a mean of both sides. Throws
+     * the velocity's gradient changes the last three to (1 + l) f, (1 + l) F,
+     * (1 + tr(l)) J. If @p dim is 2, the columns with k = 2 or l = 2, which
+     * plane strain does not need, are zero. At a kink (for instance the onset
+     * of yield), the derivative is one-sided or a mean of both sides. Throws
      * nothing.
      *
-     * The default uses central differences of update(), at 2 dim^2 calls per
-     * point and with an error of about 1e-8.
+     * The default uses central differences of update(), which take 2 dim^2
+     * calls per point and have an error of about 1e-8.
      */
     virtual void
     tangents(const dealii::ArrayView<const MaterialPoint> &points,
@@ -151,14 +151,14 @@ namespace greville
       return 0.;
     }
 
-    /// Return strain_energy() and dissipation() of several points at once, to
-    /// round-off, for sums over all points. The default calls the two functions
+    /// Return strain_energy() and dissipation() of several points at once, up
+    /// to round-off, for sums over all points. The default calls both functions
     /// point by point.
     virtual EnergyLanes
     energies(const MaterialLanes &points) const;
 
-    /// Return the divisor of the material's strength at a given time: the value
-    /// of MaterialPoint::strength_reduction in a step that ends at this time.
+    /// Return the divisor of the material's strength at a given time, which is
+    /// MaterialPoint::strength_reduction in a step that ends at this time.
     /// Throws dealii::ExcMessage with the name of the parameter, on all
     /// processes alike, if the parameters give no value.
     virtual double
@@ -169,8 +169,8 @@ namespace greville
 
     /// Return whether neighboring points share their changes of volume
     /// (PointTransfer::share_volume()). Laws whose pressure depends only on J
-    /// need this: J is not coupled to the positions of points in any other way,
-    /// so its errors accumulate.
+    /// need this: nothing else couples J to the positions of points, so errors
+    /// of J accumulate.
     virtual bool
     shares_volume() const
     {
@@ -178,13 +178,13 @@ namespace greville
     }
 
     /// Return the moduli in the stress-free state and bounds of the viscosity
-    /// in any state, which determine the critical time step.
+    /// in any state. They determine the critical time step.
     virtual Moduli
     moduli() const = 0;
 
     /// Return whether bodies of this material spread into layers thinner than a
-    /// cell or break up into drops and grains, for which the exact mass matrix
-    /// is not worth its cost.
+    /// cell, or break up into drops and grains. The exact mass matrix is not
+    /// worth its cost for these bodies.
     virtual bool
     spreads() const
     {

@@ -7,7 +7,7 @@
 
 namespace greville
 {
-  /// Several points at once, see MaterialPoint for the numbers. Lanes without a
+  /// Several points at once, see MaterialPoint for the units. Lanes without a
   /// point are stress-free. Energies do not depend on the last four members.
   struct MaterialLanes
   {
@@ -17,8 +17,8 @@ namespace greville
       : MaterialLanes(&point, 1)
     {}
 
-    /// Copy @p count points into the first lanes and repeat the last one in the
-    /// others.
+    /// Copy @p count points into the first lanes, and the last of these points
+    /// into the other lanes.
     MaterialLanes(const MaterialPoint *points, const unsigned int count)
       : count(count)
       , n_state(History<double>::n_first + points->state.more.size())
@@ -71,7 +71,7 @@ namespace greville
     Lanes                J;
     /// The Cauchy stress: xx, yy, zz, xy, xz, yz.
     std::array<Lanes, 6> stress;
-    /// The history, of which the first n_state entries are used.
+    /// The history. Its first n_state entries are used.
     History<Lanes> state;
     /// The increment of the deformation gradient, row by row.
     std::array<Lanes, 9> increment;
@@ -89,15 +89,15 @@ namespace greville
 
 
 
-  /// A MaterialTangent of several points: D_ijkl is at [entry][3 k + l], with
-  /// the entries ij = xx, yy, zz, xy, xz, yz.
+  /// A MaterialTangent of several points: D_ijkl is at [entry][3 k + l].
+  /// Entries ij are xx, yy, zz, xy, xz, yz.
   using TangentLanes = std::array<std::array<Lanes, 9>, 6>;
 
 
 
-  /// A Material that updates as many points at once as Lanes hold: a law
+  /// A Material that updates as many points at once as Lanes contain. A law
   /// implements update_lanes() and, for implicit steps, tangent_lanes(), which
-  /// kernels call with their groups of points, and energies() or
+  /// kernels call with their groups of points. It also implements energies() or
   /// strain_energy().
   class LanesMaterial : public Material
   {
@@ -124,9 +124,9 @@ namespace greville
         }
     }
 
-    /// Compute the derivatives of the stresses that update_lanes() returns, as
-    /// tangents(); columns with k or l >= @p dim are not set. The default uses
-    /// central differences.
+    /// Compute the derivatives of the stresses that update_lanes() returns,
+    /// like tangents(). Columns with k or l >= @p dim are not set. The default
+    /// uses central differences.
     virtual void
     tangent_lanes(const MaterialLanes &points,
                   TangentLanes        &D,
@@ -194,7 +194,7 @@ namespace greville
 
 
 
-  /// Return the change of an entry of b if l_kl = 1: (l b + b l^T)_ij.
+  /// Return the change of entry ij of b for l_kl = 1: (l b + b l^T)_ij.
   inline __attribute__((always_inline)) Lanes
   change_of_left_cauchy_green(const std::array<Lanes, 6> &b,
                               const unsigned int          entry,
@@ -217,8 +217,7 @@ namespace greville
   inline __attribute__((always_inline)) std::array<Lanes, 6>
   left_cauchy_green_less_one(const std::array<Lanes, 9> &F)
   {
-    // Squares less one are computed as (F_ii - 1) (F_ii + 1), without
-    // cancellation.
+    // Compute squares less one as (F_ii - 1) (F_ii + 1), without cancellation.
     const Lanes h0 = F[0] - 1., h1 = F[4] - 1., h2 = F[8] - 1.;
     return {{h0 * (F[0] + 1.) + F[1] * F[1] + F[2] * F[2],
              h1 * (F[4] + 1.) + F[3] * F[3] + F[5] * F[5],
@@ -230,8 +229,8 @@ namespace greville
 
 
 
-  /// Return f b f^T - 1 from @p e = b - 1, the elastic left Cauchy-Green tensor
-  /// less one at the end of a step without plastic flow.
+  /// Return f b f^T - 1 from @p e = b - 1. It is the elastic left Cauchy-Green
+  /// tensor less one at the end of a step without plastic flow.
   inline std::array<Lanes, 6>
   push_forward(const std::array<Lanes, 9> &f, const std::array<Lanes, 6> &e)
   {
@@ -265,7 +264,7 @@ namespace greville
 
 
 
-  /// For e = b - 1: det(b) - 1 and its part that is not linear in e.
+  /// For e = b - 1: det(b) - 1, and its part that is nonlinear in e.
   struct SquaredVolume
   {
     explicit SquaredVolume(const std::array<Lanes, 6> &e)

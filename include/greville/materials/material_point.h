@@ -24,11 +24,11 @@ namespace greville
     double dt = 0.;
     /// Material::strength_reduction() at the end of the step.
     double strength_reduction = 1.;
-    /// The Cauchy stress, Pa, at the beginning of the step; after update() at
+    /// The Cauchy stress, Pa, at the beginning of the step; after update(), at
     /// its end.
     dealii::SymmetricTensor<2, 3> stress;
-    /// The history, see Material::state_names(), at the beginning of the step;
-    /// after update() at its end.
+    /// The history at the beginning of the step; after update(), at its end.
+    /// See Material::state_names().
     History<double> state{};
     /// The modulus K + 4 G / 3 of pressure waves, Pa, written by update().
     double wave_modulus = 0.;

@@ -15,23 +15,23 @@ namespace greville
    *   d eps_p = dgamma df / dtau,
    *   d ln C = -d eps_v^p / (lambda - kappa),
    * where eps_v^p is the logarithmic plastic volumetric strain. On the normal
-   * compression line, P = C and ln V = -lambda ln P + const; the critical state
-   * is q = M P, P = C / 2; and in all states, with the void ratio e_1 of normal
-   * compression to P_1 = 1 kPa,
+   * compression line, P = C and ln V = -lambda ln P + const. The critical state
+   * is q = M P, P = C / 2. With the void ratio e_1 of normal compression to P_1
+   * = 1 kPa, all states satisfy
    *   ln(1 + e) = ln(1 + e_1) - kappa ln(P / P_1)
    *               - (lambda - kappa) ln(C / P_1).
    * An initial stress (P, q) has C = R (P + q^2 / (M^2 P)) for the
    * overconsolidation ratio R.
    *
-   * The unknown of the return is t = q / (M P), from which follow
+   * The unknown of the return is t = q / (M P). It gives
    *   P = C / (1 + t^2),
    *   d = kappa (lambda - kappa) / lambda ln(P(trial) / C_n (1 + t^2)),
    *   C = C_n exp(d / (lambda - kappa)),
    * where d is the plastic compaction; t solves
    *   (1 - t^2) (q - q(trial)) + 6 G / M t d = 0.
-   * A root lies between t = 1, the critical state, and the t of the elastic
-   * pressure on the surface at the beginning of the step, for any step. P is
-   * positive in between, so no stress is beyond the apex.
+   * A root lies between t = 1, the critical state, and the t at which the
+   * surface at the beginning of the step has the elastic pressure, for any
+   * step. P is positive in between, so no stress is beyond the apex.
    *
    * State: see CriticalStateLaw; the size of the yield surface is C, the
    * "preconsolidation".
@@ -97,7 +97,7 @@ namespace greville
                const bool               differentiate) const
     {
       const double a = elastic.attraction, C_n = state[size];
-      // ln(P / C_n) of the trial state, limited to arguments that exp() takes.
+      // ln(P / C_n) of the trial state, limited to the range of exp().
       const double L = std::max(trial.log_pressure + std::log(a / C_n), -600.);
       const double P_trial = C_n * std::exp(L);
       if (square(trial.q / ratio) <= -P_trial * C_n * std::expm1(L))
@@ -139,7 +139,7 @@ namespace greville
       return x * x;
     }
 
-    /// The state at a value of the unknown t, the residual h, and the
+    /// The state for a value of the unknown t, the residual h, and the
     /// derivatives of d and h by t.
     struct Point
     {
@@ -180,8 +180,8 @@ namespace greville
         return p;
       }
 
-      /// Solve by Newton's method, with bisection (of logarithms) if it leaves
-      /// the interval.
+      /// Solve by Newton's method, with bisection (of logarithms) if a step
+      /// leaves the interval.
       double
       solve() const
       {

@@ -13,11 +13,11 @@ namespace greville
    * tau_2 >= tau_3 (positive in tension, Pa):
    *   f = tau_1 - tau_3 + (tau_1 + tau_3) sin(phi) - 2 c cos(phi) <= 0,
    *   g = tau_1 - tau_3 + (tau_1 + tau_3) sin(psi).
-   * The return goes to one of: the plane; the right edge, where also f(tau_1,
-   * tau_2) = 0 and tau_2 = tau_3; the left edge, where also f(tau_2, tau_3) = 0
-   * and tau_1 = tau_2; the apex tau = c cot(phi) 1. Each return has a closed
-   * form (section 8.2.2 of the book); on an edge or the apex, the flow is the
-   * sum over the planes (Koiter).
+   * The return leads to one of these regions: the plane; the right edge, where
+   * also f(tau_1, tau_2) = 0 and tau_2 = tau_3; the left edge, where also
+   * f(tau_2, tau_3) = 0 and tau_1 = tau_2; the apex tau = c cot(phi) 1. Each
+   * return has a closed form (section 8.2.2 of the book). On an edge or the
+   * apex, the flow is the sum over the planes (Koiter).
    *
    * Cohesion c and friction angle phi fall over the accumulated equivalent
    * plastic strain alpha (of the deviator, see HenckyPlasticity) from the peak
@@ -25,21 +25,21 @@ namespace greville
    *   linear:      c = c_r + (c_p - c_r) max(1 - x, 0),
    *   exponential: c = c_r + (c_p - c_r) exp(-x),
    * and phi in the same way. alpha at the end of the step solves alpha =
-   * alpha_n + d alpha(alpha), by a secant method in a bracket, since the
+   * alpha_n + d alpha(alpha) by a secant method. It has a bracket, since the
    * plastic strain of a return is at most the deviatoric trial strain. The
-   * returned stress lies on the surface of the new alpha to round-off. If the
+   * returned stress is on the surface of the new alpha up to round-off. If the
    * material softens faster than it unloads elastically, there are several
-   * solutions, of which one is taken; results then depend on the grid, as with
-   * any local softening.
+   * solutions, and one of them is used. Results then depend on the grid, as
+   * with any local softening.
    *
    * Parameters: "Cohesion", "Residual cohesion", Pa, "Friction angle",
    * "Residual friction angle", "Dilatancy angle", degrees, "Softening",
    * "Softening strain", "Strength reduction", see StrengthReduction. State: see
    * HenckyPlasticity.
    *
-   * reinit() throws dealii::ExcMessage for residual > peak values, psi > the
-   * residual phi, for phi = c = 0, and an invalid Poisson's ratio, initialize()
-   * for a stress outside the yield surface.
+   * reinit() throws dealii::ExcMessage for residual > peak values, for psi >
+   * the residual phi, for phi = c = 0, and for an invalid Poisson's ratio;
+   * initialize() throws for a stress outside the yield surface.
    */
   class MohrCoulomb : public HenckyPlasticity<MohrCoulomb>
   {
@@ -58,7 +58,7 @@ namespace greville
       return true;
     }
 
-    /// Symmetric for associated flow without softening; see DruckerPrager for
+    /// Return true for associated flow without softening; see DruckerPrager for
     /// materials that bear tension.
     bool
     has_symmetric_tangent() const override
@@ -87,8 +87,8 @@ namespace greville
                  std::min(tau[0], std::min(tau[1], tau[2])));
     }
 
-    /// Return the mean stress of the apex, which a strength reduction does not
-    /// move; infinite without friction.
+    /// Return the mean stress of the apex, infinite without friction. A
+    /// strength reduction does not move the apex.
     double
     largest_mean_stress(const double alpha) const
     {
@@ -166,7 +166,7 @@ namespace greville
     Surface
     make_surface(const double alpha, const double reduction) const;
 
-    /// Apply the return of sorted stresses to a given surface.
+    /// Return sorted stresses to a given surface.
     Principal
     returned(const Principal &t,
              const Surface   &s,
@@ -175,8 +175,8 @@ namespace greville
       const double K = elastic.bulk, G = elastic.shear;
       const double phi = s.sine, psi = s.sin_dilatancy;
 
-      // The changes of a plane's largest and smallest stress by its flow, and
-      // of the intermediate stress.
+      // The changes of a plane's largest and smallest stress, and of its
+      // intermediate stress, by the flow of this plane.
       const double upper  = 2. * G * (1. + psi / 3.) + 2. * K * psi,
                    lower  = 2. * G * (1. - psi / 3.) - 2. * K * psi,
                    middle = (4. / 3. * G - 2. * K) * psi;
@@ -215,7 +215,7 @@ namespace greville
         }
       if (region != nullptr)
         *region = right ? Region::right : Region::left;
-      if (phi == 0. || !(r[0] < r[2])) // also what is not a number
+      if (phi == 0. || !(r[0] < r[2])) // or not a number
         return r;
       if (region != nullptr)
         *region = Region::apex;
@@ -223,17 +223,17 @@ namespace greville
     }
 
     /// Return the plastic volumetric strain of a return from sorted stresses to
-    /// the apex, less the dilatancy of its deviator e: the flows (1 + m, 0, m -
-    /// 1) gamma, m = sin(psi), of the planes that meet at the right edge have
-    /// the volumetric strain 2 m sum(gamma) with sum(gamma) = e_1 / (1 + m /
-    /// 3), and at the left edge with sum(gamma) = -e_3 / (1 - m / 3).
+    /// the apex, less the dilatancy of its deviator e. At the right edge,
+    /// planes with the flows (1 + m, 0, m - 1) gamma, m = sin(psi), meet. Their
+    /// volumetric strain is 2 m sum(gamma) with sum(gamma) = e_1 / (1 + m / 3);
+    /// at the left edge, sum(gamma) = -e_3 / (1 - m / 3).
     double
     opening_at_apex(const Principal &trial,
                     const double     apex,
                     const double     m) const;
 
     /// Solve h(x) = alpha + d alpha(x) - x = 0, beginning with the @p growth d
-    /// alpha for the old strength; set @p alpha to x and return the stress.
+    /// alpha for the old strength. Set @p alpha to x and return the stress.
     Principal
     soften(const Principal &trial,
            const double     growth,
@@ -244,9 +244,9 @@ namespace greville
     Surface
     slope_of_surface(const double alpha, const double reduction) const;
 
-    /// Compute the tangent of a return of sorted stresses, with the original
-    /// numbers @p order, to the surface at @p alpha. @p grows says whether
-    /// alpha has grown in this return.
+    /// Compute the tangent of a return of sorted stresses to the surface at
+    /// @p alpha. @p order contains their original numbers. @p grows says
+    /// whether alpha has grown in this return.
     void
     differentiate(ReturnTangent                     &tangent,
                   const Principal                   &trial,

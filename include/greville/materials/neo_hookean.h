@@ -18,16 +18,16 @@ namespace greville
    *          = \frac{1}{J} (\lambda \ln J \, 1 + \mu (F F^T - 1))
    * @f}
    * with Lame's constants lambda and mu = G from E and nu; stresses in Pa. With
-   * nu = 0 a bar in uniaxial strain F has P = mu (F - 1 / F), mu = E / 2: the
-   * law P = E / 2 (F - 1 / F) of one-dimensional manufactured solutions.
+   * nu = 0 and thus mu = E / 2, a bar in uniaxial strain F has P = E / 2 (F - 1
+   * / F), the law of one-dimensional manufactured solutions.
    *
    * A wave along a principal stretch s has rho c^2 = (lambda (1 - ln(J)) + mu +
-   * mu s^2) / J; wave_modulus takes for s^2 the upper bound tr(b) / 3 + sqrt(2
-   * / 3) |dev(b)| of the eigenvalues of b = F F^T, and at least lambda / 100 +
-   * mu / 50 for the bracket, which vanishes at large J.
+   * mu s^2) / J. For s^2, wave_modulus uses the upper bound tr(b) / 3 + sqrt(2
+   * / 3) |dev(b)| of the eigenvalues of b = F F^T. The bracket vanishes at
+   * large J; it is at least lambda / 100 + mu / 50.
    *
    * reinit() throws dealii::ExcMessage for a Poisson's ratio outside of (-1,
-   * 0.5), initialize() for a stress that no deformation produces.
+   * 0.5), and initialize() for a stress that no deformation produces.
    */
   class NeoHookean : public ElasticMaterial<LanesMaterial>
   {
@@ -43,8 +43,8 @@ namespace greville
       const Spectrum spectrum(stress);
       const double   lambda = elastic.lambda, mu = elastic.shear;
 
-      // Newton's method with a limited step; if a b_a is not positive, ln J
-      // moves in the direction in which it grows.
+      // Use Newton's method with a limited step. If some b_a is not positive,
+      // move ln J in the direction in which this b_a grows.
       double    log_J     = 0.;
       bool      converged = false;
       Principal stretch;
@@ -106,9 +106,8 @@ namespace greville
         }
     }
 
-    /// The energy is exact to round-off relative to itself for small strains,
-    /// too: steps that conserve energy divide its change by the change of
-    /// strain.
+    /// The energy is exact up to relative round-off, also for small strains.
+    /// Steps that conserve energy divide its change by the change of strain.
     EnergyLanes
     energies(const MaterialLanes &points) const override
     {

@@ -19,10 +19,10 @@ namespace greville
    * where P_i is the image pressure, at which eta = M on the surface, and e the
    * void ratio, with 1 + e proportional to the volume. Dense sand, psi < 0,
    * reaches the largest dilatancy chi psi_i; its surface grows beyond the
-   * critical state and shrinks back to it, whereas the surface of loose sand
-   * shrinks to it. At the tip of the surface, P = e P_i with q = 0, the flow
-   * has any direction between the normals of the two sides, and d eps_v^p = M
-   * dm.
+   * critical state and shrinks back to it. The surface of loose sand shrinks to
+   * the critical state. At the tip of the surface, P = e P_i with q = 0, the
+   * flow has any direction between the normals of the two sides, and d eps_v^p
+   * = M dm.
    *
    * An initial stress (P, q) has the given state parameter psi = e - e_c(P).
    * Its P_i is the image pressure of the surface through the stress, times the
@@ -206,8 +206,8 @@ namespace greville
         return p;
       }
 
-      /// Solve by Newton's method, with bisection (of logarithms) if it leaves
-      /// the interval.
+      /// Solve by Newton's method, with bisection (of logarithms) if a step
+      /// leaves the interval.
       double
       solve() const
       {

@@ -41,7 +41,7 @@ namespace greville
 
   /// Throw dealii::ExcMessage with the @p material, its Cauchy @p stress and
   /// the @p reason if not @p possible. The reason is a text, or a function that
-  /// makes it, since each point is checked.
+  /// makes the text only if it is needed, since each point is checked.
   template <typename Reason>
   void
   check_stress(const bool                           possible,

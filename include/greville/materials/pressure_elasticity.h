@@ -17,11 +17,11 @@ namespace greville
    *   W = a (eps_v + kappa (exp(-eps_v / kappa) - 1)) + G sum_a e_a^2,
    *   tau_a = a (1 - exp(-eps_v / kappa)) + 2 G e_a.
    * P = a - tr(tau) / 3 = a exp(-eps_v / kappa) > 0 is the pressure above the
-   * apex, where the soil tears: the mean stress is below the attraction a in
+   * apex, at which the soil tears. The mean stress is below the attraction a in
    * any deformation. The bulk modulus is P / kappa, and a change of pressure
    * from P_1 to P_2 changes ln V by -kappa ln(P_2 / P_1). (A part alpha P of
-   * the shear modulus would couple volume and shear, and, without a constant
-   * part, limit q / P to sqrt(3 alpha kappa / 2).)
+   * the shear modulus would couple volume and shear. Without a constant part,
+   * it would limit q / P to sqrt(3 alpha kappa / 2).)
    *
    * Parameters: "Shear modulus" G, Pa, "Swelling slope" kappa, and "Attraction"
    * a, Pa.
@@ -76,9 +76,9 @@ namespace greville
     }
 
     /// Fill stress, F, J and wave_modulus of @p point for a Cauchy stress
-    /// sigma, and return eps; @p e becomes b - 1. ln J solves exp(ln J)
-    /// tr(sigma) / 3 = a (1 - exp(-ln J / kappa)); throws dealii::ExcMessage if
-    /// it has no solution.
+    /// sigma, set @p e to b - 1, and return eps. ln J solves exp(ln J)
+    /// tr(sigma) / 3 = a (1 - exp(-ln J / kappa)). Throws dealii::ExcMessage if
+    /// there is no solution.
     Principal
     invert(MaterialPoint                       &point,
            dealii::SymmetricTensor<2, 3>       &e,

@@ -47,9 +47,9 @@ namespace greville
 
 
 
-  /// Compute the tangent of a return that scales the deviator. The new radius
-  /// sqrt(J2) and mean stress depend on q = sqrt(J2) and p of the trial stress
-  /// with the given derivatives.
+  /// Compute the tangent of a return that scales the deviator. The given
+  /// derivatives are derivatives of the new radius sqrt(J2) and mean stress by
+  /// q = sqrt(J2) and p of the trial stress.
   inline void
   set_tangent(ReturnTangent   &tangent,
               const Principal &trial,

@@ -10,25 +10,25 @@ namespace greville
 {
   /**
    * The spectral decomposition A = sum_a values[a] n_a n_a^T of a symmetric
-   * tensor with the entries (xx, yy, zz, xy, xz, yz), to round-off of its norm,
-   * also if values are close or equal. It takes one tensor (Number is double)
-   * or several at once (Lanes) and needs no iteration until convergence:
+   * tensor with the entries (xx, yy, zz, xy, xz, yz), up to round-off of its
+   * norm, also if values are close or equal. It takes one tensor (Number is
+   * double) or several at once (Lanes), without iterations of variable length:
    *
    * Let m = tr(A) / 3, B = (A - m 1) / s with s such that B : B = 6. The values
-   * t of B solve t^3 - 3 t = det B, |det B| <= 2. The largest by magnitude has
-   * sqrt(3) <= |t| <= 2, is apart from the other two by at least sqrt(3) and
-   * depends smoothly on det B: Newton's method finds it from a polynomial. The
-   * adjugate of B - t 1 is a multiple of n n^T, of norm 6 to 9, so that its
-   * largest column gives the direction n. The remaining tensor in the plane
-   * normal to n is decomposed as below. (@ref Eberly2014 "Eberly, 2014", does
-   * the same, beginning with the cosine.)
+   * t of B solve t^3 - 3 t = det B, |det B| <= 2. The one of largest magnitude
+   * has sqrt(3) <= |t| <= 2, differs from the other two by at least sqrt(3),
+   * and depends smoothly on det B. Newton's method finds it from the value of a
+   * polynomial. The adjugate of B - t 1 is a multiple of n n^T, of norm 6 to 9,
+   * so its largest column gives the direction n. The remaining tensor in the
+   * plane normal to n is decomposed as below. (@ref Eberly2014 "Eberly, 2014",
+   * does the same, beginning with the cosine.)
    *
    * Without xz and yz (plane strain), n is z and m need not be subtracted: with
    * m = (A_xx + A_yy) / 2, d = (A_xx - A_yy) / 2 and r = sqrt(d^2 + A_xy^2) the
    * values are m + r, m - r, A_zz, and 2 n_1 n_1^T - 1 = ((d, A_xy), (A_xy,
    * -d)) / r in the plane.
    *
-   * Values are in no order. Throws nothing; entries that are not finite give
+   * Values have no order. Throws nothing; entries that are not finite give
    * values that are not finite. Tensors whose deviator is below 1e-150 count as
    * isotropic.
    */
@@ -79,7 +79,7 @@ namespace greville
     directions() const
     {
       using std::sqrt;
-      // Half the angle is computed from the larger of its cosine and sine.
+      // Compute half the angle from the larger of its cosine and sine.
       const auto   near   = cosine >= 0.;
       const Number larger = sqrt(0.5 + 0.5 * choose(near, cosine, -cosine));
       const Number other  = 0.5 * sine / larger;
@@ -141,7 +141,7 @@ namespace greville
         t -= ((t * t - 3.) * t - h) / (3. * (t * t - 1.));
       t = choose(determinant < 0., -t, t);
 
-      // The largest column of the adjugate of B - t 1.
+      // Take the largest column of the adjugate of B - t 1.
       const Number x = B[0] - t, y = B[1] - t, z = B[2] - t;
       const Number xx = y * z - B[5] * B[5], yy = x * z - B[4] * B[4],
                    zz = x * y - B[3] * B[3], xy = B[4] * B[5] - B[3] * z,

@@ -14,9 +14,9 @@
 
 namespace greville
 {
-  /// A factor r(t) that divides the cohesion and tan(phi) of a frictional law:
-  /// its value at which a slope fails is the factor of safety (@ref Matsui1992
-  /// "Matsui and San, 1992"). The apex c cot(phi) stays fixed.
+  /// A factor r(t) that divides the cohesion and tan(phi) of a frictional law.
+  /// The value at which a slope fails is the factor of safety (@ref Matsui1992
+  /// "Matsui and San, 1992"). The apex c cot(phi) does not move.
   class StrengthReduction
   {
   public:

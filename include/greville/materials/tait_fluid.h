@@ -17,12 +17,12 @@ namespace greville
    *   W = B ((J^(1 - gamma) - 1) / (gamma - 1) + J - 1),
    *   D = D + dt J (2 eta dev(d) : dev(d) + zeta tr(d)^2).
    * d is the rate of deformation that is power-conjugate to the internal forces
-   * of an explicit step. It is objective in velocities (a spin adds no stress),
-   * but not for an increment f that is a finite rotation.
+   * of an explicit step. It is objective for velocities (a spin causes no
+   * stress), but not for an increment f that is a finite rotation.
    *
-   * Without "Allow tension" a fluid with J > 1 has torn: p, zeta and W are
-   * zero, eta dev(d) stays. The wave modulus is -J dp / dJ = B gamma J^-gamma,
-   * also in a torn fluid.
+   * Without "Allow tension", a fluid with J > 1 has torn: p, zeta and W are
+   * zero, but eta dev(d) remains. The wave modulus is -J dp / dJ = B gamma
+   * J^-gamma, also in a torn fluid.
    *
    * Parameters: "Sound speed" c, m/s, at J = 1, "Bulk viscosity" zeta,
    * Pa s, "Allow tension". State: the dissipated energy D per
@@ -177,7 +177,7 @@ namespace greville
           }
     }
 
-    /// Symmetric without viscosity.
+    /// Return true without viscosity.
     bool
     has_symmetric_tangent() const override
     {

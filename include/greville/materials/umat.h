@@ -31,7 +31,7 @@ namespace greville
    *   d sigma = DDSDDE : d - tr(d) sigma + w sigma - sigma w.
    * "Tangent" = differences uses finite differences of calls instead.
    *
-   * F is 1 in the initial state, as in Abaqus, also under an initial stress:
+   * F is 1 in the initial state, as in Abaqus, also under an initial stress; so
    * the density refers to the initial state. wave_modulus is the maximum of K +
    * 4 G / 3 of moduli() and of all D_11, D_22 and D_33 so far at the point,
    * since laws unload with a larger stiffness than their plastic tangent.
@@ -46,11 +46,11 @@ namespace greville
    * zero, and "Time limit" (s) of a call. State: STRAN, SSE, SPD, SCD, the
    * work, the dissipation and the largest modulus, then STATEV.
    *
-   * update() throws dealii::ExcMessage if PNEWDT < 1 or results are not finite,
-   * and UmatFault if the UMAT throws or writes to memory that is not its own.
-   * The process ends if the UMAT ends it (UmatCall). reinit() throws ExcMessage
-   * for a library without a UMAT, invalid names or formulas, and a law without
-   * a stiffness.
+   * update() throws dealii::ExcMessage if PNEWDT < 1 or if results are not
+   * finite, and UmatFault if the UMAT throws or writes to memory that is not
+   * its own. The process ends if the UMAT ends it, see UmatCall. reinit()
+   * throws ExcMessage for a library without a UMAT, invalid names or formulas,
+   * and a law without a stiffness.
    */
   class Umat : public Material
   {

@@ -7,8 +7,9 @@
 /**
  * The arguments of an Abaqus UMAT, for C and C++ (in C++ with extern "C"):
  *   void umat_(GREVILLE_UMAT_ARGUMENTS) { ... }
- * All are passed by reference, as in Fortran; the first index of arrays runs
- * fastest; the length of cmname, which is padded with blanks, is the last one.
+ * All are passed by reference, as in Fortran. The first index of arrays runs
+ * fastest. The last argument is the length of cmname, which is padded with
+ * blanks.
  */
 #define GREVILLE_UMAT_ARGUMENTS                                               \
   double *stress, double *statev, double *ddsdde, double *sse, double *spd,   \

@@ -21,9 +21,9 @@ namespace greville
 
 
 
-  /// The call of a UMAT during its lifetime, which lets messages name the law
-  /// and the point. A fault that ends the process does so between steps of all
-  /// processes, so that no file is left half written.
+  /// The call of a UMAT during its lifetime. It lets messages name the law and
+  /// the point. A fault that ends the process does so between steps of all
+  /// processes, so that all files are complete.
   class UmatCall : public ForeignCall
   {
   public:
@@ -35,8 +35,8 @@ namespace greville
       double      time_limit = 0.;
     };
 
-    /// Begin a call with the @p point at the end of the step, or a null pointer
-    /// if the stiffness without an increment is called for. The arguments must
+    /// Begin a call with the @p point at the end of the step, or with a null
+    /// pointer for the stiffness without an increment. The arguments must
     /// outlive the object.
     UmatCall(const Law           &law,
              const MaterialPoint *point,

@@ -12,11 +12,11 @@
 
 namespace greville
 {
-  /// The arguments of a UMAT in separate memory, with guards between them:
-  /// marked NaNs, which change if a UMAT writes beyond an array, and which
-  /// spread if it reads beyond one. The pages before and behind all arguments
-  /// may neither be read nor written. STATEV is the last array, since its
-  /// length is the one that laws most often get wrong.
+  /// The arguments of a UMAT in separate memory, with guards between them.
+  /// Guards are marked NaNs, which change if a UMAT writes beyond an array, and
+  /// spread if it reads beyond one. The pages before and after all arguments
+  /// can be neither read nor written. STATEV is the last array, since laws most
+  /// often get its length wrong.
   class UmatMemory
   {
   public:
@@ -56,7 +56,7 @@ namespace greville
            const double               element_length,
            const unsigned int         n_state_variables);
 
-    /// Make room for NTENS = @p n.
+    /// Reserve memory for NTENS = @p n.
     void
     prepare(const unsigned int n)
     {
@@ -91,7 +91,7 @@ namespace greville
       return reinterpret_cast<const int *>(data + begin[integers]) + k;
     }
 
-    /// Return whether a call has changed nothing but its arguments.
+    /// Return whether a call has changed only its arguments.
     bool
     is_intact() const;
 
@@ -123,13 +123,13 @@ namespace greville
     std::string         padded_name;
     double              element_length = 1.;
     unsigned int        ntens = 0, nstatv = 0;
-    // All pages, the position of the arguments in them, the first numbers of
-    // arrays, and their lengths.
+    // All pages, the position of the arguments in them, and for each array its
+    // first number and its length.
     std::shared_ptr<void>              pages;
     std::size_t                        n_all_bytes = 0;
     double                            *data        = nullptr;
     std::array<unsigned int, n_arrays> begin, size;
-    // The first numbers of the guards behind arrays, and a copy of the
+    // The first numbers of the guards after the arrays; and a copy of the
     // arguments that a UMAT must not change, with their guards.
     std::array<unsigned int, n_arrays> guards;
     std::vector<double>                image;

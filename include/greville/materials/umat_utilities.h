@@ -54,8 +54,8 @@ namespace greville
     /// Write a message with %I, %R and %S for the next entry of intv, realv and
     /// charv (8 characters each). If lop is 1 (information) or -1 (a warning),
     /// each text is written once to the error output; if lop is -2 or -3
-    /// (errors), dealii::ExcMessage is thrown. The lengths are Fortran's hidden
-    /// arguments for the two strings.
+    /// (errors), throws dealii::ExcMessage. The string lengths are hidden
+    /// arguments of Fortran.
     void
     stdb_abqerr_(const int    *lop,
                  const char   *text,
