@@ -46,8 +46,8 @@ namespace greville
     Point<3>
     closest_of(const FlatFacet<3> &facet, const Point<3> &x)
     {
-      // The plane is closest if x is above the triangle, otherwise the nearest
-      // edge.
+      // If x is above the triangle, the closest point is in its plane,
+      // otherwise on the nearest edge.
       const auto &corners  = facet.corners;
       bool        is_above = true;
       Point<3>    result;
@@ -77,7 +77,7 @@ namespace greville
 
 
 
-    /// Return the angle of the facet at a point of it, as a fraction of the
+    /// Return the angle of the facet at one of its points, as a fraction of the
     /// full circle; in 2D, 1 or 1/2.
     template <int dim>
     double
@@ -150,8 +150,8 @@ namespace greville
       double                      size        = 0.; // of coordinates
       double                      mean_extent = 0.; // of facets
 
-      // Memory for searches: facets with near boxes, and facets at about the
-      // least distance.
+      // Memory for searches: facets with near boxes, and facets with about the
+      // smallest distance.
       mutable std::vector<Entry>                               found;
       mutable std::vector<std::pair<unsigned int, Point<dim>>> nearest;
     };
@@ -229,7 +229,7 @@ namespace greville
               nearest.emplace_back(entry.second, y);
             }
         }
-      // Distances may differ from the distances above in the last bit.
+      // These distances may differ from the ones above in the last bit.
       const Point<dim> *point = nullptr;
       smallest_distance       = std::numeric_limits<double>::infinity();
       for (const auto &[facet, y] : nearest)

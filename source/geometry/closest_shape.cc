@@ -34,8 +34,8 @@ namespace greville
 
 
 
-    /// A point at which the first n of some level sets are zero or are to be
-    /// zero.
+    /// A point at which the first n of some level sets are zero, or are to
+    /// become zero.
     template <int dim>
     struct Candidate
     {
@@ -188,7 +188,7 @@ namespace greville
         for (; n_near < singles.size() && best.n == 0; ++n_near)
           if (is_on_surface(singles[n_near], query.size))
             best = singles[n_near];
-        // Only nearer level sets can intersect at a nearer point.
+        // Only level sets that are nearer can intersect at a nearer point.
         for (unsigned int i = 0; i < n_near; ++i)
           for (unsigned int j = 0; j < i; ++j)
             for (unsigned int k = dim == 3 ? 0 : j; k <= j; ++k)
@@ -236,7 +236,7 @@ namespace greville
         const Point<dim> infinite(std::numeric_limits<double>::infinity() *
                                   ones);
         const BoundingBox<dim> everything({-infinite, infinite});
-        // A box much larger than the numbers in the formula.
+        // Begin with a box much larger than the numbers in the formula.
         Point<dim> upper(64. * (length > 0. ? length : 1.) * ones);
         Point<dim> lower = -upper;
         for (unsigned int pass = 0; pass < 6; ++pass)
@@ -317,8 +317,8 @@ namespace greville
           n_cells_of_contours<dim>);
       }
 
-      /// Return whether both sides of the surface are in the sectors between
-      /// the level sets; sets the normal.
+      /// Set the normal, and return whether both sides of the surface are in
+      /// the sectors between the level sets.
       bool
       is_on_surface(Candidate<dim> &candidate, const double size) const
       {

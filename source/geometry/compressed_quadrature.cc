@@ -13,7 +13,7 @@ namespace greville
 
   namespace
   {
-    /// Legendre polynomials on the box of the points, normalized: entry i of
+    /// Normalized Legendre polynomials on the box of the points. Entry i of
     /// value(x) is the i-th polynomial of total degree at most q.
     template <int dim>
     class Polynomials
@@ -66,8 +66,8 @@ namespace greville
 
 
 
-    /// Return the product of two vectors from entry @p begin on, with eight
-    /// sums at a time.
+    /// Return the product of two vectors from entry @p begin on, by eight sums
+    /// at a time.
     double
     product(const std::vector<double> &a,
             const std::vector<double> &b,
@@ -97,15 +97,15 @@ namespace greville
 
 
     /// Return an orthonormal basis of the orthogonal complement of the
-    /// @p vectors, of which there are fewer than their length, by Householder
-    /// reflections. The vectors are overwritten.
+    /// @p vectors, by Householder reflections. There are fewer vectors than
+    /// entries in each. The vectors are overwritten.
     std::vector<std::vector<double>>
     orthogonal_complement(std::vector<std::vector<double>> &vectors)
     {
       const std::size_t n = vectors[0].size(), m = vectors.size();
       for (std::size_t k = 0; k < m; ++k)
         {
-          // Vector k is replaced by the reflection that maps it to e_k.
+          // Replace vector k by the reflection that maps it to e_k.
           auto &v = vectors[k];
           std::fill(v.begin(), v.begin() + k, 0.);
           const double norm = std::sqrt(product(v, v));
@@ -201,7 +201,7 @@ namespace greville
                                     }),
                      points.end());
         if (points.size() == first + n)
-          break; // not with finite weights
+          break; // only if weights are not finite
       }
   }
 

@@ -95,8 +95,8 @@ namespace greville
 
 
 
-    /// Return the Gauss points of [0, 1], since deal.II computes them anew each
-    /// time.
+    /// Return the Gauss points of [0, 1], which deal.II would compute again in
+    /// each call.
     const Quadrature<1> &
     gauss(const unsigned int n)
     {
@@ -109,7 +109,7 @@ namespace greville
 
 
     /// Call @p visit(coordinates, weight) with the quadrature points of a
-    /// simplex. The coordinates belong to all corners but the first, the
+    /// simplex. The coordinates belong to all corners except the first one. The
     /// weights add up to 1 / d!.
     template <typename Visit>
     void
@@ -128,8 +128,8 @@ namespace greville
                            const unsigned int n,
                            const Visit       &visit)
     {
-      // The rule of d - 1 coordinates is shrunk towards the first corner; the
-      // factor r^(d - 1) needs one more point.
+      // Shrink the rule of d - 1 coordinates towards the first corner. The
+      // factor r^(d - 1) requires one more point.
       const auto &rule = gauss(n + 1);
       for (unsigned int i = 0; i < rule.size(); ++i)
         {
@@ -330,7 +330,7 @@ namespace greville
     const unsigned int n, std::vector<WeightedPoint<dim>> &points) const
   {
     const Point<dim> apex = facets.front().front();
-    // The largest measure that can result from round-off.
+    // The largest measure that round-off can cause.
     double size = 0.;
     for (const Facet<dim> &facet : facets)
       for (const Point<dim> &x : facet)

@@ -14,11 +14,12 @@ namespace greville::internal
 
   namespace
   {
-    // The least number of cells across a thin box.
+    // The smallest number of cells across a thin box.
     constexpr unsigned int least_cells_across = 12;
 
     // Planes intersect in an edge or corner if an eigenvalue of the sum of n
-    // n^T is above this fraction of the largest one: at angles from 11 degrees.
+    // n^T is above this fraction of the largest one, as for angles from 11
+    // degrees.
     constexpr double least_eigenvalue = 0.01;
 
 
@@ -122,8 +123,8 @@ namespace greville::internal
     for (std::size_t k = 0; k < n_all; ++k)
       inside[k] = is_inside(position(multi_index<dim>(k, n_nodes)));
 
-    // Cells have the numbers of their first nodes. Each edge that the surface
-    // cuts is surrounded by a face of 2 or 4 cells.
+    // Cells have the numbers of their first nodes. A face of 2 or 4 cells
+    // surrounds each edge that the surface cuts.
     constexpr unsigned int                            n_around = 1 << (dim - 1);
     std::unordered_map<std::size_t, ContourCell<dim>> cells;
     std::vector<std::array<std::size_t, n_around>>    faces;
@@ -173,8 +174,8 @@ namespace greville::internal
         const auto across = [&](const unsigned int v) {
           return cells[face[v]].n_across;
         };
-        // The common side of two triangles lies along an edge of the surface,
-        // if there is one.
+        // If there is an edge of the surface, the common side of two triangles
+        // must be along it.
         if (dim == 3 && across(0) + across(2) < across(1) + across(dim))
           std::rotate(face.begin(), face.begin() + 1, face.end());
         for (unsigned int t = 2; t <= n_around - (dim == 3); ++t)

@@ -15,7 +15,7 @@ namespace greville
 
   namespace
   {
-    // Smaller fractions of a cell have no points, and larger ones must not
+    // Parts of a cell below this fraction have no points. Larger parts must not
     // extend beyond the grid.
     constexpr double smallest_part = 1e-10;
 
@@ -64,7 +64,7 @@ namespace greville
         for (const int side : {-1, 1})
           if (box.index[d] == (side < 0 ? 0 : n_cells[d] - 1))
             {
-              // Indices wrap: before 0 is the largest number, plus one 0 again.
+              // Unsigned indices wrap around: 0 - 1 is the largest number.
               CellBox<dim> outside = box;
               outside.index[d] += side;
               outside.lower[d] += side * box.size[d];
@@ -260,8 +260,7 @@ namespace greville
         std::uint64_t id = position * surface_ids;
         for (const auto &point : part.surface)
           {
-            // Areas are vectors that scale with the sides of the cell across
-            // them.
+            // Scale areas, as vectors, by the sides of the cell across them.
             SurfacePoint<dim> placed;
             placed.x      = point_of_cell<dim>(point.x, box);
             placed.normal = point.weight * point.normal;

@@ -12,7 +12,7 @@ namespace greville
 
   namespace
   {
-    // Places coincide if they are closer than this fraction of a cell.
+    // Positions coincide if they are closer than this fraction of a cell.
     constexpr double same_place = 1e-11;
 
     // The step of differences of formulas, in cells.
@@ -282,7 +282,7 @@ namespace greville
       }
     else
       {
-        // One child that is outside decides an intersection.
+        // An intersection is outside if one child is, a union inside.
         const Side deciding = node.kind == Node::all_of ? outside : inside;
         side                = Side(-deciding);
         for (const Node &child : node.children)

@@ -17,7 +17,7 @@ namespace greville
 
   namespace
   {
-    // Places coincide if they are closer than this fraction of a cell.
+    // Positions coincide if they are closer than this fraction of a cell.
     constexpr double same_place = 1e-11;
 
     // The number of bisections of a cell in which curved surfaces meet others.
@@ -25,15 +25,15 @@ namespace greville
     template <int dim>
     constexpr unsigned int max_depth = dim == 2 ? 12 : 4;
 
-    // Parts in which a surface turns by more than this have additional errors,
-    // and are bisected, up to the given number of times.
+    // If a surface turns by more than this in a part, additional errors appear,
+    // and the part is bisected, up to the given number of times.
     constexpr double flat_enough = 0.3;
 
     template <int dim>
     constexpr unsigned int max_curved_depth = dim == 2 ? 2 : 1;
 
-    // The number of bisections by deal.II of a part whose surface is not a
-    // height function along an axis, before it takes a single point.
+    // The number of bisections by deal.II if the surface in a part is not a
+    // height function along an axis. After them, deal.II uses a single point.
     constexpr unsigned int max_box_splits = 10;
 
 
@@ -102,7 +102,7 @@ namespace greville
       }
 
     private:
-      /// Find the sides that contain a whole box.
+      /// Set the sides of the level sets that do not cut a box.
       void
       find_sides(const BoundingBox<dim> &box, Sides &sides) const
       {
@@ -113,8 +113,8 @@ namespace greville
 
 
 
-      /// Cut a box by level set @p j if it is an axis-aligned plane, and return
-      /// whether it is one.
+      /// If level set @p j is an axis-aligned plane, cut a box by it. Return
+      /// whether it is.
       bool
       cut_along_axes(const unsigned int      j,
                      const BoundingBox<dim> &box,
@@ -135,7 +135,7 @@ namespace greville
 
 
 
-      /// Return the 2^(number of directions) parts of half the size.
+      /// Return parts of half the size in each direction.
       static std::vector<BoundingBox<dim>>
       halves(const BoundingBox<dim> &box)
       {
@@ -322,8 +322,8 @@ namespace greville
 
       /// Return whether the boundary of the shape is the zero set of level set
       /// @p j: 1 if the shape is on its inner side, -1 if it is on its outer
-      /// side, 0 if it is on both or none. The result is empty if this is
-      /// unknown; it then depends on the @p active level sets.
+      /// side, 0 if it is on both or none. If this is unknown, the result is
+      /// empty, and depends on the @p active level sets.
       std::optional<int>
       boundary(const unsigned int j,
                Sides              sides,
@@ -339,9 +339,9 @@ namespace greville
         return (outer - inner) / 2;
       }
 
-      /// Return the normal of the boundary in @p plane of level set @p j; zero
-      /// if there is no boundary, or if the shape is not on the side @p wanted
-      /// of the plane.
+      /// Return the normal of the boundary in @p plane of level set @p j. It is
+      /// zero if there is no boundary, or if the shape is not on the side
+      /// @p wanted of the plane.
       static Tensor<1, dim>
       normal_of(const int sign, const Side wanted, const Plane<dim> &plane)
       {
@@ -387,8 +387,8 @@ namespace greville
 
 
 
-      /// Integrate over the boundary in a part of plane @p j, which is along
-      /// axes, across direction @p d.
+      /// Integrate over the boundary in a box of the axis-aligned plane @p j,
+      /// across direction @p d.
       void
       cut_flat_box(const BoundingBox<dim> &box,
                    const unsigned int      d,

@@ -108,7 +108,7 @@ namespace greville
             point.id     = position * n_in_cell + k;
             point.cell   = cell;
             point.volume = 1.;
-            // Shifts cost as much as all the rest: compute them on demand.
+            // Compute shifts on demand: they cost as much as all the rest.
             std::array<double, dim> shift{};
             if (parameters.jitter > 0.)
               {
@@ -146,7 +146,7 @@ namespace greville
                       ") m. Make the shape smaller, or set 'Clip at the grid' "
                       "to true.");
 
-            // One cell beyond each wall must be empty.
+            // Check that one cell beyond each wall is empty.
             for (unsigned int d = 0; d < dim && !parameters.clip; ++d)
               for (const int side : {-1, 1})
                 if (!space.is_periodic(d) &&

@@ -23,9 +23,9 @@ namespace greville
       int              volume = -1, mass = -1, density = -1;
     };
 
-    // Redundant columns may differ by this relative difference, and densities
-    // of points and of their material by this factor; volumes may exceed the
-    // grid by this fraction.
+    // Largest accepted deviations: the relative difference of redundant
+    // columns, the ratio of densities of points and of their material, and the
+    // fraction by which volumes exceed the grid.
     constexpr double largest_difference = 0.01, largest_ratio = 1e3,
                      largest_excess = 0.01;
 
@@ -40,7 +40,7 @@ namespace greville
 
 
 
-    /// Call read_csv() if the name of the file has a suitable ending.
+    /// Call read_csv() if the file name has a suitable extension.
     void
     read_points(const std::string                          &file,
                 const std::string                          &section,
@@ -187,7 +187,7 @@ namespace greville
         return group;
       }
 
-      /// The columns of a group, or none of them.
+      /// Return the columns of a group, or none of them.
       std::vector<int>
       find_group(const CsvLine                  &line,
                  const std::vector<std::string> &group) const

@@ -12,8 +12,8 @@ namespace greville
 
   namespace
   {
-    // The point at which shapes are evaluated, since functions of formulas
-    // receive their arguments only.
+    // The point at which shapes are evaluated, since functions in formulas
+    // receive only their arguments.
     thread_local const double *shape_point = nullptr;
     thread_local int           shape_dim   = 0;
 

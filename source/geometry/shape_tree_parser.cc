@@ -14,7 +14,7 @@ namespace greville
 {
   using namespace dealii;
 
-  /// A parser that reads a formula from outside to inside: operators, the
+  /// A parser that reads a formula from outside to inside: first operators, the
   /// weakest first, then functions.
   template <int dim>
   class ShapeTree<dim>::Parser
@@ -278,8 +278,8 @@ namespace greville
       const double  norm     = normal.norm();
       result.as_plane.normal = normal / norm;
       result.as_plane.offset = offset / norm;
-      // Normals along axes become exact, and planes that differ in their side
-      // only are stored once.
+      // Make normals along axes exact, and store planes once that differ only
+      // in their side.
       bool is_inverted = false;
       for (unsigned int d = 0; d < dim; ++d)
         if (1. - std::abs(result.as_plane.normal[d]) < 1e-15)
@@ -330,7 +330,7 @@ namespace greville
       return true;
     }
 
-    /// A formula that is negative inside. Linear formulas become planes.
+    /// Read a formula that is negative inside. Linear formulas become planes.
     Node
     formula(const std::string &text)
     {
@@ -340,15 +340,15 @@ namespace greville
       result.expression.emplace(result.text,
                                 parameter,
                                 coordinate_names<dim>());
-      // Without functions and conditions, a formula that is linear at some
-      // points is linear.
+      // A formula without functions and conditions is linear if it is linear at
+      // some points.
       bool is_polynomial = has_no_calls(text);
       for (const auto &definition : named)
         is_polynomial = is_polynomial && has_no_calls(definition.second);
       if (is_polynomial)
         {
           Tensor<1, dim> normal;
-          Point<dim>     base; // nothing special, as zero would be
+          Point<dim>     base; // no special point, such as zero
           for (unsigned int d = 0; d < dim; ++d)
             base[d] = 0.37 + 0.16 * d;
           const double at_base = result.value(base);

@@ -41,8 +41,8 @@ namespace greville
 
 
 #ifdef DEAL_II_WITH_ASSIMP
-    /// Throw if a PLY file is shorter than its header promises: Assimp would
-    /// not return.
+    /// Throw if a PLY file is shorter than its header says: Assimp would not
+    /// return.
     void
     check_ply(const std::string &file, const std::string &of)
     {
@@ -64,8 +64,8 @@ namespace greville
       fail_if(!std::getline(stream, line) || line.compare(0, 3, "ply") != 0,
               "it does not begin with 'ply'");
       bool is_ascii = false;
-      // The number of elements of each kind, and the least number of bytes of
-      // one.
+      // For each kind of elements, their number and the least number of bytes
+      // of one element.
       std::vector<std::pair<std::uint64_t, std::uint64_t>> elements;
       while (std::getline(stream, line) && line.compare(0, 10, "end_header"))
         {
@@ -117,7 +117,7 @@ namespace greville
         check_ply(file, of);
       Assimp::Importer importer;
       const aiScene   *scene = importer.ReadFile(file, aiProcess_Triangulate);
-      // Assimp's reasons may quote the rest of the file.
+      // Shorten Assimp's reason, which may quote the rest of the file.
       Require(scene != nullptr,
               "Cannot read the file " + of + ": " +
                 (importer.IsExtensionSupported(ending)
@@ -183,8 +183,8 @@ namespace greville
     void
     check_closed(const Mesh &mesh, const std::string &of)
     {
-      // Edges with their smaller end first, with the numbers of times they are
-      // passed in this direction and in the opposite one.
+      // Edges, with their smaller end first, and the numbers of times that they
+      // are passed in this direction and in the opposite one.
       std::map<std::pair<unsigned int, unsigned int>, std::array<int, 2>> edges;
       double volume = 0.;
       for (const Triangle &triangle : mesh.triangles)

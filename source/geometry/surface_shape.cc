@@ -11,7 +11,7 @@ namespace greville
 
   namespace
   {
-    // Places coincide if they are closer than this fraction of a cell.
+    // Positions coincide if they are closer than this fraction of a cell.
     constexpr double same_place = 1e-13;
 
     // The number of facets whose planes are tried for a division. The plane
@@ -20,7 +20,7 @@ namespace greville
 
 
 
-    /// Return a normal that is not normalized.
+    /// Return a normal of any length.
     Tensor<1, 2>
     normal_of(const Facet<2> &facet)
     {
@@ -31,7 +31,7 @@ namespace greville
     Tensor<1, 3>
     normal_of(const Facet<3> &facet)
     {
-      // The sum over the triangles, since polygons may have lost corners.
+      // Sum over the triangles, since polygons may have lost corners.
       Tensor<1, 3> sum;
       for (unsigned int i = 1; i + 1 < facet.size(); ++i)
         sum += cross_product_3d(facet[i] - facet[0], facet[i + 1] - facet[0]);

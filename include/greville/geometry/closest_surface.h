@@ -9,13 +9,13 @@
 
 namespace greville
 {
-  /// The point of a surface that is closest to a given place.
+  /// The point of a surface that is closest to a given position.
   template <int dim>
   struct ClosestPoint
   {
     dealii::Point<dim> point;
     /// The outward unit normal. At edges and corners, it is the direction from
-    /// the closest point to the place, or the opposite direction inside the
+    /// the closest point to the given position, or its opposite inside the
     /// body.
     dealii::Tensor<1, dim> normal;
     /// The distance from the surface, negative inside the body (m).
@@ -25,8 +25,8 @@ namespace greville
 
 
   /**
-   * Base class of surfaces of rigid bodies in their initial position, which
-   * finds closest points. Edges and corners are exactly as sharp as given.
+   * Base class of surfaces of rigid bodies in their initial position, to find
+   * closest points. Edges and corners are exactly as sharp as given.
    *
    * Searches use memory of the object and of formulas, so an object is not
    * thread-safe. Results do not depend on earlier searches.
@@ -37,7 +37,7 @@ namespace greville
   public:
     virtual ~ClosestSurface() = default;
 
-    /// Return the closest point, or nothing if the surface is further away than
+    /// Return the closest point, or nothing if the surface is farther away than
     /// @p within (m), which may be infinite.
     virtual std::optional<ClosestPoint<dim>>
     closest(const dealii::Point<dim> &x, const double within) const = 0;
@@ -45,15 +45,15 @@ namespace greville
     virtual bool
     contains(const dealii::Point<dim> &x) const = 0;
 
-    /// Return a box around the body, which may be up to a quarter too large, or
+    /// Return a box around the body. It may be up to a quarter too large, or
     /// infinite if the extent of the body is not known. Throws
     /// dealii::ExcMessage for a shape that is certainly empty.
     virtual dealii::BoundingBox<dim>
     box() const = 0;
 
     /// Return a closed mesh of the body: its facets if it is given by facets,
-    /// otherwise dual_contours() of its formula, restricted to the box
-    /// @p region if the extent of the body is not known.
+    /// otherwise dual_contours() of its formula. If the extent of the body is
+    /// not known, the mesh is restricted to the box @p region.
     virtual ClosedSurface<dim>
     mesh(const dealii::BoundingBox<dim> &region) const = 0;
   };
@@ -68,11 +68,11 @@ namespace greville
    *
    * Projections onto single planes, balls and cylinders have closed forms. All
    * others are found by Newton's method across the level sets and steps of
-   * Barzilai and Borwein's length along them. The iteration starts from x for a
-   * formula, and from a projection onto a curved level set for edges and
-   * corners. It finds the closest point if x is nearer to it than the radius of
-   * curvature and than other parts of the same level sets or edges; otherwise
-   * the distance may be too large, or nothing may be found.
+   * Barzilai and Borwein's length along them. For a single formula, the
+   * iteration starts from x; for edges and corners, it starts from a projection
+   * onto a curved level set. It finds the closest point if x is nearer to it
+   * than the radius of curvature and than other parts of the same level sets or
+   * edges. Otherwise, the distance may be too large, or nothing may be found.
    *
    * Formulas must be defined, and smooth on their zero sets, within a distance
    * of three times @p within; their derivatives are differences of sixth order
@@ -89,9 +89,9 @@ namespace greville
 
 
   /// Return the surface of a body from facets, as returned by read_surface().
-  /// Facets are found in an R-tree of boxes. The side follows from the sum of
-  /// the normals of all facets at the closest point, weighted by their angles
-  /// there (@ref Baerentzen2005 "B&aelig;rentzen and Aan&aelig;s, 2005").
+  /// Facets are found in an R-tree of boxes. The sum of the normals of all
+  /// facets at the closest point, weighted by their angles there, determines
+  /// the side (@ref Baerentzen2005 "B&aelig;rentzen and Aan&aelig;s, 2005").
   template <int dim>
   std::unique_ptr<ClosestSurface<dim>>
   make_closest_surface(const ClosedSurface<dim> &surface);

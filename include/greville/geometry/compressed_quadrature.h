@@ -12,11 +12,11 @@ namespace greville
   unsigned int
   n_polynomials(const unsigned int degree);
 
-  /// Reduce the points to at most n_polynomials() with new positive weights,
-  /// such that integrals of polynomials of total degree @p degree do not change
-  /// (V. Tchakaloff's theorem). Points are removed one after another: the
-  /// weights move along a vector that is orthogonal to all polynomials until
-  /// the first weight is zero.
+  /// Reduce the points to at most n_polynomials() with new positive weights.
+  /// Integrals of polynomials of total degree @p degree do not change (V.
+  /// Tchakaloff's theorem). Points are removed one after another: the weights
+  /// move along a vector that is orthogonal to all polynomials until the first
+  /// weight is zero.
   template <int dim>
   void
   compress_quadrature(std::vector<WeightedPoint<dim>> &points,

@@ -46,7 +46,7 @@ namespace greville
   using Facet = std::vector<dealii::Point<dim>>;
 
   /// Cut @p facet along a plane. Parts without extent are empty. Points closer
-  /// to the plane than @p tolerance lie in it, and a facet in the plane is
+  /// to the plane than @p tolerance count as in it; a facet in the plane is
   /// @p below.
   template <int dim>
   void
@@ -71,8 +71,8 @@ namespace greville
 
 
 
-  /// A convex polygon or polyhedron, stored as the facets around it: a box from
-  /// which planes cut off parts.
+  /// A convex polygon or polyhedron, stored as the facets around it. It is made
+  /// from a box by cutting off parts along planes.
   template <int dim>
   class ConvexPart
   {
@@ -82,9 +82,9 @@ namespace greville
     ConvexPart(const dealii::BoundingBox<dim> &box);
 
     /// Compute the parts on both sides of @p plane and the part of the plane
-    /// between them. Returns whether both parts have an extent; otherwise
-    /// nothing is computed. Corners closer to the plane than @p tolerance lie
-    /// in it.
+    /// between them. Returns whether both parts have an extent; otherwise,
+    /// nothing is computed. Corners closer to the plane than @p tolerance count
+    /// as in it.
     bool
     split(const Plane<dim> &plane,
           const double      tolerance,

@@ -31,7 +31,7 @@ namespace greville
     /// Return points that integrate over the part of a cell inside the shape,
     /// and over the boundary in the cell, with order 2 n or higher where the
     /// boundary is smooth. Boundary in a face belongs to the cell on its inner
-    /// side. The cell may lie next to the grid.
+    /// side. The cell may be outside of the grid, next to it.
     virtual CellPart<dim>
     cut(const CellBox<dim> &cell, const unsigned int n) const = 0;
 

@@ -8,8 +8,8 @@
 
 namespace greville
 {
-  /// Return a function that tells whether a place (m) is inside the formula or
-  /// file of @p placement. Throws like place_points().
+  /// Return a function that tells whether a position (m) is inside the formula
+  /// or file of @p placement. Throws like place_points().
   template <int dim>
   std::function<bool(const dealii::Point<dim> &)>
   make_inside(const PointPlacement   &placement,

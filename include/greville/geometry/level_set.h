@@ -29,7 +29,7 @@ namespace greville
     double
     value(const dealii::Point<dim> &x) const;
 
-    /// Return the gradient; for formulas, from differences of sixth order over
+    /// Return the gradient; for formulas, by sixth-order differences over
     /// hundredths of @p size.
     dealii::Tensor<1, dim>
     gradient(const dealii::Point<dim>     &x,
@@ -52,7 +52,7 @@ namespace greville
 
 
   /// A level set in the coordinates of a cell, which are in [0, 1]. Derivatives
-  /// of formulas are differences of sixth and fourth order.
+  /// of formulas are sixth- and fourth-order differences.
   template <int dim>
   class CellLevelSet : public dealii::Function<dim>
   {
@@ -73,14 +73,14 @@ namespace greville
     hessian(const dealii::Point<dim> &xi,
             const unsigned int        component = 0) const override;
 
-    /// Return -1 or 1 if the function has one sign in a box, which may be flat,
-    /// or 0 if this is not known.
+    /// Return -1 or 1 if the function has one sign in a box, which may be flat.
+    /// Return 0 if this is not known.
     int
     sign(const dealii::BoundingBox<dim> &box) const;
 
-    /// Return the largest number f such that one derivative is at least f times
-    /// the norm of the gradient at the center, everywhere in a box; not
-    /// positive if each derivative may be zero.
+    /// Return the largest number f such that some derivative is at least f
+    /// times the norm of the gradient at the center, everywhere in a box. It is
+    /// not positive if each derivative may be zero.
     double
     flatness(const dealii::BoundingBox<dim> &box) const;
 
@@ -111,7 +111,7 @@ namespace greville
 
 
   /// A shape as unions and intersections of level sets and their complements,
-  /// from the formula of a Shape. Supported are shapes, their combinations
+  /// from the formula of a Shape. It may contain shapes, their combinations
   /// (also by & and |), comparisons f < g and level_set(f).
   template <int dim>
   class ShapeTree
@@ -130,7 +130,7 @@ namespace greville
     ShapeTree(const std::string &formula, const std::string &parameter);
 
     /// Return the side of the shape from the sides of the level sets. If it is
-    /// unknown, the level sets on which it depends are added to @p active.
+    /// unknown, set @p active for the level sets on which it depends.
     Side
     evaluate(const std::vector<Side> &sides, std::vector<bool> &active) const;
 

@@ -27,8 +27,8 @@ namespace greville
 
 
 
-  /// The method by which a shape is filled with points, see the parameters of
-  /// the same names.
+  /// The method that fills a shape with points, see the parameters of the same
+  /// names.
   struct PointPlacement
   {
     std::string               shape;
@@ -48,7 +48,7 @@ namespace greville
   struct PlacedPoint
   {
     dealii::Point<dim> x;
-    /// The position in the shape: x, or x shifted by a period if the position
+    /// The position in the shape. It is x, or differs from x by a period if it
     /// is beyond a periodic wall.
     dealii::Point<dim> image;
     double             volume;
@@ -63,10 +63,10 @@ namespace greville
   points_of_cell(const PointPlacement &placement, const std::string &section);
 
   /// Return the points of a shape in the owned cells. Points and ids do not
-  /// depend on the number of processes. Throws dealii::ExcMessage with the name
-  /// of the @p section for invalid formulas and for a shape that extends beyond
-  /// the grid. Parts beyond a periodic wall enter on the opposite side, except
-  /// for fitted points.
+  /// depend on the number of processes. Parts beyond a periodic wall enter on
+  /// the opposite side, except for fitted points. Throws dealii::ExcMessage
+  /// with the name of the @p section for invalid formulas and for a shape that
+  /// extends beyond the grid.
   template <int dim>
   std::vector<PlacedPoint<dim>>
   place_points(const PointPlacement   &placement,

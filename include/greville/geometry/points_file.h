@@ -9,7 +9,7 @@
 
 namespace greville
 {
-  /// The points of a file, with further numbers besides their positions.
+  /// The points of a file, with further numbers besides positions.
   template <int dim>
   struct PointsOfFile
   {
@@ -34,10 +34,10 @@ namespace greville
   /**
    * Read the points of a CSV file (.csv, .txt, .dat) in the owned cells,
    * numbered in the order of the file. A volume is taken from the column
-   * volume, or from mass over density (columns, or @p density).
-   * Further numbers are read in complete groups, whose names are in @p wanted.
-   * Points are assigned to cells by their positions or, if @p at_reference, by
-   * the initial positions in the file.
+   * volume, or from mass over density (columns, or @p density). Further numbers
+   * are read in complete groups of names in @p wanted. Points are assigned to
+   * cells by their positions or, if @p at_reference, by the initial positions
+   * in the file.
    *
    * Throws like place_points(), and also if a point is outside the grid or
    * coincides with another point, if volumes are larger than the grid, if the
@@ -55,8 +55,8 @@ namespace greville
                  const bool                                   is_axisymmetric,
                  const SplineSpace<dim>                      &space);
 
-  /// Return the file, parameter and line of all points at @p x in the file of
-  /// points_of_file(), as "...: " for messages.
+  /// Return, for all points at @p x in the file of points_of_file(), the file,
+  /// parameter and line, as "...: " for messages.
   template <int dim>
   std::vector<std::string>
   find_in_points_file(const std::string        &file,

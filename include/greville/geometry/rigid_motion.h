@@ -47,8 +47,8 @@ namespace greville
 
 
 
-  /// Return the rotation about an axis by an angle (rad), which is the length
-  /// of the vector: in 3D by Rodrigues' formula.
+  /// Return the rotation for a vector along the axis, whose length is the angle
+  /// (rad); in 3D by Rodrigues' formula.
   template <int dim>
   dealii::Tensor<2, dim>
   rotation_matrix(const RotationVector<dim> &vector)
@@ -116,8 +116,8 @@ namespace greville
   {
     const dealii::Tensor<2, dim> turned =
       rotation_matrix<dim>(dt * body.spin) * body.rotation;
-    // A step of Newton's method towards the nearest rotation, so that round-off
-    // does not accumulate.
+    // Take a step of Newton's method towards the nearest rotation, so that
+    // round-off does not accumulate.
     const dealii::Tensor<2, dim> unit = dealii::unit_symmetric_tensor<dim>();
     body.rotation = 0.5 * turned * (3. * unit - transpose(turned) * turned);
   }

@@ -15,9 +15,9 @@ namespace greville
 
 
 
-  /// A closed surface of triangles (in 2D segments), whose normals point
-  /// outwards: corners are counterclockwise when seen from outside, in 2D the
-  /// inside is on the left.
+  /// A closed surface of triangles (in 2D segments) with outward normals.
+  /// Corners are counterclockwise when seen from outside; in 2D, the inside is
+  /// on the left.
   template <int dim>
   using ClosedSurface = std::vector<Facet<dim>>;
 
@@ -47,7 +47,7 @@ namespace greville
 
 
 
-  /// The inside of a closed surface on a lattice, whose cells are cut exactly.
+  /// The inside of a closed surface on a lattice. Cells are cut exactly.
   template <int dim>
   class SurfaceShape : public FittedShape<dim>
   {
@@ -63,8 +63,8 @@ namespace greville
     contains(const dealii::Point<dim> &x) const override;
 
   private:
-    /// A part of a facet with the facet's plane, since the part may be too
-    /// small to determine it.
+    /// A part of a facet with the plane of the facet, since the part may be too
+    /// small to determine the plane.
     struct PlaneFacet
     {
       Facet<dim> facet;
