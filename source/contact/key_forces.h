@@ -58,7 +58,7 @@ namespace greville::internal
     // The contribution of sliding to D_k, which is not symmetric. Stiffness for
     // preconditioners leaves it out.
     Tensor<2, dim> coupling;
-    // d (shear stress) / d (mean pore pressure) over the sum of a_s psi_k.
+    // The derivative of shear stress by mean pore pressure, over sum a_s psi_k.
     Tensor<1, dim> by_pore_pressure;
     // For a sliding key: the direction of shear stress, and D_k if it stuck.
     Tensor<1, dim> direction;

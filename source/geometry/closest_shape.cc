@@ -341,7 +341,7 @@ namespace greville
 
       std::string    formula, parameter;
       ShapeTree<dim> tree;
-      double         length = 0.; // of numbers in the formula
+      double         length = 0.; // largest length in the formula
       Tensor<1, dim> ones;
 
       // Memory for searches.

@@ -142,7 +142,7 @@ namespace greville
     void
     add(const Position &i, const float *row)
     {
-      const Terms *own = nullptr; // if the function depends on others
+      const Terms *own = nullptr; // if the function depends on unknowns
       columns.clear();
       if (extended.touches(i))
         {

@@ -22,8 +22,8 @@ namespace greville
     // Spacings over which a sliding point forgets its initial radius.
     constexpr double memory = 10.;
 
-    // The smallest lift, as a fraction of the spacing. Below it, a lifted point
-    // is at the surface up to round-off.
+    // Points inside the other side are moved to its surface unless their depth
+    // is below this fraction of the spacing, which is round-off.
     constexpr double smallest_lift = 1e-6;
 
     // Forces below this fraction of the modulus times the area of a point may

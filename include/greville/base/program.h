@@ -89,7 +89,7 @@ namespace greville
 
   /**
    * Collective. Read a command line and act. See doc/user/command_line.md for
-   * the options; --set is among the options given to runs.
+   * the options. The options that runs receive include --set.
    *
    * Returns the exit status: 0, or 1 after an error, whose message is written
    * to stderr once. If all processes have detected an error, they return

@@ -37,9 +37,9 @@ namespace greville
   {
   public:
     /// Collective. Make the folder and lock it. Throws dealii::ExcMessage with
-    /// the name of the @p parameter that gives the folder if it is not
-    /// writable, if another run holds it, or if it contains results and
-    /// @p earlier is to refuse. Earlier results remain until make_room().
+    /// the name of the @p parameter of the folder if it is not writable, if
+    /// another run has locked it, or if it contains results and @p earlier is
+    /// EarlierResults::refuse. Earlier results remain until make_room().
     RunFolder(const std::string   &path,
               const std::string   &parameter,
               const EarlierResults earlier,

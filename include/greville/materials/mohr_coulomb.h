@@ -25,12 +25,11 @@ namespace greville
    *   linear:      c = c_r + (c_p - c_r) max(1 - x, 0),
    *   exponential: c = c_r + (c_p - c_r) exp(-x),
    * and phi in the same way. alpha at the end of the step solves alpha =
-   * alpha_n + d alpha(alpha) by a secant method. It has a bracket, since the
-   * plastic strain of a return is at most the deviatoric trial strain. The
-   * returned stress is on the surface of the new alpha up to round-off. If the
-   * material softens faster than it unloads elastically, there are several
-   * solutions, and one of them is used. Results then depend on the grid, as
-   * with any local softening.
+   * alpha_n + d alpha(alpha), by a bracketed secant method: the plastic strain
+   * of a return is at most the deviatoric trial strain. The returned stress is
+   * on the surface of the new alpha up to round-off. If the material softens
+   * faster than it unloads elastically, there are several solutions, and one of
+   * them is used. Results then depend on the grid, as with any local softening.
    *
    * Parameters: "Cohesion", "Residual cohesion", Pa, "Friction angle",
    * "Residual friction angle", "Dilatancy angle", degrees, "Softening",

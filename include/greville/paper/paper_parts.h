@@ -13,9 +13,9 @@ namespace greville
    * - "ilut": ILUT on overlapping domains, one per process,
    * - "ilu0", "ic0": ILU(0) and IC(0) of the diagonally scaled matrix, on the
    *   same domains; "ic0" for operators without LevelOperator::factorization(),
-   * - "gauss-seidel": forward before and backward after the coarse correction
-   *   of a symmetric cycle, "symmetric-gauss-seidel": forward and backward;
-   *   both process by process (PETSc's SOR),
+   * - "gauss-seidel": forward, but backward after the coarse correction of a
+   *   symmetric cycle, process by process (PETSc's SOR),
+   * - "symmetric-gauss-seidel": the same, first forward, then backward,
    * - "tensor-product": TensorProductPreconditioner.
    *
    * They use LevelOperator::matrix() or the space, component by component.

@@ -150,8 +150,8 @@ namespace greville
     }
 
     /// Return the work of the pressure on the soil of this process in the step
-    /// of the last evaluate(), J (2D: J / m). The pressure is the mean of both
-    /// ends.
+    /// of the last evaluate(), J (2D: J / m). It uses the mean of the pressures
+    /// at both ends of the step.
     double
     work() const
     {

@@ -27,8 +27,8 @@ namespace greville
     bool
     holds(const unsigned int stage, const std::vector<double> &row) const;
 
-    /// Return the side of a comparison in 'End when' of a stage that is NaN in
-    /// the @p row, so that the comparison is false; empty if there is none.
+    /// Return a side of a comparison in 'End when' of a stage that is NaN in
+    /// the @p row, empty if there is none. The comparison is then false.
     std::string
     undefined(const unsigned int stage, const std::vector<double> &row) const;
 

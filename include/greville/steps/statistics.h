@@ -120,13 +120,13 @@ namespace greville
            const dealii::Tensor<1, dim>    &gravity,
            const MPI_Comm                   comm);
 
-  /// Collective. Return the smallest x for which at most the fraction
-  /// mass_beyond_runout of the mass of all points that count for the run-out
-  /// lies beyond it. The x of a point is its position plus half of its size.
-  /// Unlike the outermost point, this quantile does not depend on single
-  /// points. @p sums have outer_points() of at least this mass. Points are not
-  /// sent: nested histograms of masses find the quantile, each within one bar
-  /// of the previous one.
+  /// Collective. Return the smallest x beyond which at most the fraction
+  /// mass_beyond_runout of the mass lies. The mass is the mass of all points
+  /// that count for the run-out; the x of a point is its position plus half of
+  /// its size. Unlike the outermost point, this quantile does not depend on
+  /// single points. @p sums have outer_points() of at least this mass. Points
+  /// are not sent: nested histograms of masses find the quantile, each within
+  /// one bar of the previous one.
   template <int dim>
   Largest
   runout_quantile(const std::vector<const RowSums<dim> *> &sums,
