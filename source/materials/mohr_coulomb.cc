@@ -157,8 +157,8 @@ namespace greville
     if (region == Region::apex)
       return;
 
-    // Derivatives by t[0], t[1], t[2] and the parameter: f of the first plane,
-    // f2 of the second plane.
+    // The derivatives of f, of the first plane, and f2, of the second plane, by
+    // t[0], t[1], t[2] and the parameter.
     const double by_larger = 1. + phi, by_smaller = phi - 1.;
     double       f[]   = {by_larger,
                           0.,

@@ -19,7 +19,8 @@ namespace greville
     // fraction of its spacing.
     constexpr double default_radius = 0.5;
 
-    // Spacings over which a sliding point forgets its initial radius.
+    // Sliding distance, in spacings, over which a radius returns to the
+    // default.
     constexpr double memory = 10.;
 
     // Points inside the other side are moved to its surface unless their depth

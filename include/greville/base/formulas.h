@@ -119,7 +119,7 @@ namespace greville
     const std::vector<std::string> constant_variables;
 
     std::vector<Formula> formulas;
-    std::vector<Formula> names; // each after those that it uses
+    std::vector<Formula> names; // each after the names that it uses
 
     // The values of the variables and names; muParser stores their addresses.
     mutable std::deque<double> numbers;

@@ -77,7 +77,7 @@ namespace greville
       const std::function<void(const FarBlock &)> & /*visit*/) const
     {}
 
-    /// Return the divisor of the matrix in multiply() and of for_each_row().
+    /// Return the divisor of the matrix in multiply() and for_each_row().
     virtual double
     unit() const = 0;
 

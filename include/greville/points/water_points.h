@@ -110,20 +110,20 @@ namespace greville
     begin_force(VectorField<dim> &force) const;
 
     /// Collective. Set the displacement @p u, m^2 s^2 / kg times Pa, with M u =
-    /// -f for the mass M and the force f of the pressure 1. It moves a body
-    /// without stiffness, and is not zero if the body can move at its surface.
-    /// add_schur_complement() needs it for bodies with inertia.
+    /// -f for the mass M and the force f of a unit pressure. This is the motion
+    /// of a body without stiffness; it is not zero if the body can move at its
+    /// surface. add_schur_complement() needs it for bodies with inertia.
     void
     set_free_motion(const VectorField<dim> &u);
 
     /// Add the Schur complement: the derivative of r by p at the start of the
-    /// step, and the contribution of the displacement caused by the pressure.
-    /// If @p kick is 0, the soil is stiff and has no inertia, which gives the
-    /// sum of V q q over the modulus of pressure waves of each point.
-    /// Otherwise, the soil has no stiffness, and its mass times @p kick (s^2)
-    /// gives the sum of V / rho grad q . grad q and, at free surfaces, of V div
-    /// u q q with the u of set_free_motion(). The functions may have any order
-    /// on the same cells as the pressures.
+    /// step, and the effect of the displacement that p causes. With @p kick =
+    /// 0, the displacement is computed for stiff soil without inertia: the
+    /// effect is the sum of V q q over the modulus of pressure waves of each
+    /// point. Otherwise, it is computed for soil without stiffness: the effect
+    /// is @p kick (s^2) times the sum of V / rho grad q . grad q and, at free
+    /// surfaces, of V div u q q with the u of set_free_motion(). The functions
+    /// may have any order on the same cells as the pressures.
     void
     add_schur_complement(const SpacePolynomials<dim> &functions,
                          const double                 kick,

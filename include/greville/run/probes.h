@@ -111,8 +111,8 @@ namespace greville
     void
     add_shape(const std::string &shape, const BodyList<dim> &bodies);
 
-    /// Return the number of values of a probe in the file. In `sums`, the
-    /// volume follows, and the velocity and volume of a second pass.
+    /// Return the number of values of a probe in the file. `sums` has more: the
+    /// volume, and the velocity and volume of a second pass.
     unsigned int
     n_values() const
     {

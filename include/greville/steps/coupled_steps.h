@@ -52,7 +52,8 @@ namespace greville
     std::string
     residual(VectorType &r, const VectorType &x) override;
 
-    /// Return the scale of the residual; its tolerance is not below round-off.
+    /// Return the scale of the residual; tolerance times scale exceeds
+    /// round-off.
     double
     scale() override;
 
