@@ -138,7 +138,7 @@ namespace greville
                           const SplineSpace<dim> &space)
   {
     // A common volume of two bodies is an error above these fractions of a cell
-    // and of the smaller body.
+    // or of the smaller body.
     constexpr double    allowed_part_of_cell = 0.4, allowed_part_of_body = 0.5;
     const std::size_t   n_bodies = bodies.size();
     const unsigned int  n_cells  = space.owned_cells().size();

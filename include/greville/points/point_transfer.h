@@ -76,7 +76,7 @@ namespace greville
 
     /// Collective. Set each vector, unless null, to the sums over all
     /// @p bodies, which must be on cells of the space. Mass and momentum must
-    /// be given together. @p filled_parts, unless null, is set by filling().
+    /// be given together. @p filled_parts, unless null, is set as by filling().
     void
     points_to_grid(const std::vector<const MaterialPoints<dim> *> &bodies,
                    VectorType                                     *mass,

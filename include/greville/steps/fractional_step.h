@@ -25,11 +25,11 @@ namespace greville
    * Friction walls are included, since they affect the water. After M a' = M a
    * - f(p), each coefficient of v' that moves into a wall loses its normal
    * part. It also loses at most mu times N of its tangential part. N is the
-   * normal impulse from M a, less the weight of the same volume of water. For
-   * water at rest, friction therefore corresponds to the effective stress at
-   * the centre of the function's gradient, a third of a cell above the wall for
-   * degree 2, plus the submerged weight below it, with the mean density of all
-   * bodies.
+   * normal part that M a, less the weight of the same volume of water, would
+   * cause. For water at rest, friction therefore corresponds to the effective
+   * stress at the centre of the function's gradient, a third of a cell above
+   * the wall for degree 2, plus the submerged weight below it, with the mean
+   * density of all bodies.
    *
    * Newton's method solves for p, with the Schur complement C + dt dt' B^T M^-1
    * B, where B is the derivative of f and C the derivative of r by p, by FGMRES
@@ -69,7 +69,7 @@ namespace greville
     advance(State<dim> &state) const;
 
   private:
-    /// Set the displacement by @p step without the pressure. @p kick is dt dt'.
+    /// Set the displacement in @p step without the pressure. @p kick is dt dt'.
     void
     begin(const State<dim>             &state,
           const dealii::Tensor<1, dim> &gravity,

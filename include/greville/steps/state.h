@@ -115,7 +115,7 @@ namespace greville
     /// requires it, otherwise 0.
     double displacement = 0.;
 
-    /// The initial mass of the points, the mass removed until the last step,
+    /// The initial mass of the points, the mass removed before the last step,
     /// and the mass removed in it, kg (2D: kg / m).
     double mass = 0., removed_mass = 0., mass_removed_last = 0.;
 
