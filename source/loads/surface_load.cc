@@ -11,30 +11,16 @@ namespace greville
 
   namespace
   {
-    struct KindOfLoad
-    {
-      std::string         name;
-      MakeSurfaceLoadKind make;
-    };
-
-    template <typename Kind>
-    KindOfLoad
-    entry()
-    {
-      return {Kind::name, []() -> std::unique_ptr<SurfaceLoadKind> {
-                return std::make_unique<Kind>();
-              }};
-    }
-
     // All kinds of surface loads, one line each.
-    std::vector<KindOfLoad> &
+    std::vector<std::pair<std::string, MakeSurfaceLoadKind>> &
     kinds_of_loads()
     {
-      static std::vector<KindOfLoad> list = {entry<Traction>(),
-                                             entry<Pressure>(),
-                                             entry<Dashpot>(),
-                                             entry<Springs>(),
-                                             entry<GivenDisplacement>()};
+      static std::vector<std::pair<std::string, MakeSurfaceLoadKind>> list = {
+        {Traction::name, make_kind<Traction>},
+        {Pressure::name, make_kind<Pressure>},
+        {Dashpot::name, make_kind<Dashpot>},
+        {Springs::name, make_kind<Springs>},
+        {GivenDisplacement::name, make_kind<GivenDisplacement>}};
       return list;
     }
   } // namespace
@@ -44,11 +30,11 @@ namespace greville
   void
   add_surface_load_kind(const std::string &name, const MakeSurfaceLoadKind make)
   {
-    for (const KindOfLoad &kind : kinds_of_loads())
-      Require(kind.name != name,
+    for (const auto &kind : kinds_of_loads())
+      Require(kind.first != name,
               "A kind of surface load '" + name +
                 "' exists already: choose another name.");
-    kinds_of_loads().push_back({name, make});
+    kinds_of_loads().emplace_back(name, make);
   }
 
 
@@ -57,8 +43,8 @@ namespace greville
   surface_load_kinds()
   {
     std::string result;
-    for (const KindOfLoad &kind : kinds_of_loads())
-      result += (result.empty() ? "" : "|") + kind.name;
+    for (const auto &kind : kinds_of_loads())
+      result += (result.empty() ? "" : "|") + kind.first;
     return result;
   }
 
@@ -68,23 +54,10 @@ namespace greville
   make_surface_load_kind(const std::string &name, const std::string &parameter)
   {
     check_word(name, parameter, surface_load_kinds());
-    for (const KindOfLoad &kind : kinds_of_loads())
-      if (kind.name == name)
-        return kind.make();
+    for (const auto &[kind, make] : kinds_of_loads())
+      if (kind == name)
+        return make();
     AssertThrow(false, ExcInternalError());
     return {};
-  }
-
-
-
-  void
-  check_is_given(const bool         is_given,
-                 const std::string &section,
-                 const std::string &kind,
-                 const std::string &parameter)
-  {
-    Require(is_given,
-            "'" + section + "' has 'Kind' = " + kind +
-              " and needs the parameter '" + parameter + "'.");
   }
 } // namespace greville

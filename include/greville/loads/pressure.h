@@ -22,12 +22,6 @@ namespace greville
         "positions X, Y (, Z) and t. Unit: Pa.");
     }
 
-    void
-    check(const std::string &section) const override
-    {
-      check_is_given(!pressure.empty(), section, name, "Pressure");
-    }
-
     std::vector<std::pair<std::string, std::string>>
     strengths() const override
     {

@@ -2,7 +2,6 @@
 
 #pragma once
 
-#include <greville/base/errors.h>
 #include <greville/base/named_formulas.h>
 #include <greville/loads/surface_load.h>
 
@@ -56,16 +55,10 @@ namespace greville
         "k of the force -k (x - X) per initial area. Unit: Pa / m.");
     }
 
-    void
-    check(const std::string &section) const override
-    {
-      check_is_given(stiffness > 0., section, name, "Stiffness");
-    }
-
     std::vector<std::pair<std::string, std::string>>
     strengths() const override
     {
-      return {{"Stiffness", text_of(stiffness)}};
+      return {{"Stiffness", stiffness > 0. ? text_of(stiffness) : ""}};
     }
 
     template <int dim>
@@ -99,12 +92,6 @@ namespace greville
         "modulus of pressure waves of the material over the smallest edge of a "
         "cell, h. The error of the displacement is then h / 10 times the "
         "strain at the surface. Unit: Pa / m.");
-    }
-
-    void
-    check(const std::string &section) const override
-    {
-      check_is_given(!displacement.empty(), section, name, "Displacement");
     }
 
     std::vector<std::pair<std::string, std::string>>

@@ -4,6 +4,7 @@
 
 #include <deal.II/base/parameter_handler.h>
 
+#include <greville/base/errors.h>
 #include <greville/points/surface.h>
 
 #include <memory>
@@ -74,8 +75,7 @@ namespace greville
     /// Throw dealii::ExcMessage, which names the @p section, if a parameter is
     /// missing or contradicts another one.
     virtual void
-    check(const std::string & /*section*/) const
-    {}
+    check(const std::string &section) const = 0;
 
     /// Return the names and values of the parameters that determine the
     /// strength of the load, for messages. Messages omit empty values.
@@ -111,6 +111,16 @@ namespace greville
   class SurfaceLoadKindOf : public SurfaceLoadKind
   {
   public:
+    /// Throw if the first one of strengths() has no value.
+    void
+    check(const std::string &section) const override
+    {
+      const auto parameters = this->strengths();
+      Require(parameters.empty() || !parameters[0].second.empty(),
+              "'" + section + "' has 'Kind' = " + Kind::name +
+                " and needs the parameter '" + parameters[0].first + "'.");
+    }
+
     std::unique_ptr<SurfaceLoad<2>>
     make_2d(const LoadedBody &body) const final
     {
@@ -130,6 +140,13 @@ namespace greville
 
   using MakeSurfaceLoadKind = std::unique_ptr<SurfaceLoadKind> (*)();
 
+  template <typename Kind>
+  std::unique_ptr<SurfaceLoadKind>
+  make_kind()
+  {
+    return std::make_unique<Kind>();
+  }
+
   /// Add a kind to the list, before parameters are read. Not thread-safe.
   void
   add_surface_load_kind(const std::string        &name,
@@ -141,9 +158,7 @@ namespace greville
   void
   add_surface_load_kind()
   {
-    add_surface_load_kind(Kind::name, []() -> std::unique_ptr<SurfaceLoadKind> {
-      return std::make_unique<Kind>();
-    });
+    add_surface_load_kind(Kind::name, make_kind<Kind>);
   }
 
   /// Return the names of all kinds, separated by '|'.
@@ -154,14 +169,4 @@ namespace greville
   /// surface_load_kinds() for an unknown @p name.
   std::unique_ptr<SurfaceLoadKind>
   make_surface_load_kind(const std::string &name, const std::string &parameter);
-
-
-
-  /// Throw dealii::ExcMessage if a parameter that this @p kind of load needs
-  /// has no value.
-  void
-  check_is_given(const bool         is_given,
-                 const std::string &section,
-                 const std::string &kind,
-                 const std::string &parameter);
 } // namespace greville

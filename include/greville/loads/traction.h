@@ -28,12 +28,6 @@ namespace greville
         "The area of 'Traction'.");
     }
 
-    void
-    check(const std::string &section) const override
-    {
-      check_is_given(!traction.empty(), section, name, "Traction");
-    }
-
     std::vector<std::pair<std::string, std::string>>
     strengths() const override
     {
