@@ -4,7 +4,6 @@
 
 #include <greville/parameters/simulation_parameters.h>
 
-#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -85,101 +84,4 @@ namespace greville
   template <int dim>
   void
   add_point_load(const MakePointLoads<dim> &make);
-
-
-
-  /// A vector given by formulas of x, X and t. Named formulas of X alone are
-  /// precomputed and stored in the points.
-  template <int dim>
-  class LoadFormulas
-  {
-  public:
-    LoadFormulas(const std::string &text, const std::string &parameter)
-      : formulas(split_formulas(text, parameter, dim),
-                 parameter,
-                 variables_of<dim>("xXt"),
-                 {},
-                 variables_of<dim>("X"))
-    {
-      for (const std::string &name : coordinate_names<dim>())
-        with_position = with_position || formulas.depends_on(name);
-    }
-
-    /// Add the field of precomputed values.
-    void
-    add_fields(PointLayout<dim> &layout) const
-    {
-      if (formulas.n_precomputed() > 0)
-        layout.add(field(), formulas.n_precomputed());
-    }
-
-    /// Fill the field. To be called when initial positions are set.
-    void
-    precompute(MaterialPoints<dim> &points) const
-    {
-      if (formulas.n_precomputed() == 0)
-        return;
-      const unsigned int  first = points.layout().first(field());
-      std::vector<double> precomputed(formulas.n_precomputed());
-      points.for_each([&](PointRef<dim> p) {
-        formulas.precompute(arguments_of(p.position(), p.reference(), 0.),
-                            precomputed);
-        for (unsigned int k = 0; k < precomputed.size(); ++k)
-          p[first + k] = precomputed[k];
-      });
-    }
-
-    /// Return the value for a point at @p x.
-    dealii::Tensor<1, dim>
-    operator()(const ConstPointRef<dim>  p,
-               const dealii::Point<dim> &x,
-               const double              t) const
-    {
-      dealii::Tensor<1, dim> result;
-      formulas.evaluate(arguments_of(x, p.reference(), t),
-                        dealii::ArrayView<double>(result.begin_raw(), dim));
-      return result;
-    }
-
-    /// Add the values for all @p points to number @p first and the following
-    /// numbers.
-    void
-    add(MaterialPoints<dim> &points,
-        const unsigned int   first,
-        const double         t) const
-    {
-      std::vector<double> precomputed(formulas.n_precomputed());
-      const unsigned int  first_value =
-        precomputed.empty() ? 0 : points.layout().first(field());
-      points.for_each([&](PointRef<dim> p) {
-        for (unsigned int k = 0; k < precomputed.size(); ++k)
-          precomputed[k] = p[first_value + k];
-        std::array<double, dim> result;
-        formulas.evaluate(arguments_of(p.position(), p.reference(), t),
-                          precomputed,
-                          result);
-        for (unsigned int d = 0; d < dim; ++d)
-          p[first + d] += result[d];
-      });
-    }
-
-    /// Return whether x, y or z occurs in the formulas.
-    bool
-    use_position() const
-    {
-      return with_position;
-    }
-
-  private:
-    /// The name includes the number of values, which may differ in another
-    /// stage.
-    std::string
-    field() const
-    {
-      return "load_terms_" + std::to_string(formulas.n_precomputed());
-    }
-
-    Formulas formulas;
-    bool     with_position = false;
-  };
 } // namespace greville
