@@ -4,8 +4,6 @@
 
 namespace greville
 {
-  using namespace dealii;
-
   template <int dim>
   std::vector<unsigned char>
   with_ghosts(const SplineSpace<dim>           &space,
@@ -27,39 +25,33 @@ namespace greville
 
   template <int dim>
   std::vector<unsigned char>
-  constrained_at_walls(const SplineSpace<dim> &space,
-                       const Walls<dim>       &walls,
-                       const unsigned int      component)
+  constrained_components_at_walls(const SplineSpace<dim> &space,
+                                  const Walls<dim>       &walls)
   {
-    std::vector<unsigned char> constrained(space.owned_functions().size(), 0);
-    for (const unsigned int i : walls.constrained_functions(space, component))
-      constrained[i] = 1;
-    return with_ghosts(space, constrained);
+    std::vector<unsigned char> owned(space.owned_functions().size(), 0);
+    for (unsigned int c = 0; c < dim; ++c)
+      for (const unsigned int i : walls.constrained_functions(space, c))
+        owned[i] |= 1 << c;
+    return with_ghosts(space, owned);
   }
 
 
 
   template <int dim>
   std::vector<unsigned char>
-  constrained_components_at_walls(const SplineSpace<dim> &space,
-                                  const Walls<dim>       &walls)
+  constrained_at_walls(const SplineSpace<dim> &space,
+                       const Walls<dim>       &walls,
+                       const unsigned int      component)
   {
-    std::vector<unsigned char> bits(space.owned_functions().size() +
-                                      space.ghost_functions().size(),
-                                    0);
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        const auto constrained = constrained_at_walls(space, walls, c);
-        for (unsigned int f = 0; f < bits.size(); ++f)
-          bits[f] |= constrained[f] << c;
-      }
-    return bits;
+    auto result = constrained_components_at_walls(space, walls);
+    for (unsigned char &components : result)
+      components = (components >> component) & 1;
+    return result;
   }
 
 
 
   GREVILLE_INSTANTIATE(with_ghosts);
-  template decltype(constrained_at_walls<2>) constrained_at_walls<2>;
+  GREVILLE_INSTANTIATE(constrained_at_walls);
   GREVILLE_INSTANTIATE(constrained_components_at_walls);
-  template decltype(constrained_at_walls<3>) constrained_at_walls<3>;
 } // namespace greville

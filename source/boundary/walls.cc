@@ -11,31 +11,19 @@ namespace greville
 {
   using namespace dealii;
 
-  namespace
-  {
-    WallType
-    wall_type(const std::string &name)
-    {
-      static const std::map<std::string, WallType> types = {
-        {"free", WallType::free},
-        {"fixed", WallType::fixed},
-        {"sliding", WallType::sliding},
-        {"moving", WallType::moving},
-        {"friction", WallType::friction},
-        {"periodic", WallType::periodic}};
-      return types.at(name);
-    }
-
-  } // namespace
-
-
-
   template <int dim>
   Walls<dim>::Walls(const WallParameters &parameters)
   {
+    static const std::map<std::string, WallType> types = {
+      {"free", WallType::free},
+      {"fixed", WallType::fixed},
+      {"sliding", WallType::sliding},
+      {"moving", WallType::moving},
+      {"friction", WallType::friction},
+      {"periodic", WallType::periodic}};
     for (unsigned int w = 0; w < 2 * dim; ++w)
       {
-        type[w]                = wall_type(parameters.type[w]);
+        type[w]                = types.at(parameters.type[w]);
         friction[w]            = parameters.friction[w];
         const std::string name = "Walls/" + WallParameters::names[w];
         if (!parameters.region[w].empty())
@@ -206,36 +194,22 @@ namespace greville
   void
   Walls<dim>::impose(VectorField<dim> &field, const Value &value_at) const
   {
+    const auto set = [&]() {
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        if (const unsigned int components = constrained_components(w))
+          for (unsigned int k = 0; k < coefficients[w].size(); ++k)
+            {
+              const Tensor<1, dim> value = value_at(w, abscissae[w][k]);
+              for (unsigned int c = 0; c < dim; ++c)
+                if ((components >> c) & 1)
+                  field[c].local_element(coefficients[w][k]) = value[c];
+            }
+    };
+    // Some processes have no coefficients whose formulas can fail.
     if (have_moving())
-      run_or_fail(field[0].get_mpi_communicator(),
-                  [&]() { set_constrained(field, value_at); });
+      run_or_fail(field[0].get_mpi_communicator(), set);
     else
-      set_constrained(field, value_at);
-  }
-
-
-
-  template <int dim>
-  template <typename Value>
-  void
-  Walls<dim>::set_constrained(VectorField<dim> &field,
-                              const Value      &value_at) const
-  {
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      {
-        std::array<bool, dim> is_constrained;
-        for (unsigned int c = 0; c < dim; ++c)
-          is_constrained[c] = constrains(w, c);
-        if (!is_constrained[w / 2])
-          continue;
-        for (unsigned int k = 0; k < coefficients[w].size(); ++k)
-          {
-            const Tensor<1, dim> value = value_at(w, abscissae[w][k]);
-            for (unsigned int c = 0; c < dim; ++c)
-              if (is_constrained[c])
-                field[c].local_element(coefficients[w][k]) = value[c];
-          }
-      }
+      set();
   }
 
 

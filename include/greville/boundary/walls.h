@@ -211,12 +211,6 @@ namespace greville
     void
     impose(VectorField<dim> &field, const Value &value) const;
 
-    /// Set the constrained coefficients of this process; some processes have
-    /// none. Exceptions of @p value are passed on.
-    template <typename Value>
-    void
-    set_constrained(VectorField<dim> &field, const Value &value) const;
-
     std::array<WallType, 2 * dim>                  type;
     std::array<double, 2 * dim>                    friction;
     std::array<std::optional<Shape<dim>>, 2 * dim> region;
