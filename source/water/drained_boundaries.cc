@@ -35,18 +35,29 @@ namespace greville
     , parameters(parameters)
     , penalty(penalty)
   {
+    const auto given = [](const std::string              &pressure,
+                          const bool                      is_seepage_face,
+                          const std::string              &flux,
+                          const std::string              &pressure_name,
+                          const std::string              &flux_name,
+                          const std::vector<std::string> &variables) -> Given {
+      if (!flux.empty())
+        return {{flux, flux_name, variables}, Kind::flux};
+      return {{pressure, pressure_name, variables},
+              is_seepage_face ? Kind::seepage : Kind::pressure};
+    };
     const WallParameters &walls = parameters.walls;
     for (unsigned int w = 0; w < 2 * dim; ++w)
       if (walls.passes_water(w))
         {
           const std::string name = "Walls/" + WallParameters::names[w];
           of_walls.emplace(w,
-                           make_given(walls.pore_pressure[w],
-                                      walls.flux[w],
-                                      walls.seepage_face[w],
-                                      name + " pore pressure",
-                                      name + " flux",
-                                      variables_of<dim>("xt")));
+                           given(walls.pore_pressure[w],
+                                 walls.seepage_face[w],
+                                 walls.flux[w],
+                                 name + " pore pressure",
+                                 name + " flux",
+                                 variables_of<dim>("xt")));
         }
     const auto &names = parameters.general.surface_loads;
     for (unsigned int k = 0; k < names.size(); ++k)
@@ -56,30 +67,13 @@ namespace greville
         const std::string name = "Surface load " + names[k];
         if (load.passes_water())
           of_surfaces.emplace(k,
-                              make_given(load.pore_pressure,
-                                         load.flux,
-                                         load.seepage_face,
-                                         name + "/Pore pressure",
-                                         name + "/Flux",
-                                         variables_of<dim>("xXt")));
+                              given(load.pore_pressure,
+                                    load.seepage_face,
+                                    load.flux,
+                                    name + "/Pore pressure",
+                                    name + "/Flux",
+                                    variables_of<dim>("xXt")));
       }
-  }
-
-
-
-  template <int dim>
-  typename DrainedBoundaries<dim>::Given
-  DrainedBoundaries<dim>::make_given(const std::string &pressure,
-                                     const std::string &flux,
-                                     const bool         is_seepage_face,
-                                     const std::string &pressure_name,
-                                     const std::string &flux_name,
-                                     const std::vector<std::string> &variables)
-  {
-    if (!flux.empty())
-      return {{flux, flux_name, variables}, Kind::flux};
-    return {{pressure, pressure_name, variables},
-            is_seepage_face ? Kind::seepage : Kind::pressure};
   }
 
 
@@ -93,21 +87,6 @@ namespace greville
         if (entry.second.kind == Kind::seepage)
           return true;
     return false;
-  }
-
-
-
-  template <int dim>
-  void
-  DrainedBoundaries<dim>::add_points(
-    const std::vector<Body<dim>>    &bodies,
-    const std::vector<Surface<dim>> &all_surfaces,
-    const std::vector<double>       &filled,
-    const double                     time,
-    WaterPoints<dim>                &points) const
-  {
-    add_walls(bodies, filled, time, points);
-    add_surfaces(bodies, all_surfaces, time, points);
   }
 
 
@@ -269,9 +248,6 @@ namespace greville
 
 
 
-  template WaterConstants
-  water_constants(const Body<2> &body, const WaterParameters &water);
-  template WaterConstants
-  water_constants(const Body<3> &body, const WaterParameters &water);
+  GREVILLE_INSTANTIATE(water_constants);
   GREVILLE_INSTANTIATE_CLASS(DrainedBoundaries);
 } // namespace greville

@@ -149,7 +149,8 @@ namespace greville
                  numbers_of(body),
                  water_constants(body, parameters.water));
     run_on_all(space().communicator(), [&]() {
-      drained.add_points(bodies, surfaces, filled, time, points);
+      drained.add_walls(bodies, filled, time, points);
+      drained.add_surfaces(bodies, surfaces, time, points);
       if (!free_surface)
         return;
       free_surface->clear(flow_dt, time);

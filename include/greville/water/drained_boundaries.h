@@ -42,36 +42,10 @@ namespace greville
       return of_surfaces.count(k) > 0;
     }
 
-    /// Add the points of drained walls and surfaces, with their conditions at a
+    /// Add the points of drained walls or surfaces, with their conditions at a
     /// @p time, to @p points. @p filled contains the filled fraction of each
     /// cell of the displacement. Throws dealii::ExcMessage if a formula has no
     /// value.
-    void
-    add_points(const std::vector<Body<dim>>    &bodies,
-               const std::vector<Surface<dim>> &all_surfaces,
-               const std::vector<double>       &filled,
-               const double                     time,
-               WaterPoints<dim>                &points) const;
-
-  private:
-    using DrainedPoint = typename WaterTerms<dim>::Drained;
-    using Kind         = typename DrainedPoint::Kind;
-
-    /// The condition at a wall or a surface: a pressure, or a flow.
-    struct Given
-    {
-      Expression formula;
-      Kind       kind;
-    };
-
-    static Given
-    make_given(const std::string              &pressure,
-               const std::string              &flux,
-               const bool                      is_seepage_face,
-               const std::string              &pressure_name,
-               const std::string              &flux_name,
-               const std::vector<std::string> &variables);
-
     void
     add_walls(const std::vector<Body<dim>> &bodies,
               const std::vector<double>    &filled,
@@ -83,6 +57,17 @@ namespace greville
                  const std::vector<Surface<dim>> &all_surfaces,
                  const double                     time,
                  WaterPoints<dim>                &points) const;
+
+  private:
+    using DrainedPoint = typename WaterTerms<dim>::Drained;
+    using Kind         = typename DrainedPoint::Kind;
+
+    /// The condition at a wall or a surface: a pressure, or a flow.
+    struct Given
+    {
+      Expression formula;
+      Kind       kind;
+    };
 
     /// Set the condition at a point whose mobility at saturation is known.
     void
