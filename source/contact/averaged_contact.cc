@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/index_limits.h>
 #include <greville/base/mixed_bits.h>
 
 #include "hats.h"
 #include "key_forces.h"
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <unordered_map>
@@ -191,10 +191,7 @@ namespace greville
             forces[key] = law.force(key, sum);
           if (with_tangent)
             {
-              const std::uint64_t n_own = law.tangent_keys.size();
-              const int           ierr  = MPI_Exscan(
-                &n_own, &first_number, 1, MPI_UINT64_T, MPI_SUM, comm);
-              AssertThrowMPI(ierr);
+              first_number = sum_before(law.tangent_keys.size(), comm);
               for (auto &key : forces)
                 key.second.number += double(first_number);
             }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <deal.II/base/mpi.templates.h>
+
 #include <greville/contact/combine_by_key.h>
 #include <greville/contact/overlap.h>
 
@@ -55,35 +57,14 @@ namespace greville
         if (sum > result.excess)
           result = {sum, points[p].x, points[p].side, points[p].body};
       }
-    // The first process with the largest overlap sends it to all.
-    const double       largest = Utilities::MPI::max(result.excess, comm);
-    const unsigned int first =
-      Utilities::MPI::min(result.excess == largest
-                            ? Utilities::MPI::this_mpi_process(comm)
-                            : Utilities::MPI::n_mpi_processes(comm),
-                          comm);
-    std::vector<double> row{result.excess,
-                            double(result.side),
-                            double(result.body)};
-    for (unsigned int d = 0; d < dim; ++d)
-      row.push_back(result.x[d]);
-    row           = Utilities::MPI::broadcast(comm, row, first);
-    result.excess = row[0];
-    result.side   = row[1];
-    result.body   = row[2];
-    for (unsigned int d = 0; d < dim; ++d)
-      result.x[d] = row[3 + d];
-    return result;
+    // Of several, the first process counts.
+    return Utilities::MPI::all_reduce<Overlap<dim>>(
+      result, comm, [](const Overlap<dim> &a, const Overlap<dim> &b) {
+        return b.excess > a.excess ? b : a;
+      });
   }
 
 
 
-  template Overlap<2>
-  largest_overlap(const std::vector<VolumePoint<2>> &,
-                  const Tensor<1, 2> &,
-                  const MPI_Comm);
-  template Overlap<3>
-  largest_overlap(const std::vector<VolumePoint<3>> &,
-                  const Tensor<1, 3> &,
-                  const MPI_Comm);
+  GREVILLE_INSTANTIATE(largest_overlap);
 } // namespace greville
