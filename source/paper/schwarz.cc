@@ -172,30 +172,23 @@ namespace greville
       }
 
     if (is_symmetric)
-      set_weights();
+      {
+        // Count the domains that hold an entry.
+        values = 0.;
+        for (const unsigned int i : order)
+          values.local_element(i) = 1.;
+        values.compress(VectorOperation::add);
+        values.update_ghost_values();
+        for (const unsigned int i : order)
+          weights.push_back(1. / std::sqrt(values.local_element(i)));
+        values.zero_out_ghost_values();
+      }
     run_on_all(comm, [&]() {
       if (!order.empty())
         solver = make(local_matrix);
     });
     if (is_symmetric && Utilities::MPI::n_mpi_processes(comm) > 1)
       scale = std::min(1., largest_allowed / largest_eigenvalue_with(level));
-  }
-
-
-
-  template <int dim>
-  void
-  AdditiveSchwarz<dim>::set_weights()
-  {
-    // Count the domains that hold an entry.
-    values = 0.;
-    for (const unsigned int i : order)
-      values.local_element(i) = 1.;
-    values.compress(VectorOperation::add);
-    values.update_ghost_values();
-    for (const unsigned int i : order)
-      weights.push_back(1. / std::sqrt(values.local_element(i)));
-    values.zero_out_ghost_values();
   }
 
 
@@ -245,45 +238,6 @@ namespace greville
 
 
 
-  template <int dim>
-  void
-  AdditiveSchwarz<dim>::restrict_to_domain(const VectorType &src,
-                                           const bool        transpose) const
-  {
-    std::copy_n(src.begin(), n_owned, values.begin());
-    values.update_ghost_values();
-    local.resize(order.size());
-    for (unsigned int i = 0; i < order.size(); ++i)
-      local[i] = values.local_element(order[i]) *
-                 (is_symmetric                       ? weights[i]
-                  : transpose && order[i] >= n_owned ? 0.
-                                                     : 1.);
-    values.zero_out_ghost_values();
-  }
-
-
-
-  template <int dim>
-  void
-  AdditiveSchwarz<dim>::prolongate(VectorType &dst, const bool transpose) const
-  {
-    if (!is_symmetric && !transpose)
-      {
-        for (unsigned int i = 0; i < order.size(); ++i)
-          if (order[i] < n_owned)
-            dst.local_element(order[i]) = local[i];
-        return;
-      }
-    values = 0.;
-    for (unsigned int i = 0; i < order.size(); ++i)
-      values.local_element(order[i]) =
-        is_symmetric ? weights[i] * local[i] : local[i];
-    values.compress(VectorOperation::add);
-    std::copy_n(values.begin(), n_owned, dst.begin());
-  }
-
-
-
   UpperTriangle
   upper_triangle(const Mat matrix)
   {
@@ -321,10 +275,33 @@ namespace greville
                               const VectorType &src,
                               const bool        transpose) const
   {
-    restrict_to_domain(src, transpose);
+    // Restrict to the domain.
+    std::copy_n(src.begin(), n_owned, values.begin());
+    values.update_ghost_values();
+    local.resize(order.size());
+    for (unsigned int i = 0; i < order.size(); ++i)
+      local[i] = values.local_element(order[i]) *
+                 (is_symmetric                       ? weights[i]
+                  : transpose && order[i] >= n_owned ? 0.
+                                                     : 1.);
+    values.zero_out_ghost_values();
     if (solver)
       solver(local.data(), transpose);
-    prolongate(dst, transpose);
+
+    // Prolongate from the domains.
+    if (!is_symmetric && !transpose)
+      {
+        for (unsigned int i = 0; i < order.size(); ++i)
+          if (order[i] < n_owned)
+            dst.local_element(order[i]) = local[i];
+        return;
+      }
+    values = 0.;
+    for (unsigned int i = 0; i < order.size(); ++i)
+      values.local_element(order[i]) =
+        is_symmetric ? weights[i] * local[i] : local[i];
+    values.compress(VectorOperation::add);
+    std::copy_n(values.begin(), n_owned, dst.begin());
     if (scale != 1.)
       dst *= scale;
   }

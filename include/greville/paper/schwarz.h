@@ -61,19 +61,8 @@ namespace greville
     }
 
   private:
-    /// local = @f$ R_s @f$ @p src, weighted for the symmetric combination.
-    void
-    restrict_to_domain(const VectorType &src, const bool transpose) const;
-
-    /// @p dst = @f$ \sum_s R_s^T @f$ local, weighted or restricted.
-    void
-    prolongate(VectorType &dst, const bool transpose) const;
-
     void
     apply(VectorType &dst, const VectorType &src, const bool transpose) const;
-
-    void
-    set_weights();
 
     /// Collective. Return a lower estimate of the largest eigenvalue of the
     /// product with the matrix of @p level.
