@@ -75,14 +75,6 @@ namespace greville
 
 
   bool
-  takes_cycle(const std::string &solver)
-  {
-    return solver.find("p-multigrid") != std::string::npos;
-  }
-
-
-
-  bool
   takes_smoother(const std::string &solver)
   {
     return takes_cycle(solver) || solver == "cg-smoother";

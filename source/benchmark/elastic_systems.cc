@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/benchmark/benchmark_problem.h>
-#include <greville/benchmark/clamped_walls.h>
 
 #include <cmath>
 
@@ -23,97 +22,6 @@ namespace greville
       material->reinit("Benchmark");
       return material;
     }
-
-
-
-    template <int dim>
-    class ElasticSystem : public BenchmarkSystem
-    {
-    public:
-      /// @p bodies and @p walls are kept by reference.
-      ElasticSystem(const std::vector<TrialBody<dim>> &bodies,
-                    const Walls<dim>                  &walls,
-                    const double                       filling,
-                    const double                       mass_factor,
-                    const unsigned int                 p,
-                    DistributedTriangulation<dim>     &triangulation,
-                    const SolverParameters            &solver,
-                    const TangentParameters           &tangent)
-        : bodies(bodies)
-        , mass_factor(mass_factor)
-        , parameters(solver)
-        , tangent(tangent)
-        , orders(triangulation, p, tangent.multigrid.coarsening)
-        , system(
-            orders,
-            [&](const SplineSpace<dim> &space) {
-              return constrained_components_at_walls(space, walls);
-            },
-            this->tangent,
-            filling,
-            false)
-      {
-        for (auto *field : {&u, &force})
-          for (VectorType &component : *field)
-            system.space().initialize_vector(component);
-      }
-
-      void
-      assemble() override
-      {
-        system.set_points(bodies);
-        for (VectorType &component : u)
-          component = 0.;
-        throw_on_all(
-          system.evaluate(bodies, u, 1., StepStress::end, true, force),
-          system.space().communicator());
-      }
-
-      void
-      make_right_hand_side() override
-      {
-        for (VectorType *vector : {&x, &b})
-          system.initialize(*vector);
-        const auto &functions = system.space().owned_functions();
-        for (unsigned int i = 0; i < functions.size(); ++i)
-          for (unsigned int c = 0; c < dim; ++c)
-            b.local_element(i * dim + c) =
-              std::sin(12.9898 * ((functions[i] + 1) % 104729) + c);
-        system.extend(u, b);
-        system.restrict(b, u, nullptr);
-      }
-
-      void
-      setup() override
-      {
-        system.set_operator(mass_factor, true);
-      }
-
-      SolveResult
-      solve() override
-      {
-        return solve_and_check<dim>(system.finest(),
-                                    x,
-                                    b,
-                                    parameters.tolerance,
-                                    [&](SolveResult &result) {
-                                      result =
-                                        system.solve(x,
-                                                     b,
-                                                     parameters.tolerance);
-                                    });
-      }
-
-    private:
-      const std::vector<TrialBody<dim>> &bodies;
-      const double                       mass_factor;
-      const SolverParameters            &parameters;
-      const TangentParameters            tangent;
-      const OrderHierarchy<dim>          orders;
-      TangentSystem<dim>                 system;
-      VectorField<dim>                   u, force;
-      VectorType                         x, b;
-    };
 
 
 
@@ -195,17 +103,82 @@ namespace greville
         tangent.max_iterations = parameters.max_iterations;
         tangent.multigrid      = solver.multigrid;
         tangent.smoother       = solver.smoother;
-        return std::make_unique<ElasticSystem<dim>>(bodies,
-                                                    walls,
-                                                    threshold(),
-                                                    mass_factor,
-                                                    degree,
-                                                    triangulation,
-                                                    parameters,
-                                                    tangent);
+        return std::make_unique<System>(*this, tangent);
       }
 
     private:
+      class System : public BenchmarkSystem
+      {
+      public:
+        System(const ElasticSystems &problem, const TangentParameters &tangent)
+          : problem(problem)
+          , tangent(tangent)
+          , orders(problem.triangulation,
+                   problem.degree,
+                   tangent.multigrid.coarsening)
+          , system(
+              orders,
+              [&](const SplineSpace<dim> &space) {
+                return constrained_components_at_walls(space, problem.walls);
+              },
+              this->tangent,
+              problem.threshold(),
+              false)
+        {
+          for (auto *field : {&u, &force})
+            for (VectorType &component : *field)
+              system.space().initialize_vector(component);
+        }
+
+        void
+        assemble() override
+        {
+          system.set_points(problem.bodies);
+          for (VectorType &component : u)
+            component = 0.;
+          throw_on_all(system.evaluate(
+                         problem.bodies, u, 1., StepStress::end, true, force),
+                       system.space().communicator());
+        }
+
+        void
+        make_right_hand_side() override
+        {
+          for (VectorType *vector : {&x, &b})
+            system.initialize(*vector);
+          const auto &functions = system.space().owned_functions();
+          for (unsigned int i = 0; i < functions.size(); ++i)
+            for (unsigned int c = 0; c < dim; ++c)
+              b.local_element(i * dim + c) =
+                std::sin(12.9898 * ((functions[i] + 1) % 104729) + c);
+          system.extend(u, b);
+          system.restrict(b, u, nullptr);
+        }
+
+        void
+        setup() override
+        {
+          system.set_operator(problem.mass_factor, true);
+        }
+
+        SolveResult
+        solve() override
+        {
+          const double tolerance = problem.parameters.tolerance;
+          return solve_and_check<dim>(system.finest(), x, b, tolerance, [&]() {
+            return system.solve(x, b, tolerance);
+          });
+        }
+
+      private:
+        const ElasticSystems     &problem;
+        const TangentParameters   tangent;
+        const OrderHierarchy<dim> orders;
+        TangentSystem<dim>        system;
+        VectorField<dim>          u, force;
+        VectorType                x, b;
+      };
+
       /// Return the filling threshold. It is 0 for a box, whose B-splines use
       /// all cells.
       double

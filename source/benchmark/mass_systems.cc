@@ -199,73 +199,6 @@ namespace greville
 
 
     template <int dim, typename Problem>
-    class MassSystem : public BenchmarkSystem
-    {
-    public:
-      MassSystem(Problem                    &problem,
-                 MassHierarchy<dim>         &mass,
-                 const std::string          &name,
-                 const MassSolverParameters &parameters,
-                 const PMultigridParameters &multigrid,
-                 const SmootherParameters   &smoother)
-        : problem(problem)
-        , mass(mass)
-        , multigrid(multigrid)
-        , smoother(smoother)
-        , solver(name, mass, parameters, this->multigrid, this->smoother)
-      {
-        for (VectorType *vector : {&x, &b})
-          mass.finest().space().initialize_vector(*vector);
-      }
-
-      ~MassSystem() override
-      {
-        for (const auto &level : mass.all_levels())
-          level->clear();
-      }
-
-      void
-      assemble() override
-      {
-        solver.assemble();
-      }
-
-      void
-      make_right_hand_side() override
-      {
-        problem.right_hand_side(b, mass.finest());
-      }
-
-      void
-      setup() override
-      {
-        solver.setup();
-      }
-
-      SolveResult
-      solve() override
-      {
-        return solver.solve(x, b);
-      }
-
-      std::optional<double>
-      error() override
-      {
-        return problem.error(x, mass.finest());
-      }
-
-    private:
-      Problem                   &problem;
-      MassHierarchy<dim>        &mass;
-      const PMultigridParameters multigrid;
-      const SmootherParameters   smoother;
-      MassSolver<dim>            solver;
-      VectorType                 x, b;
-    };
-
-
-
-    template <int dim, typename Problem>
     class MassSystems : public BenchmarkProblem<dim>
     {
     public:
@@ -304,8 +237,7 @@ namespace greville
                   const PMultigridParameters &multigrid,
                   const SmootherParameters   &smoother) override
       {
-        return std::make_unique<MassSystem<dim, Problem>>(
-          problem, *mass, solver, parameters, multigrid, smoother);
+        return std::make_unique<System>(*this, solver, multigrid, smoother);
       }
 
       std::optional<OperatorRecord>
@@ -315,6 +247,69 @@ namespace greville
       }
 
     private:
+      class System : public BenchmarkSystem
+      {
+      public:
+        System(MassSystems                &systems,
+               const std::string          &name,
+               const PMultigridParameters &multigrid,
+               const SmootherParameters   &smoother)
+          : problem(systems.problem)
+          , mass(*systems.mass)
+          , multigrid(multigrid)
+          , smoother(smoother)
+          , solver(
+              name, mass, systems.parameters, this->multigrid, this->smoother)
+        {
+          for (VectorType *vector : {&x, &b})
+            mass.finest().space().initialize_vector(*vector);
+        }
+
+        ~System() override
+        {
+          for (const auto &level : mass.all_levels())
+            level->clear();
+        }
+
+        void
+        assemble() override
+        {
+          solver.assemble();
+        }
+
+        void
+        make_right_hand_side() override
+        {
+          problem.right_hand_side(b, mass.finest());
+        }
+
+        void
+        setup() override
+        {
+          solver.setup();
+        }
+
+        SolveResult
+        solve() override
+        {
+          return solver.solve(x, b);
+        }
+
+        std::optional<double>
+        error() override
+        {
+          return problem.error(x, mass.finest());
+        }
+
+      private:
+        Problem                   &problem;
+        MassHierarchy<dim>        &mass;
+        const PMultigridParameters multigrid;
+        const SmootherParameters   smoother;
+        MassSolver<dim>            solver;
+        VectorType                 x, b;
+      };
+
       Problem                             problem;
       const MassSolverParameters         &parameters;
       DistributedTriangulation<dim>      &triangulation;

@@ -16,11 +16,11 @@ namespace greville
 
   template <int dim>
   SolveResult
-  solve_and_check(const LevelOperator<dim>                 &A,
-                  VectorType                               &x,
-                  const VectorType                         &b,
-                  const double                              tolerance,
-                  const std::function<void(SolveResult &)> &run)
+  solve_and_check(const LevelOperator<dim>           &A,
+                  VectorType                         &x,
+                  const VectorType                   &b,
+                  const double                        tolerance,
+                  const std::function<SolveResult()> &run)
   {
     SolveResult result;
     x                 = 0.;
@@ -33,7 +33,7 @@ namespace greville
         result.reason     = "has a right-hand side that is infinite or NaN";
         return result;
       }
-    run(result);
+    result = run();
 
     VectorType residual(b);
     A.vmult(residual, x);
@@ -56,14 +56,14 @@ namespace greville
   namespace
   {
     template <int dim>
-    void
+    SolveResult
     improve(const LevelOperator<dim> &A,
             const Preconditioner     &preconditioner,
             const SolverParameters   &parameters,
             VectorType               &x,
-            const VectorType         &b,
-            SolveResult              &result)
+            const VectorType         &b)
     {
+      SolveResult  result;
       VectorType   residual(b), correction(b);
       const double start     = b.l2_norm();
       double       reduction = start > 0. ? 1. : 0.;
@@ -81,46 +81,42 @@ namespace greville
       result.iterations = k;
       if (!(reduction <= parameters.tolerance))
         result.reason = reason_of_failure(k, reduction);
+      return result;
     }
   } // namespace
 
 
 
   template <int dim>
-  void
+  SolveResult
   iterate(const LevelMethod         method,
           const LevelOperator<dim> &A,
           const Preconditioner     *preconditioner,
           const SolverParameters   &parameters,
           VectorType               &x,
-          const VectorType         &b,
-          SolveResult              &result)
+          const VectorType         &b)
   {
     if (method == LevelMethod::stationary)
       {
         AssertThrow(preconditioner, ExcNotInitialized());
-        improve<dim>(A, *preconditioner, parameters, x, b, result);
-        return;
+        return improve<dim>(A, *preconditioner, parameters, x, b);
       }
-    const SolveResult run =
-      run_krylov(parameters, b, [&](SolverControl &control) {
-        GrowingVectorMemory<VectorType> memory;
-        if (!preconditioner)
-          SolverCG<VectorType>(control, memory)
-            .solve(A, x, b, PreconditionIdentity());
-        else if (method == LevelMethod::fgmres)
-          SolverFGMRES<VectorType>(control,
-                                   memory,
-                                   fgmres_data<SolverFGMRES<VectorType>>(30))
-            .solve(A, x, b, *preconditioner);
-        else if (method == LevelMethod::flexible_cg)
-          SolverFlexibleCG<VectorType>(control, memory)
-            .solve(A, x, b, *preconditioner);
-        else
-          SolverCG<VectorType>(control, memory).solve(A, x, b, *preconditioner);
-      });
-    result.iterations = run.iterations;
-    result.reason     = run.reason;
+    return run_krylov(parameters, b, [&](SolverControl &control) {
+      GrowingVectorMemory<VectorType> memory;
+      if (!preconditioner)
+        SolverCG<VectorType>(control, memory)
+          .solve(A, x, b, PreconditionIdentity());
+      else if (method == LevelMethod::fgmres)
+        SolverFGMRES<VectorType>(control,
+                                 memory,
+                                 fgmres_data<SolverFGMRES<VectorType>>(30))
+          .solve(A, x, b, *preconditioner);
+      else if (method == LevelMethod::flexible_cg)
+        SolverFlexibleCG<VectorType>(control, memory)
+          .solve(A, x, b, *preconditioner);
+      else
+        SolverCG<VectorType>(control, memory).solve(A, x, b, *preconditioner);
+    });
   }
 
 

@@ -7,6 +7,7 @@
 #include <greville/paper/mass_solver.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 
 namespace greville
 {
@@ -47,10 +48,7 @@ namespace greville
   std::string
   MassSolver<dim>::names()
   {
-    std::string result;
-    for (const std::string &name : solver_names)
-      result += name + "|";
-    return result + fmpm_in_lists;
+    return boost::algorithm::join(solver_names, "|") + "|" + fmpm_in_lists;
   }
 
 
@@ -96,7 +94,7 @@ namespace greville
     const bool apply_matrix = parameters.operator_kind == "assembled" ||
                               (parameters.operator_kind == "automatic" &&
                                (name == "cg" || name == "cg-jacobi"));
-    const std::string smoother = uses_multigrid(name) || name == "cg-smoother"
+    const std::string smoother = takes_cycle(name) || name == "cg-smoother"
                                    ? multigrid_parameters.smoother
                                    : "";
     const bool        smoother_wants_matrix =
@@ -104,9 +102,9 @@ namespace greville
 
     const auto &levels = hierarchy.all_levels();
     for (unsigned int l = 0; l < levels.size(); ++l)
-      if (l + 1 == levels.size() || uses_multigrid(name))
+      if (l + 1 == levels.size() || takes_cycle(name))
         {
-          const bool has_smoother = l > 0 || !uses_multigrid(name) ||
+          const bool has_smoother = l > 0 || !takes_cycle(name) ||
                                     !multigrid_parameters.has_coarse_levels();
           levels[l]->assemble(has_smoother && smoother_wants_matrix,
                               apply_matrix,
@@ -121,7 +119,7 @@ namespace greville
   MassSolver<dim>::setup()
   {
     AssembledMassLevel<dim> &finest = hierarchy.finest();
-    if (uses_multigrid(name))
+    if (takes_cycle(name))
       {
         // For p = 1, the coarse solver alone must reach the tolerance.
         preconditioner = std::make_unique<PMultigrid<dim>>(
@@ -158,29 +156,28 @@ namespace greville
   MassSolver<dim>::solve(VectorType &x, const VectorType &b) const
   {
     const AssembledMassLevel<dim> &finest = hierarchy.finest();
-    return solve_and_check<dim>(
-      finest, x, b, parameters.tolerance, [&](SolveResult &result) {
-        if (n_terms > 0)
-          {
-            x = b;
-            x.scale(inverse_lumped);
-            add_fmpm_terms(x, b, finest, inverse_lumped, n_terms);
-          }
-        else if (name == "tensor-product")
+    return solve_and_check<dim>(finest, x, b, parameters.tolerance, [&]() {
+      if (n_terms > 0)
+        {
+          x = b;
+          x.scale(inverse_lumped);
+          add_fmpm_terms(x, b, finest, inverse_lumped, n_terms);
+          return SolveResult();
+        }
+      if (name == "tensor-product")
+        {
           preconditioner->vmult(x, b);
-        else
-          // The coarse solve is not linear, so a flexible method is needed.
-          iterate<dim>(name == "p-multigrid"          ? LevelMethod::stationary
-                       : name == "fgmres-p-multigrid" ? LevelMethod::fgmres
-                       : uses_multigrid(name)         ? LevelMethod::flexible_cg
-                                                      : LevelMethod::cg,
-                       finest,
-                       preconditioner.get(),
-                       parameters,
-                       x,
-                       b,
-                       result);
-      });
+          return SolveResult();
+        }
+      // The coarse solve is not linear, so a flexible method is needed.
+      const LevelMethod method = name == "p-multigrid" ? LevelMethod::stationary
+                                 : name == "fgmres-p-multigrid"
+                                   ? LevelMethod::fgmres
+                                 : takes_cycle(name) ? LevelMethod::flexible_cg
+                                                     : LevelMethod::cg;
+      return iterate<dim>(
+        method, finest, preconditioner.get(), parameters, x, b);
+    });
   }
 
 

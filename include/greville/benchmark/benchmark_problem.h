@@ -4,6 +4,7 @@
 
 #include <greville/benchmark/operators.h>
 #include <greville/benchmark/problem_parameters.h>
+#include <greville/boundary/constrained_functions.h>
 #include <greville/paper/level_solver.h>
 #include <greville/paper/mass_solver.h>
 
@@ -111,11 +112,7 @@ namespace greville
                const std::string &operator_name,
                const std::string &parameter);
 
-  /// Return whether the solver uses the p-multigrid parameters, and whether it
-  /// uses the smoother parameter.
-  bool
-  takes_cycle(const std::string &solver);
-
+  /// Return whether the solver uses the smoother parameter.
   bool
   takes_smoother(const std::string &solver);
 
@@ -139,6 +136,22 @@ namespace greville
                     const PMultigridParameters &multigrid,
                     const SmootherParameters   &smoother);
 
+
+
+  /// Return fixed walls: the walls in 'Problem/Clamped walls', or, if there are
+  /// none, @p all walls or else only the lower wall in the last direction.
+  template <int dim>
+  Walls<dim>
+  clamped_walls(const ProblemParameters &parameters, const bool all)
+  {
+    WallParameters walls;
+    for (unsigned int w = 0; w < 2 * dim; ++w)
+      if (parameters.clamped.empty()
+            ? all || w == 2 * (dim - 1)
+            : contains(parameters.clamped, WallParameters::names[w]))
+        walls.type[w] = "fixed";
+    return Walls<dim>(walls);
+  }
 
 
   /// Return the mass problem of the density, or of a @p body of material

@@ -6,6 +6,7 @@
 #include <greville/multigrid/level_operator.h>
 
 #include <functional>
+#include <string>
 
 namespace greville
 {
@@ -19,27 +20,33 @@ namespace greville
     fgmres
   };
 
-  /// Collective. Begin with x = 0, call @p run, which finds x and fills in the
+  /// Collective. Begin with x = 0, call @p run, which finds x and returns the
   /// iterations and the reason of a failure, and compute the residual. Fails
   /// without a call if the right-hand side is not finite.
   template <int dim>
   SolveResult
-  solve_and_check(const LevelOperator<dim>                 &A,
-                  VectorType                               &x,
-                  const VectorType                         &b,
-                  const double                              tolerance,
-                  const std::function<void(SolveResult &)> &run);
+  solve_and_check(const LevelOperator<dim>           &A,
+                  VectorType                         &x,
+                  const VectorType                   &b,
+                  const double                        tolerance,
+                  const std::function<SolveResult()> &run);
 
   /// Collective. Iterate from @p x = 0 until the Euclidean norm of the residual
   /// has fallen by the tolerance; for solve_and_check(). A null preconditioner
   /// is the unit matrix.
   template <int dim>
-  void
+  SolveResult
   iterate(const LevelMethod         method,
           const LevelOperator<dim> &A,
           const Preconditioner     *preconditioner,
           const SolverParameters   &parameters,
           VectorType               &x,
-          const VectorType         &b,
-          SolveResult              &result);
+          const VectorType         &b);
+
+  /// Return whether a solver takes the parameters of p-multigrid.
+  inline bool
+  takes_cycle(const std::string &solver)
+  {
+    return solver.find("p-multigrid") != std::string::npos;
+  }
 } // namespace greville

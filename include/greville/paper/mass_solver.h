@@ -122,12 +122,6 @@ namespace greville
     SolveResult
     solve(VectorType &x, const VectorType &b) const;
 
-    static bool
-    uses_multigrid(const std::string &name)
-    {
-      return name.find("p-multigrid") != std::string::npos;
-    }
-
   private:
     const std::string           name;
     MassHierarchy<dim>         &hierarchy;
