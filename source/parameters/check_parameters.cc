@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/base/named_formulas.h>
+#include <greville/parameters/in_stage.h>
 #include <greville/parameters/names.h>
-#include <greville/parameters/simulation_parameters.h>
 
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
@@ -231,14 +231,7 @@ namespace greville
         SimulationParameters parameters = *this;
         parameters.enter_stage(k);
         check_change_of_stage(*this, k, parameters);
-        try
-          {
-            parameters.check_stage();
-          }
-        catch (const std::exception &exception)
-          {
-            Require(false, stage_text(k) + message_of(exception));
-          }
+        in_stage(*this, k, [&]() { parameters.check_stage(); });
       }
   }
 

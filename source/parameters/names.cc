@@ -84,14 +84,6 @@ namespace greville
 
 
 
-  std::string
-  mass_solver_methods()
-  {
-    return "cg-ic0|cg-p-multigrid|cg-jacobi|cg";
-  }
-
-
-
   std::vector<FormerParameter>
   former_parameters()
   {

@@ -316,6 +316,50 @@ namespace greville
         }
       return laws;
     }
+
+
+
+    /// Complete the number of cells and the list of edges of a grid, also in
+    /// @p prm. See GridParameters::complete().
+    void
+    complete_grid(GridParameters    &grid,
+                  const unsigned int dim,
+                  ParameterHandler  &prm)
+    {
+      if (grid.is_uniform())
+        return;
+      grid.complete(dim);
+      set_parameter(prm,
+                    {"Grid"},
+                    "Cells",
+                    Patterns::Tools::to_string(grid.cells));
+      for (unsigned int d = 0; d < dim; ++d)
+        set_parameter(prm,
+                      {"Grid"},
+                      "Knots " + std::string(1, "xyz"[d]),
+                      std::string(grid.knots[d]));
+    }
+
+
+
+    /// Return the mass for "auto": lumped with APIC, and in updated Lagrangian
+    /// steps also if bodies spread into thin layers or with friction walls;
+    /// otherwise consistent.
+    std::string
+    default_mass(
+      const StageSections                                          &stage,
+      const std::map<std::string, std::shared_ptr<const Material>> &laws)
+    {
+      const bool spreads =
+        std::any_of(laws.begin(), laws.end(), [](const auto &law) {
+          return law.second->spreads();
+        });
+      const bool is_lumped =
+        stage.scheme.transfer == "APIC" ||
+        (!stage.scheme.is_total_lagrangian() &&
+         (spreads || contains(stage.walls.type, "friction")));
+      return is_lumped ? "lumped" : "consistent";
+    }
   } // namespace
 
 
@@ -347,7 +391,7 @@ namespace greville
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
     locate_files(folder, prm);
-    complete_grid(prm);
+    complete_grid(grid, general.dimension, prm);
     std::ostringstream text;
     prm.print_parameters(text, style);
     used_text = without_common_times(text.str());
@@ -355,7 +399,15 @@ namespace greville
       .attach_to(prm);
 
     complete_stages();
-    make_axis();
+    // The left wall of a grid that begins at the axis is the axis.
+    if (grid.has_axis())
+      {
+        for (StageParameters &stage : stages)
+          if (stage.walls.type[0] == "free")
+            stage.walls.type[0] = "sliding";
+        if (walls.type[0] == "free")
+          walls.type[0] = "sliding";
+      }
     check();
     if (stages.empty())
       check_friction(walls, lines, "");
@@ -442,25 +494,6 @@ namespace greville
 
 
   void
-  SimulationParameters::complete_grid(ParameterHandler &prm)
-  {
-    if (grid.is_uniform())
-      return;
-    grid.complete(general.dimension);
-    std::string cells;
-    for (const unsigned int n : grid.cells)
-      cells += (cells.empty() ? "" : ", ") + std::to_string(n);
-    set_parameter(prm, {"Grid"}, "Cells", cells);
-    for (unsigned int d = 0; d < general.dimension; ++d)
-      set_parameter(prm,
-                    {"Grid"},
-                    "Knots " + std::string(1, "xyz"[d]),
-                    std::string(grid.knots[d]));
-  }
-
-
-
-  void
   SimulationParameters::complete_stages()
   {
     for (StageParameters &stage : stages)
@@ -480,16 +513,16 @@ namespace greville
                      "Maximum steps",
                      stage.time.max_steps);
         if (stage.scheme.mass == "auto")
-          stage.scheme.mass = default_mass(stage.scheme, stage.walls);
+          stage.scheme.mass = default_mass(stage, materials);
       }
     find_materials();
     if (!stages.empty())
       enter_stage(0);
     if (scheme.mass == "auto")
-      scheme.mass = default_mass(scheme, walls);
+      scheme.mass = default_mass(*this, materials);
     for (std::string &mass : sweep.masses)
       if (mass == "auto")
-        mass = default_mass(scheme, walls);
+        mass = default_mass(*this, materials);
   }
 
 
@@ -529,20 +562,6 @@ namespace greville
                   walls.velocity[w] = "";
               }
       }
-  }
-
-
-
-  void
-  SimulationParameters::make_axis()
-  {
-    if (!grid.has_axis())
-      return;
-    for (StageParameters &stage : stages)
-      if (stage.walls.type[0] == "free")
-        stage.walls.type[0] = "sliding";
-    if (walls.type[0] == "free")
-      walls.type[0] = "sliding";
   }
 
 

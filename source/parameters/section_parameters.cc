@@ -146,7 +146,10 @@ namespace greville
       "side at which iterations end. 0: in plane and 3D explicit steps without "
       "pore water 1e-5 for order 1 or 2, 1e-6 for order 3 and 1e-7 for order "
       "4, otherwise 1e-8. Unit: none.");
-    add_parameter(prm, "Method", method, Selection(mass_solver_methods()))(
+    add_parameter(prm,
+                  "Method",
+                  method,
+                  Selection("cg-ic0|cg-p-multigrid|cg-jacobi|cg"))(
       "Solver of the consistent mass: conjugate gradients for all components "
       "together, preconditioned by incomplete Cholesky factors (cg-ic0, the "
       "fastest), by the cycle of 'p-multigrid' (cg-p-multigrid), by the "

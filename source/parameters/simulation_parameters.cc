@@ -127,22 +127,4 @@ namespace greville
              : std::clamp(std::pow(10., -3. - degree), tight, 1e-5);
   }
 
-
-
-  std::string
-  SimulationParameters::default_mass(const SchemeParameters &scheme,
-                                     const WallParameters   &walls) const
-  {
-    if (scheme.transfer == "APIC")
-      return "lumped";
-    if (scheme.is_total_lagrangian())
-      return "consistent";
-    for (const auto &material : materials)
-      if (material.second->spreads())
-        return "lumped";
-    for (const std::string &type : walls.type)
-      if (type == "friction")
-        return "lumped";
-    return "consistent";
-  }
 } // namespace greville

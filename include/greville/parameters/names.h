@@ -46,9 +46,6 @@ namespace greville
   std::string
   masses_with(const bool MassSupport::*support);
 
-  std::string
-  mass_solver_methods();
-
   std::vector<FormerParameter>
   former_parameters();
 

@@ -178,7 +178,6 @@ namespace greville
       return method == "cg-jacobi";
     }
 
-    /// A name of mass_solver_methods().
     std::string method = "cg-ic0";
   };
 

@@ -179,11 +179,6 @@ namespace greville
     locate_files(const std::filesystem::path &folder,
                  dealii::ParameterHandler    &prm);
 
-    /// Complete the number of cells and the list of edges of the grid, also in
-    /// @p prm. See GridParameters::complete().
-    void
-    complete_grid(dealii::ParameterHandler &prm);
-
     /// Find masses and materials of stages, and enter the first stage.
     void
     complete_stages();
@@ -204,10 +199,6 @@ namespace greville
 
     void
     check_body_grids() const;
-
-    /// Change 'Walls/Left' from free to sliding if it is the axis of symmetry.
-    void
-    make_axis();
 
     /// Do the part of check() for axisymmetry, for all stages and for one.
     void
@@ -235,13 +226,6 @@ namespace greville
 
     void
     check_water_of_stage() const;
-
-    /// Return the mass for "auto": lumped with APIC, and in updated Lagrangian
-    /// steps also if bodies spread into thin layers or with friction walls;
-    /// otherwise consistent.
-    std::string
-    default_mass(const SchemeParameters &scheme,
-                 const WallParameters   &walls) const;
 
     std::string used_text;
   };
