@@ -85,21 +85,7 @@ namespace greville
         if (options.resumes)
           {
             const Checkpoint checkpoint = read_checkpoint(directory, comm);
-            try
-              {
-                check_changes(checkpoint.content, parameters);
-                simulations.set_from_tables(checkpoint.content);
-                check_stages(checkpoint.content,
-                             parameters,
-                             common().stage,
-                             common().time);
-              }
-            catch (const std::exception &error)
-              {
-                Require(false,
-                        "The run cannot resume from <" + checkpoint.file +
-                          ">: " + message_of(error));
-              }
+            resume_from(simulations, checkpoint, parameters);
             out << "It would resume from <" << checkpoint.file << ">, step "
                 << common().n_steps << ", t = " << common().time << " s.\n\n";
           }
@@ -134,6 +120,36 @@ namespace greville
         print_warnings(simulations);
       }
 
+      /// Write the initial points to the folder @p drawing unless it is empty,
+      /// take trial steps of all stages, and write the results.
+      void
+      report(const std::string &drawing)
+      {
+        if (!drawing.empty())
+          draw(drawing);
+        std::uint64_t cells = 0, functions = 0, points = 0;
+        for (unsigned int k = 0; k < simulations.n_parts(); ++k)
+          {
+            const SplineSpace<dim> &space = simulations.part(k).space();
+            cells += space.triangulation().n_global_active_cells();
+            functions += space.n_dofs();
+          }
+        for (const Body<dim> &body : simulations.bodies())
+          points += body.n_points;
+        out << "  cells: " << cells << ", B-splines: " << functions
+            << " for each component, points: " << points << '\n';
+
+        const unsigned int stage    = common().stage;
+        const unsigned int n_stages = parameters.n_stages();
+        double             total    = report_stage(simulations, stage, set_up);
+        for (unsigned int k = stage + 1; k < n_stages; ++k)
+          total += report_later_stage(k);
+        if (n_stages > stage + 1)
+          out << "  estimated time of all stages: " << duration(total) << '\n';
+        print_memory();
+      }
+
+    private:
       void
       draw(const std::string &folder)
       {
@@ -158,35 +174,6 @@ namespace greville
             << FieldOutput<dim>::series_name << '\n';
       }
 
-      /// Take trial steps of all stages, and write the results. Returns the
-      /// estimated time of all stages, s.
-      double
-      report()
-      {
-        std::uint64_t cells = 0, functions = 0, points = 0;
-        for (unsigned int k = 0; k < simulations.n_parts(); ++k)
-          {
-            const SplineSpace<dim> &space = simulations.part(k).space();
-            cells += space.triangulation().n_global_active_cells();
-            functions += space.n_dofs();
-          }
-        for (const Body<dim> &body : simulations.bodies())
-          points += body.n_points;
-        out << "  cells: " << cells << ", B-splines: " << functions
-            << " for each component, points: " << points << '\n';
-
-        const unsigned int stage    = common().stage;
-        const unsigned int n_stages = parameters.n_stages();
-        double             total    = report_stage(simulations, stage, set_up);
-        for (unsigned int k = stage + 1; k < n_stages; ++k)
-          total += report_later_stage(k);
-        if (n_stages > stage + 1)
-          out << "  estimated time of all stages: " << duration(total) << '\n';
-        print_memory();
-        return total;
-      }
-
-    private:
       const State<dim> &
       common() const
       {
@@ -423,22 +410,6 @@ namespace greville
       double                             set_up = 0.; // s
     };
 
-
-
-    template <int dim>
-    void
-    check_run(const SimulationParameters &parameters,
-              const std::string          &directory,
-              std::ostream               &out,
-              const MPI_Comm              comm,
-              const RunOptions           &options,
-              const std::string          &drawing)
-    {
-      Trial<dim> trial(parameters, directory, out, comm, options);
-      if (!drawing.empty())
-        trial.draw(drawing);
-      trial.report();
-    }
   } // namespace
 
 
@@ -461,9 +432,9 @@ namespace greville
     for (const std::string &note : repeated_parameters(file))
       out << "  Note: " << note << '\n';
     if (parameters.general.dimension == 2)
-      check_run<2>(parameters, directory, out, comm, options, drawing);
+      Trial<2>(parameters, directory, out, comm, options).report(drawing);
     else
-      check_run<3>(parameters, directory, out, comm, options, drawing);
+      Trial<3>(parameters, directory, out, comm, options).report(drawing);
     out << "  results of a run: " << directory << std::endl;
   }
 } // namespace greville

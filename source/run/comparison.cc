@@ -128,8 +128,5 @@ namespace greville
 
 
   GREVILLE_INSTANTIATE_CLASS(ExactSolution);
-  template void
-  check_reference<2>(const ReferenceParameters &);
-  template void
-  check_reference<3>(const ReferenceParameters &);
+  GREVILLE_INSTANTIATE(check_reference);
 } // namespace greville

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/run/begin_run.h>
-#include <greville/run/element_run.h>
+#include <greville/run/run.h>
 
 #include <boost/algorithm/string/join.hpp>
 #include <cmath>

@@ -261,7 +261,7 @@ namespace greville
           {
             if (is_terminal)
               out << "\r\033[K";
-            notes.note_cut(cut);
+            notes.note(cut, "Cut");
           }
         if (!is_taken)
           continue;
@@ -269,7 +269,7 @@ namespace greville
         write_due(simulations.is_finished() || ends);
         const bool is_last = simulations.is_finished() || ends;
         for (const std::string &warning : simulations.take_warnings())
-          notes.warn(warning);
+          notes.note(warning, "Warning");
         print_progress(is_last);
         look_for_checkpoint(is_last);
       }

@@ -193,28 +193,10 @@ namespace greville
 
 
   void
-  RunNotes::warn(const std::string &warning)
+  RunNotes::note(const std::string &text, const std::string &kind)
   {
-    out << "Warning: " << warning << std::endl;
-    append("Warning", warning);
-  }
-
-
-
-  void
-  RunNotes::note_cut(const std::string &text)
-  {
-    out << "Cut: " << text << std::endl;
-    append("Cut", text);
-  }
-
-
-
-  void
-  RunNotes::note(const std::string &text)
-  {
-    out << "Note: " << text << std::endl;
-    append("Note", text);
+    out << kind << ": " << text << std::endl;
+    append(kind, text);
   }
 
 

@@ -64,54 +64,59 @@ namespace greville
       return intervals;
     }
 
+
+
+    /// Throw if a run with these parameters cannot resume from a checkpoint
+    /// with other parameters.
+    void
+    check_changes(const TablesFile           &checkpoint,
+                  const SimulationParameters &parameters)
+    {
+      const std::string changes =
+        describe_changes(checkpoint.text("parameters"), parameters.used());
+      Require(
+        changes.empty(),
+        "these parameters have changed: " + changes +
+          ". A resumed run may only change 'Output', 'Checkpoints', 'Load "
+          "balance', 'Time/End', 'Time/Maximum steps', 'Time/Largest "
+          "displacement' and 'Time/End when'; with --from a new run begins "
+          "from its end");
+    }
+
+
+
+    /// Throw if 'End' of a stage has changed that is finished at the
+    /// checkpoint, or if the @p stage of the checkpoint would end before its @p
+    /// time.
+    void
+    check_stages(const TablesFile           &checkpoint,
+                 const SimulationParameters &parameters,
+                 const unsigned int          stage,
+                 const double                time)
+    {
+      std::map<std::string, double> ends;
+      for (const ParameterLine &line :
+           parameter_lines_of(checkpoint.text("parameters"), "parameters"))
+        if (line.name == "End")
+          ends[line.section] = Utilities::string_to_double(line.value);
+      for (unsigned int k = 0; k < parameters.stages.size() && k <= stage; ++k)
+        {
+          const std::string section =
+            "Stage " + parameters.stages[k].name + "/Time";
+          const double end  = parameters.stages[k].time.end;
+          const bool   fits = k < stage ? end == ends[section]
+                                        : end >= time - 1e-12 * std::abs(time) ||
+                                          k + 1 == parameters.stages.size();
+          Require(fits,
+                  "the parameter '" + section + "/End' is " + text_of(end) +
+                    " s, but the run is at t = " + text_of(time) +
+                    " s in stage " + std::to_string(stage + 1) + " (" +
+                    parameters.stages[stage].name +
+                    "): past stages keep their 'End', and other stages have to "
+                    "end later");
+        }
+    }
   } // namespace
-
-
-
-  void
-  check_changes(const TablesFile           &checkpoint,
-                const SimulationParameters &parameters)
-  {
-    const std::string changes =
-      describe_changes(checkpoint.text("parameters"), parameters.used());
-    Require(changes.empty(),
-            "these parameters have changed: " + changes +
-              ". A resumed run may only change 'Output', 'Checkpoints', 'Load "
-              "balance', 'Time/End', 'Time/Maximum steps', 'Time/Largest "
-              "displacement' and 'Time/End when'; with --from a new run begins "
-              "from its end");
-  }
-
-
-
-  void
-  check_stages(const TablesFile           &checkpoint,
-               const SimulationParameters &parameters,
-               const unsigned int          stage,
-               const double                time)
-  {
-    std::map<std::string, double> ends;
-    for (const ParameterLine &line :
-         parameter_lines_of(checkpoint.text("parameters"), "parameters"))
-      if (line.name == "End")
-        ends[line.section] = Utilities::string_to_double(line.value);
-    for (unsigned int k = 0; k < parameters.stages.size() && k <= stage; ++k)
-      {
-        const std::string section =
-          "Stage " + parameters.stages[k].name + "/Time";
-        const double end  = parameters.stages[k].time.end;
-        const bool   fits = k < stage ? end == ends[section]
-                                      : end >= time - 1e-12 * std::abs(time) ||
-                                        k + 1 == parameters.stages.size();
-        Require(fits,
-                "the parameter '" + section + "/End' is " + text_of(end) +
-                  " s, but the run is at t = " + text_of(time) +
-                  " s in stage " + std::to_string(stage + 1) + " (" +
-                  parameters.stages[stage].name +
-                  "): past stages keep their 'End', and other stages have to "
-                  "end later");
-      }
-  }
 
 
 
@@ -132,6 +137,33 @@ namespace greville
         Require(false,
                 "This run cannot begin with <" + checkpoint.file +
                   ">: " + without_stop(message_of(error)) + ".");
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  resume_from(CoupledSimulations<dim>     &simulations,
+              const Checkpoint            &checkpoint,
+              const SimulationParameters  &parameters,
+              const std::function<void()> &resume_files)
+  {
+    const TablesFile &content = checkpoint.content;
+    try
+      {
+        check_changes(content, parameters);
+        simulations.set_from_tables(content);
+        const State<dim> &state = simulations.first().state();
+        check_stages(content, parameters, state.stage, state.time);
+        if (resume_files)
+          resume_files();
+      }
+    catch (const std::exception &error)
+      {
+        Require(false,
+                "The run cannot resume from <" + checkpoint.file +
+                  ">: " + message_of(error));
       }
   }
 
@@ -166,7 +198,7 @@ namespace greville
           options.prepare_folder();
         notes.begin();
         for (const std::string &warning : warnings)
-          notes.warn(warning);
+          notes.note(warning, "Warning");
         statistics_file.open(directory + statistics_name,
                              columns_of(parameters),
                              14,
@@ -209,61 +241,53 @@ namespace greville
   {
     for (const auto &refused : checkpoint.refused)
       {
-        notes.warn(refused.second + " It is renamed to <" + refused.first +
-                   ".refused>.");
+        notes.note(refused.second + " It is renamed to <" + refused.first +
+                     ".refused>.",
+                   "Warning");
         run_on_first(comm, [&]() {
           std::filesystem::rename(refused.first, refused.first + ".refused");
         });
       }
     const TablesFile &content = checkpoint.content;
-    try
-      {
-        check_changes(content, parameters);
-        simulations.set_from_tables(content);
-        check_stages(content, parameters, common().stage, common().time);
-        const auto numbers = content.table(run_name).gather(comm);
-        Require(numbers.size() == run_columns.size(),
-                "its table of the run has other columns");
-        largest_runout    = numbers[2];
-        largest_runout_99 = numbers[3];
-        if (!parameters.contacts.empty())
-          simulations.set_contact_intervals(
-            intervals_of<dim>(content.table(intervals_name).gather(comm)));
-        const auto warn_if_new = [&](const std::string &file,
-                                     const bool         is_there) {
-          if (!is_there)
-            notes.warn("There is no file <" + file +
+    resume_from(simulations, checkpoint, parameters, [&]() {
+      const auto numbers = content.table(run_name).gather(comm);
+      Require(numbers.size() == run_columns.size(),
+              "its table of the run has other columns");
+      largest_runout    = numbers[2];
+      largest_runout_99 = numbers[3];
+      if (!parameters.contacts.empty())
+        simulations.set_contact_intervals(
+          intervals_of<dim>(content.table(intervals_name).gather(comm)));
+      const auto warn_if_new = [&](const std::string &file,
+                                   const bool         is_there) {
+        if (!is_there)
+          notes.note("There is no file <" + file +
                        ">, which the run has written before. A new file "
-                       "begins with the next row, without the earlier rows.");
-        };
-        warn_if_new(directory + statistics_name,
-                    statistics_file.resume(directory + statistics_name,
-                                           columns_of(parameters),
-                                           14,
-                                           std::uint64_t(numbers[0]),
-                                           comm));
-        warn_if_new(directory + probes_name,
-                    probes.resume(directory + probes_name,
-                                  std::uint64_t(numbers[1])));
-        fields.resume(content.text("written"), comm);
-        if (numbers[4] != 0.)
-          ask_for_late(numbers[4] != 2., numbers[4] >= 2.);
-        // An ended run continues if its criteria have changed.
-        if (EndOfRun::criteria(content.text("parameters")) ==
-            EndOfRun::criteria(parameters.used()))
-          {
-            ends = numbers[5] != 0.;
-            if (numbers[6] != 0.)
-              ramp_result = {numbers[7], numbers[8]};
-            ramp.failed_at = numbers[9];
-          }
-      }
-    catch (const std::exception &error)
-      {
-        Require(false,
-                "The run cannot resume from <" + checkpoint.file +
-                  ">: " + message_of(error));
-      }
+                       "begins with the next row, without the earlier rows.",
+                     "Warning");
+      };
+      warn_if_new(directory + statistics_name,
+                  statistics_file.resume(directory + statistics_name,
+                                         columns_of(parameters),
+                                         14,
+                                         std::uint64_t(numbers[0]),
+                                         comm));
+      warn_if_new(directory + probes_name,
+                  probes.resume(directory + probes_name,
+                                std::uint64_t(numbers[1])));
+      fields.resume(content.text("written"), comm);
+      if (numbers[4] != 0.)
+        ask_for_late(numbers[4] != 2., numbers[4] >= 2.);
+      // An ended run continues if its criteria have changed.
+      if (EndOfRun::criteria(content.text("parameters")) ==
+          EndOfRun::criteria(parameters.used()))
+        {
+          ends = numbers[5] != 0.;
+          if (numbers[6] != 0.)
+            ramp_result = {numbers[7], numbers[8]};
+          ramp.failed_at = numbers[9];
+        }
+    });
     is_resumed      = true;
     checkpoint_file = checkpoint.file;
     checkpoint_step = common().n_steps;
@@ -431,7 +455,8 @@ namespace greville
         {
           failure = without_stop(message_of(error));
           out << '\n';
-          notes.warn("no checkpoint has been written. " + failure + ".");
+          notes.note("no checkpoint has been written. " + failure + ".",
+                     "Warning");
           last_checkpoint = std::chrono::steady_clock::now();
         }
     if (is_last || signal == 0 || signal == SIGUSR1)
@@ -463,5 +488,6 @@ namespace greville
 
 
   GREVILLE_INSTANTIATE(begin_with);
+  GREVILLE_INSTANTIATE(resume_from);
   GREVILLE_INSTANTIATE_CLASS(SimulationRun);
 } // namespace greville

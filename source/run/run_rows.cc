@@ -185,17 +185,6 @@ namespace greville
 
 
   template <int dim>
-  typename SimulationRun<dim>::Row
-  SimulationRun<dim>::begin_row_to_write()
-  {
-    Row row = begin_row();
-    simulations.set_contact_intervals({});
-    return row;
-  }
-
-
-
-  template <int dim>
   std::vector<double>
   SimulationRun<dim>::values_of(const Row             &row,
                                 const Statistics<dim> &statistics) const
@@ -246,7 +235,9 @@ namespace greville
     late_row.reset();
     probes.forget();
     probes.take(0, simulations.bodies());
-    write_row(begin_row_to_write(), simulations.statistics());
+    const Row row = begin_row();
+    simulations.set_contact_intervals({});
+    write_row(row, simulations.statistics());
   }
 
 
@@ -257,7 +248,8 @@ namespace greville
   {
     if (for_row)
       {
-        late_row = begin_row_to_write();
+        late_row = begin_row();
+        simulations.set_contact_intervals({});
         probes.forget();
       }
     late_fields.reset();
@@ -270,25 +262,14 @@ namespace greville
       watch_part = [this](const unsigned int part,
                           const double       weight,
                           const bool         is_kicked) {
-        watch(part, weight, is_kicked);
+        probes.take(first_body_of_part(simulations, part),
+                    simulations.part(part).state().bodies,
+                    weight,
+                    is_kicked);
       };
     if (for_fields)
       show_part = [this](const unsigned int part) { hold_fields(part); };
     simulations.ask_for_row(watch_part, show_part);
-  }
-
-
-
-  template <int dim>
-  void
-  SimulationRun<dim>::watch(const unsigned int k,
-                            const double       weight,
-                            const bool         is_kicked)
-  {
-    probes.take(first_body_of_part(simulations, k),
-                simulations.part(k).state().bodies,
-                weight,
-                is_kicked);
   }
 
 

@@ -4,7 +4,6 @@
 
 #include <greville/base/templates.h>
 #include <greville/parameters/names.h>
-#include <greville/run/element_run.h>
 #include <greville/run/run.h>
 #include <greville/run/simulation_program.h>
 #include <greville/steps/grid_mass.h>

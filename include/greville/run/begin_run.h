@@ -31,20 +31,16 @@ namespace greville
                      const std::string &folder,
                      const MPI_Comm     comm);
 
-  /// Throw dealii::ExcMessage if a run with these parameters cannot resume from
-  /// a checkpoint with other parameters.
+  /// Collective. Set the state of simulations at a checkpoint, and then call
+  /// @p resume_files. Throws dealii::ExcMessage, which names the checkpoint, if
+  /// this fails, or if the parameters differ in a way that prevents a run from
+  /// resuming.
+  template <int dim>
   void
-  check_changes(const TablesFile           &checkpoint,
-                const SimulationParameters &parameters);
-
-  /// Throw dealii::ExcMessage if 'End' of a stage has changed that is finished
-  /// at the checkpoint, or if the @p stage of the checkpoint would end before
-  /// its @p time.
-  void
-  check_stages(const TablesFile           &checkpoint,
-               const SimulationParameters &parameters,
-               const unsigned int          stage,
-               const double                time);
+  resume_from(CoupledSimulations<dim>     &simulations,
+              const Checkpoint            &checkpoint,
+              const SimulationParameters  &parameters,
+              const std::function<void()> &resume_files = {});
 
   /// Collective. Begin simulations with the points of another run. Throws
   /// dealii::ExcMessage, which names the checkpoint, if they do not fit.

@@ -40,16 +40,11 @@ namespace greville
     void
     resume(const unsigned int n_steps);
 
+    /// Print and note a text of a kind: "Note" (about input that may not be
+    /// intended), "Warning", or "Cut" (a step is repeated with a shorter
+    /// length).
     void
-    warn(const std::string &warning);
-
-    /// Print that a step is repeated with a shorter length.
-    void
-    note_cut(const std::string &text);
-
-    /// Print a note about input that may not be intended.
-    void
-    note(const std::string &text);
+    note(const std::string &text, const std::string &kind = "Note");
 
     /// Note the error that ends the run. The program prints it.
     void

@@ -154,10 +154,6 @@ namespace greville
     Row
     begin_row();
 
-    /// Begin a row that is written, and the next contact interval.
-    Row
-    begin_row_to_write();
-
     std::vector<double>
     values_of(const Row &row, const Statistics<dim> &statistics) const;
 
@@ -167,10 +163,6 @@ namespace greville
     /// Request the row, or the fields, at this time from the next step.
     void
     ask_for_late(const bool for_row, const bool for_fields);
-
-    /// Take the values of a part in the current step, see LateRow::watch.
-    void
-    watch(const unsigned int part, const double weight, const bool is_kicked);
 
     /// Write the requested row and fields that the last step has completed.
     void
