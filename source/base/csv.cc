@@ -4,17 +4,17 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/base/csv.h>
+#include <greville/base/disk.h>
 #include <greville/base/errors.h>
 #include <greville/base/parameters.h>
 #include <greville/base/text_file.h>
 
+#include <boost/algorithm/string/join.hpp>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
 #include <sys/stat.h>
-#include <unistd.h>
 
 namespace greville
 {
@@ -110,9 +110,8 @@ namespace greville
         return false;
       }
     run_on_first(comm, [&]() {
-      std::string header, found;
-      for (const std::string &column : names)
-        header += (header.empty() ? "" : ",") + column;
+      const std::string header = boost::algorithm::join(names, ",");
+      std::string       found;
       errno = 0;
       std::ifstream in(file);
       Require(in, "Cannot read <" + file + ">: " + std::strerror(errno) + ".");
@@ -145,12 +144,9 @@ namespace greville
     std::uint64_t n_bytes = 0;
     if (!file.empty())
       run_on_first(comm, [&]() {
-        errno                = 0;
-        const int descriptor = ::open(file.c_str(), O_RDONLY);
-        Require(descriptor >= 0, write_error(file));
-        const int result = fsync(descriptor);
-        close(descriptor);
-        Require(result == 0, write_error(file));
+        errno = 0;
+        Require(std::filesystem::exists(file), write_error(file));
+        write_to_disk(file);
         n_bytes = std::filesystem::file_size(file);
       });
     return n_bytes;

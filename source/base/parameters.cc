@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <boost/algorithm/string/join.hpp>
+#include <boost/algorithm/string/replace.hpp>
 #include <boost/property_tree/ptree.hpp>
 #include <cerrno>
 #include <cmath>
@@ -23,17 +24,6 @@ namespace greville
 
   namespace
   {
-    std::string
-    escape_for_table(const std::string &text)
-    {
-      std::string result;
-      for (const char c : text)
-        result += (c == '|' ? "\\|" : std::string(1, c));
-      return result;
-    }
-
-
-
     /// Return the outermost sections of parameter files, which begin and end at
     /// the beginning of a line.
     std::vector<std::string>
@@ -193,7 +183,8 @@ namespace greville
     {
       const auto value_of = [](const boost::property_tree::ptree &entry,
                                const char                        *key) {
-        return entry.get<std::string>(key, "");
+        return boost::algorithm::replace_all_copy(
+          entry.get<std::string>(key, ""), "|", "\\|");
       };
       // Parameters with the same description share a row, for instance the
       // parameters of the sides of a grid.
@@ -202,12 +193,11 @@ namespace greville
         if (child.second.find("value") != child.second.not_found())
           {
             // Doxygen cannot read an empty pair of backquotes.
-            const std::string value =
-              escape_for_table(value_of(child.second, "default_value"));
+            const std::string value = value_of(child.second, "default_value");
             const std::string text =
               (value.empty() ? " |" : " | `" + value + '`') + " | " +
-              escape_for_table(value_of(child.second, "pattern_description")) +
-              " | " + escape_for_table(value_of(child.second, "documentation"));
+              value_of(child.second, "pattern_description") + " | " +
+              value_of(child.second, "documentation");
             const auto row =
               std::find_if(rows.begin(), rows.end(), [&](const auto &other) {
                 return other.second == text;

@@ -15,9 +15,6 @@ namespace greville
     // has precedence.
     constexpr std::array<int, 4> signals = {{SIGUSR1, SIGHUP, SIGINT, SIGTERM}};
 
-    constexpr std::array<const char *, 4> names = {
-      {"SIGUSR1", "SIGHUP", "SIGINT", "SIGTERM"}};
-
     std::array<struct sigaction, 4> before;
 
     // The position of the received signal, plus 1.
@@ -81,9 +78,9 @@ namespace greville
   std::string
   SignalCatcher::name(const int signal)
   {
-    for (unsigned int k = 0; k < signals.size(); ++k)
-      if (signals[k] == signal)
-        return names[k];
-    return "";
+    return signal == SIGUSR1  ? "SIGUSR1"
+           : signal == SIGHUP ? "SIGHUP"
+           : signal == SIGINT ? "SIGINT"
+                              : "SIGTERM";
   }
 } // namespace greville
