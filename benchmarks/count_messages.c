@@ -36,190 +36,70 @@ n_processes(const MPI_Comm comm)
   return n;
 }
 
-#define SEND(name)                                                      \
-  int MPI_##name(const void  *buffer,                                   \
-                 int          n,                                        \
-                 MPI_Datatype type,                                     \
-                 int          to,                                       \
-                 int          tag,                                      \
-                 MPI_Comm     comm)                                     \
-  {                                                                     \
-    count(MESSAGES, n, type);                                           \
-    return PMPI_##name(buffer, n, type, to, tag, comm);                 \
+/* A function that counts n entries of a kind, and calls MPI. */
+#define WRAP(name, kind, n, type, parameters, arguments) \
+  int MPI_##name parameters                              \
+  {                                                      \
+    count(kind, n, type);                                \
+    return PMPI_##name arguments;                        \
   }
+
+#define TO const void *from, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm
+#define SEND(name) WRAP(name, MESSAGES, n, type, (TO), (from, n, type, to, tag, comm))
+#define ISEND(name)                                      \
+  WRAP(name, MESSAGES, n, type, (TO, MPI_Request *request), \
+       (from, n, type, to, tag, comm, request))
 SEND(Send)
 SEND(Ssend)
 SEND(Rsend)
 SEND(Bsend)
-
-#define ISEND(name)                                                     \
-  int MPI_##name(const void  *buffer,                                   \
-                 int          n,                                        \
-                 MPI_Datatype type,                                     \
-                 int          to,                                       \
-                 int          tag,                                      \
-                 MPI_Comm     comm,                                     \
-                 MPI_Request *request)                                  \
-  {                                                                     \
-    count(MESSAGES, n, type);                                           \
-    return PMPI_##name(buffer, n, type, to, tag, comm, request);        \
-  }
 ISEND(Isend)
 ISEND(Issend)
 ISEND(Irsend)
 
-int
-MPI_Allreduce(const void  *from,
-              void        *to,
-              int          n,
-              MPI_Datatype type,
-              MPI_Op       op,
-              MPI_Comm     comm)
-{
-  count(REDUCTIONS, n, type);
-  return PMPI_Allreduce(from, to, n, type, op, comm);
-}
+#define REDUCE const void *from, void *to, int n, MPI_Datatype type, MPI_Op op
+WRAP(Allreduce, REDUCTIONS, n, type, (REDUCE, MPI_Comm comm),
+     (from, to, n, type, op, comm))
+WRAP(Iallreduce, REDUCTIONS, n, type, (REDUCE, MPI_Comm comm, MPI_Request *request),
+     (from, to, n, type, op, comm, request))
+WRAP(Reduce, REDUCTIONS, n, type, (REDUCE, int root, MPI_Comm comm),
+     (from, to, n, type, op, root, comm))
+WRAP(Scan, REDUCTIONS, n, type, (REDUCE, MPI_Comm comm), (from, to, n, type, op, comm))
+WRAP(Exscan, REDUCTIONS, n, type, (REDUCE, MPI_Comm comm),
+     (from, to, n, type, op, comm))
+/* An entry for each process: of global size. */
+WRAP(Reduce_scatter_block, GATHERS, (double)n * n_processes(comm), type,
+     (REDUCE, MPI_Comm comm), (from, to, n, type, op, comm))
 
-int
-MPI_Iallreduce(const void  *from,
-               void        *to,
-               int          n,
-               MPI_Datatype type,
-               MPI_Op       op,
-               MPI_Comm     comm,
-               MPI_Request *request)
-{
-  count(REDUCTIONS, n, type);
-  return PMPI_Iallreduce(from, to, n, type, op, comm, request);
-}
+WRAP(Barrier, BARRIERS, 0, MPI_BYTE, (MPI_Comm comm), (comm))
+WRAP(Ibarrier, BARRIERS, 0, MPI_BYTE, (MPI_Comm comm, MPI_Request *request),
+     (comm, request))
+WRAP(Bcast, OTHERS, n, type,
+     (void *buffer, int n, MPI_Datatype type, int root, MPI_Comm comm),
+     (buffer, n, type, root, comm))
 
-int
-MPI_Reduce(const void  *from,
-           void        *to,
-           int          n,
-           MPI_Datatype type,
-           MPI_Op       op,
-           int          root,
-           MPI_Comm     comm)
-{
-  count(REDUCTIONS, n, type);
-  return PMPI_Reduce(from, to, n, type, op, root, comm);
-}
+#define GATHER \
+  const void *from, int n, MPI_Datatype type, void *to, int n_to, MPI_Datatype type_to
+WRAP(Gather, GATHERS, (double)n * n_processes(comm), type,
+     (GATHER, int root, MPI_Comm comm), (from, n, type, to, n_to, type_to, root, comm))
+WRAP(Allgather, GATHERS, (double)n_to * n_processes(comm), type_to,
+     (GATHER, MPI_Comm comm), (from, n, type, to, n_to, type_to, comm))
+WRAP(Alltoall, GATHERS, (double)n_to * n_processes(comm), type_to,
+     (GATHER, MPI_Comm comm), (from, n, type, to, n_to, type_to, comm))
 
-int
-MPI_Scan(const void  *from,
-         void        *to,
-         int          n,
-         MPI_Datatype type,
-         MPI_Op       op,
-         MPI_Comm     comm)
-{
-  count(REDUCTIONS, n, type);
-  return PMPI_Scan(from, to, n, type, op, comm);
-}
-
-int
-MPI_Exscan(const void  *from,
-           void        *to,
-           int          n,
-           MPI_Datatype type,
-           MPI_Op       op,
-           MPI_Comm     comm)
-{
-  count(REDUCTIONS, n, type);
-  return PMPI_Exscan(from, to, n, type, op, comm);
-}
-
-int
-MPI_Reduce_scatter_block(const void  *from,
-                         void        *to,
-                         int          n,
-                         MPI_Datatype type,
-                         MPI_Op       op,
-                         MPI_Comm     comm)
-{
-  /* An entry for each process: of global size. */
-  count(GATHERS, (double)n * n_processes(comm), type);
-  return PMPI_Reduce_scatter_block(from, to, n, type, op, comm);
-}
-
-int
-MPI_Barrier(MPI_Comm comm)
-{
-  calls[BARRIERS] += 1;
-  return PMPI_Barrier(comm);
-}
-
-int
-MPI_Ibarrier(MPI_Comm comm, MPI_Request *request)
-{
-  calls[BARRIERS] += 1;
-  return PMPI_Ibarrier(comm, request);
-}
-
-int
-MPI_Bcast(void *buffer, int n, MPI_Datatype type, int root, MPI_Comm comm)
-{
-  count(OTHERS, n, type);
-  return PMPI_Bcast(buffer, n, type, root, comm);
-}
-
-int
-MPI_Gather(const void  *from,
-           int          n,
-           MPI_Datatype type,
-           void        *to,
-           int          n_to,
-           MPI_Datatype type_to,
-           int          root,
-           MPI_Comm     comm)
-{
-  count(GATHERS, (double)n * n_processes(comm), type);
-  return PMPI_Gather(from, n, type, to, n_to, type_to, root, comm);
-}
-
-int
-MPI_Allgather(const void  *from,
-              int          n,
-              MPI_Datatype type,
-              void        *to,
-              int          n_to,
-              MPI_Datatype type_to,
-              MPI_Comm     comm)
-{
-  count(GATHERS, (double)n_to * n_processes(comm), type_to);
-  return PMPI_Allgather(from, n, type, to, n_to, type_to, comm);
-}
-
-int
-MPI_Allgatherv(const void  *from,
-               int          n,
-               MPI_Datatype type,
-               void        *to,
-               const int   *n_to,
-               const int   *where,
-               MPI_Datatype type_to,
-               MPI_Comm     comm)
+static double
+sum_of(const int *numbers, const MPI_Comm comm)
 {
   double sum = 0;
   for (int k = 0; k < n_processes(comm); ++k)
-    sum += n_to[k];
-  count(GATHERS, sum, type_to);
-  return PMPI_Allgatherv(from, n, type, to, n_to, where, type_to, comm);
+    sum += numbers[k];
+  return sum;
 }
 
-int
-MPI_Alltoall(const void  *from,
-             int          n,
-             MPI_Datatype type,
-             void        *to,
-             int          n_to,
-             MPI_Datatype type_to,
-             MPI_Comm     comm)
-{
-  count(GATHERS, (double)n_to * n_processes(comm), type_to);
-  return PMPI_Alltoall(from, n, type, to, n_to, type_to, comm);
-}
+WRAP(Allgatherv, GATHERS, sum_of(n_to, comm), type_to,
+     (const void *from, int n, MPI_Datatype type, void *to, const int *n_to,
+      const int *where, MPI_Datatype type_to, MPI_Comm comm),
+     (from, n, type, to, n_to, where, type_to, comm))
 
 int
 MPI_Finalize(void)

@@ -17,9 +17,8 @@
 #include <greville/materials/hencky.h>
 #include <greville/materials/material_lanes.h>
 
-#include <algorithm>
+#include "timing.h"
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <random>
 
@@ -28,39 +27,6 @@ using namespace greville;
 
 namespace
 {
-  double
-  cpu_seconds()
-  {
-    return double(std::clock()) / CLOCKS_PER_SEC;
-  }
-
-
-
-  // Return the seconds of 10^6 square roots, each dependent on the previous
-  // one.
-  double
-  reference_loop()
-  {
-    const double    start = cpu_seconds();
-    volatile double last  = 2.;
-    double          x     = last;
-    for (unsigned int i = 0; i < 1000000; ++i)
-      x = std::sqrt(x + 1.);
-    last = x;
-    return cpu_seconds() - start;
-  }
-
-
-
-  double
-  median(std::vector<double> values)
-  {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-  }
-
-
-
   // Return increments of this size that alternate with their inverses.
   std::vector<Tensor<2, 3>>
   increments(const unsigned int n, const double size, const bool plane)
@@ -112,7 +78,7 @@ namespace
         std::vector<double> times, times_of_tangents, references;
         for (unsigned int pair = 0; pair < n_pairs; ++pair)
           {
-            references.push_back(reference_loop());
+            references.push_back(reference_loop(1000000));
             double seconds = 0., seconds_of_tangents = 0.;
             for (unsigned int step = 0; step < n_steps; ++step)
               {

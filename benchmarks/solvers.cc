@@ -21,9 +21,8 @@
 
 #include <petscksp.h>
 
-#include <algorithm>
+#include "timing.h"
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <random>
 
@@ -37,23 +36,9 @@ namespace
   double
   cpu_milliseconds(const std::function<void()> &work)
   {
-    const auto now = []() {
-      timespec t;
-      clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-      return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
-    };
-    const double start = now();
+    const double start = cpu_seconds();
     work();
-    return now() - start;
-  }
-
-
-
-  double
-  median(std::vector<double> values)
-  {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
+    return 1e3 * (cpu_seconds() - start);
   }
 
 

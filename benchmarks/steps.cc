@@ -16,9 +16,8 @@
 #include <greville/base/parameters.h>
 #include <greville/steps/simulation.h>
 
+#include "timing.h"
 #include <chrono>
-#include <cmath>
-#include <ctime>
 #include <iostream>
 
 using namespace dealii;
@@ -26,15 +25,7 @@ using namespace greville;
 
 namespace
 {
-  double
-  cpu_seconds()
-  {
-    timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return now.tv_sec + 1e-9 * now.tv_nsec;
-  }
-
-
+  constexpr unsigned int n_roots = 10000000; // of the reference loop
 
   double
   wall_seconds()
@@ -42,22 +33,6 @@ namespace
     return std::chrono::duration<double>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
-  }
-
-
-
-  // Return the CPU seconds of 10^7 square roots, each dependent on the previous
-  // one.
-  double
-  reference_loop()
-  {
-    const double    start = cpu_seconds();
-    volatile double last  = 2.;
-    double          x     = last;
-    for (unsigned int i = 0; i < 10000000; ++i)
-      x = std::sqrt(x + 1.);
-    last = x;
-    return cpu_seconds() - start;
   }
 
 
@@ -83,14 +58,14 @@ namespace
     advance(first);
     const auto   parts_before      = simulation.step_log().seconds;
     const auto   iterations_before = simulation.state().n_all_iterations;
-    const double reference_before  = reference_loop();
+    const double reference_before  = reference_loop(n_roots);
     MPI_Barrier(comm);
     const double cpu_before = cpu_seconds(), wall_before = wall_seconds();
     advance(last);
     const double cpu = cpu_seconds() - cpu_before;
     MPI_Barrier(comm);
     const double wall      = wall_seconds() - wall_before;
-    const double reference = 0.5 * (reference_before + reference_loop());
+    const double reference = 0.5 * (reference_before + reference_loop(n_roots));
 
     // Largest number of points of a process, relative to the mean.
     double n_points = 0.;
