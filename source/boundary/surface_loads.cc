@@ -26,7 +26,7 @@ namespace greville
           for (unsigned int k = 1; k < edges.size(); ++k)
             h = std::min(h, edges[k] - edges[k - 1]);
         }
-      return h;
+      return h / (1 << grid.n_levels());
     }
   } // namespace
 

@@ -130,8 +130,11 @@ namespace greville
             for (unsigned int c = 0; c < dim; ++c)
               x[c] = (corner >> c) & 1 ? space.upper_corner()[c]
                                        : space.lower_corner()[c];
-            const double h = space.lattice().cell_size(
-              d, w % 2 == 0 ? 0 : space.cells_per_direction()[d] - 1);
+            const double h =
+              space.lattice().hierarchy()
+                ? space.cell_size(d)
+                : space.lattice().cell_size(
+                    d, w % 2 == 0 ? 0 : space.cells_per_direction()[d] - 1);
             double path = 0., last = 0.;
             for (unsigned int k = 0; k <= n; ++k)
               {

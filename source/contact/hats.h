@@ -64,11 +64,11 @@ namespace greville::internal
       constexpr std::int64_t zero = 1 << 19; // of 20 bits
       std::int64_t           cell[dim];
       double                 xi[dim];
+      const auto             places = lattice.places(x);
       for (unsigned int d = 0; d < dim; ++d)
         {
-          const double position = lattice.place(d, x[d]);
-          cell[d]               = std::int64_t(std::floor(position));
-          xi[d]                 = position - double(cell[d]);
+          cell[d] = std::int64_t(std::floor(places[d]));
+          xi[d]   = places[d] - double(cell[d]);
         }
       const std::uint64_t sector = sector_of<dim>(normal);
       for (unsigned int k = 0; k < n; ++k)

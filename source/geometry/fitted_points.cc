@@ -56,13 +56,13 @@ namespace greville
     template <int dim>
     void
     check_walls(const FittedShape<dim> &shape,
-                const MultiIndex<dim>  &n_cells,
+                const SplineSpace<dim> &space,
                 const CellBox<dim>     &box,
                 const std::string      &section)
     {
       for (unsigned int d = 0; d < dim; ++d)
         for (const int side : {-1, 1})
-          if (box.index[d] == (side < 0 ? 0 : n_cells[d] - 1))
+          if (space.is_at_side(box.index[d], 2 * d + (side > 0)))
             {
               // Unsigned indices wrap around: 0 - 1 is the largest number.
               CellBox<dim> outside = box;
@@ -214,7 +214,7 @@ namespace greville
         const std::uint64_t position = space.owned_cells()[cell];
         const CellBox<dim>  box      = space.box(cell);
         if (!placement.clip)
-          check_walls<dim>(*shape, space.cells_per_direction(), box, section);
+          check_walls<dim>(*shape, space, box, section);
         CellPart<dim> part = shape->cut(box, n);
         double        sum  = 0.;
         for (const auto &point : part.points)
@@ -254,7 +254,7 @@ namespace greville
         const std::uint64_t position = space.owned_cells()[cell];
         const CellBox<dim>  box      = space.box(cell);
         if (!placement.clip)
-          check_walls<dim>(*shape, space.cells_per_direction(), box, section);
+          check_walls<dim>(*shape, space, box, section);
         const CellPart<dim> part = shape->cut(box, n);
         AssertThrow(part.surface.size() < surface_ids, ExcInternalError());
         std::uint64_t id = position * surface_ids;

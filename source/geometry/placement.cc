@@ -150,8 +150,7 @@ namespace greville
             for (unsigned int d = 0; d < dim && !parameters.clip; ++d)
               for (const int side : {-1, 1})
                 if (!space.is_periodic(d) &&
-                    box.index[d] ==
-                      (side < 0 ? 0 : space.cells_per_direction()[d] - 1))
+                    space.is_at_side(box.index[d], 2 * d + (side > 0)))
                   {
                     Point<dim> outside = point.x;
                     outside[d] += side * box.size[d];

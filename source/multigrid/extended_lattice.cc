@@ -27,12 +27,30 @@ namespace greville
   {
     const SplineSpace<dim> &space = matrix.matrix().space();
     Lattice                 result;
-    for (unsigned int d = 0; d < 3; ++d)
-      result[d] = d < dim ? NestedKnots(space.degree(),
-                                        space.cells_per_direction()[d],
-                                        space.is_periodic(d),
-                                        space.lattice().edges(d))
-                          : NestedKnots(0, 1, false);
+    result.fill(NestedKnots(0, 1, false));
+    for (unsigned int d = 0; d < dim; ++d)
+      if (const CellHierarchy<dim> *levels = space.lattice().hierarchy())
+        {
+          std::vector<NestedKnots>  knots;
+          std::vector<unsigned int> begin;
+          for (unsigned int l = 0; l < levels->n_levels(); ++l)
+            {
+              const unsigned int n = levels->n_cells(l)[d];
+              const auto         edge =
+                space.lattice().edges(d).begin() + levels->offset(l)[d];
+              begin.push_back(levels->offset(l)[d]);
+              knots.emplace_back(space.degree(),
+                                 n,
+                                 false,
+                                 std::vector<double>(edge, edge + n + 1));
+            }
+          result[d] = NestedKnots(knots, begin);
+        }
+      else
+        result[d] = NestedKnots(space.degree(),
+                                space.cells_per_direction()[d],
+                                space.is_periodic(d),
+                                space.lattice().edges(d));
     return result;
   }
 

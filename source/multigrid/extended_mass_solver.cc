@@ -59,9 +59,12 @@ namespace greville
   ExtendedMassSolver<dim>::factorize() const
   {
     // Kronecker products of band matrices remain positive definite without the
-    // outermost diagonals. The factorization then costs less than half.
-    const unsigned int degree = mass.matrix().space().degree();
-    const int          reach  = std::max(1, int(degree) - 1);
+    // outermost diagonals. The factorization then costs less than half. In
+    // refined grids, the weights of some functions are too large for that.
+    const SplineSpace<dim> &space  = mass.matrix().space();
+    const unsigned int      degree = space.degree();
+    const int               reach =
+      space.lattice().hierarchy() ? degree : std::max(1, int(degree) - 1);
     factors.factorize(mass.local_entries((1u << dim) - 1, reach),
                       *mass.unknowns().unknown_layout(),
                       mass.unknowns().unknown_positions(),

@@ -37,7 +37,8 @@ namespace greville
     bool
     touches(const Position &i) const
     {
-      return box.contains(i) && is_near[box.place(i)];
+      const std::size_t at = place(i);
+      return at < is_near.size() && is_near[at];
     }
 
     /// Return the coarse functions of a function that depends on unknowns;
@@ -45,9 +46,10 @@ namespace greville
     const Terms *
     find(const Position &i) const
     {
-      if (!box.contains(i))
+      const std::size_t at = place(i);
+      if (at >= number_at.size())
         return nullptr;
-      const unsigned int e = number_at[box.place(i)];
+      const unsigned int e = number_at[at];
       return e != none ? &rows[e] : nullptr;
     }
 
@@ -59,9 +61,24 @@ namespace greville
            const typename LatticeLevel<dim>::Terms   &terms,
            const typename LatticeLevel<dim>::Lattice &lattice) const;
 
+    /// Return the place of a function in the boxes, or a number beyond all
+    /// places.
+    std::size_t
+    place(const Position &i) const
+    {
+      std::size_t begin = 0;
+      for (const LatticeBox &box : boxes)
+        {
+          if (box.contains(i))
+            return begin + box.place(i);
+          begin += box.size();
+        }
+      return begin;
+    }
+
     const LatticeUnknowns<dim> &coarse;
     std::vector<Terms>          rows;
-    LatticeBox                  box;
+    std::vector<LatticeBox>     boxes; // around the functions of each level
     std::vector<unsigned int>   number_at;
     std::vector<bool>           is_near;
   };
@@ -90,16 +107,25 @@ namespace greville
           rows[found->second].constrained = bits;
       }
     add_periodic_images(lattice, reach, all);
-    box.fit(all, reach);
-    number_at.assign(box.size(), none);
-    is_near.assign(box.size(), false);
+    std::vector<decltype(all)> of_levels(lattice[0].n_levels());
+    for (const auto &entry : all)
+      of_levels[lattice[0].level(entry.first[0])].push_back(entry);
+    std::size_t n_places = 0;
+    for (const auto &of_level : of_levels)
+      {
+        boxes.emplace_back();
+        boxes.back().fit(of_level, reach);
+        n_places += boxes.back().size();
+      }
+    number_at.assign(n_places, none);
+    is_near.assign(n_places, false);
     for (const auto &[i, e] : all)
       {
-        number_at[box.place(i)] = e;
+        number_at[place(i)] = e;
         for (int z = -reach[2]; z <= reach[2]; ++z)
           for (int y = -p; y <= p; ++y)
             for (int x = -p; x <= p; ++x)
-              is_near[box.place({{i[0] + x, i[1] + y, i[2] + z}})] = true;
+              is_near[place({{i[0] + x, i[1] + y, i[2] + z}})] = true;
       }
   }
 

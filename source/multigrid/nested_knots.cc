@@ -21,9 +21,23 @@ namespace greville
 
 
 
+  NestedKnots::NestedKnots(const std::vector<NestedKnots>  &levels,
+                           const std::vector<unsigned int> &begin)
+    : p(levels[0].degree())
+    , is_uniform(false)
+    , breakpoints(levels.back().breakpoints)
+    , levels(std::make_shared<const std::vector<NestedKnots>>(levels))
+    , begin_of_levels(begin)
+    , end_of_levels(begin.back() + levels.back().n_functions())
+  {}
+
+
+
   NestedKnots
   NestedKnots::coarser() const
   {
+    if (levels)
+      return levels->front();
     const int n = n_cells(), n_coarse = (n + 1) / 2;
     if (n == 1 || (periodic && n_coarse < p + 1))
       return *this;
@@ -64,6 +78,7 @@ namespace greville
   std::pair<unsigned int, double>
   NestedKnots::greville_point(const int i) const
   {
+    AssertThrow(!levels, dealii::ExcInternalError());
     double x = 0.;
     for (int k = 1; k <= p; ++k)
       x += knot(i - p + k) / p;
@@ -83,6 +98,14 @@ namespace greville
   NestedKnots::Row
   NestedKnots::insertion(const int i, const NestedKnots &coarse) const
   {
+    if (levels)
+      {
+        const unsigned int l        = level(i);
+        const int          of_level = i - int(begin_of_levels[l]);
+        return of_level < (*levels)[l].n_functions()
+                 ? (*levels)[l].insertion(of_level, coarse)
+                 : Row{0, {}};
+      }
     // The Oslo algorithm. Knots of functions are counted from -p on.
     const auto fine_knot   = [&](const int k) { return knot(k - p); };
     const auto coarse_knot = [&](const int k) { return coarse.knot(k - p); };

@@ -222,6 +222,8 @@ namespace greville
       load.second.check("Surface load " + load.first, bodies);
     check_contacts();
     check_materials_of_bodies(*this);
+    if (grid.is_refined())
+      check_refinement();
     check_construction();
     check_water();
     if (stages.empty())
@@ -256,13 +258,16 @@ namespace greville
         // and those of surface points from the largest ones of both bodies.
         const auto sides     = contact.sides();
         const auto is_graded = [&](const std::string &body) {
-          return bodies.count(body) > 0 && !grid_of(body).is_uniform();
+          return bodies.count(body) > 0 &&
+                 (!grid_of(body).is_uniform() || grid.is_refined());
         };
         for (const auto &side : sides)
           Require(std::none_of(side.begin(), side.end(), is_graded) ||
                     (!contact.is_by_material_points() &&
                      rigid_bodies.count(sides[1][0]) > 0),
-                  "'Grid/Knots' do not support 'Contact " + name +
+                  std::string(grid.is_refined() ? "'Grid/Refinement' does"
+                                                : "'Grid/Knots' do") +
+                    " not support 'Contact " + name +
                     "': in cells of different sizes, contacts are those of "
                     "surface points with a rigid body.");
       }
@@ -387,6 +392,8 @@ namespace greville
     if (scheme.averages_over_domains())
       check_domains(*this);
     check_water_of_stage();
+    if (grid.is_refined())
+      check_refinement_of_stage();
     Require(scheme.transfer == "FLIP" || scheme.flip == 1.,
             "The parameter 'Scheme/FLIP share' is " + text_of(scheme.flip) +
               ", but 'Scheme/Transfer' is " + scheme.transfer +

@@ -34,11 +34,13 @@ namespace greville
 
 
     std::vector<std::string>
-    names_of(const std::vector<ParameterLine> &lines, const std::string &entry)
+    names_of(const std::vector<ParameterLine> &lines,
+             const std::string                &entry,
+             const std::string                &section = "Simulation")
     {
       const auto result =
-        Utilities::split_string_list(value_of(lines, "Simulation", entry), ',');
-      check_different(result, "Simulation/" + entry, "name");
+        Utilities::split_string_list(value_of(lines, section, entry), ',');
+      check_different(result, section + "/" + entry, "name");
       return result;
     }
 
@@ -49,7 +51,8 @@ namespace greville
     check_sections(const std::vector<ParameterLine> &lines,
                    const std::string                &kind,
                    const std::string                &entry,
-                   const std::vector<std::string>   &names)
+                   const std::vector<std::string>   &names,
+                   const std::string                &of = "Simulation")
     {
       std::vector<std::string> sections;
       for (const ParameterLine &line : lines)
@@ -63,13 +66,13 @@ namespace greville
             Require(std::count(names.begin(), names.end(), sections.back()) ==
                       1,
                     line.place + ": there is a section '" + line.section +
-                      "', but the parameter 'Simulation/" + entry +
+                      "', but the parameter '" + of + "/" + entry +
                       "' does not name <" + sections.back() + ">." +
                       did_you_mean(sections.back(), names));
           }
       for (const std::string &name : names)
         Require(std::count(sections.begin(), sections.end(), name) > 0,
-                "The parameter 'Simulation/" + entry + "' has the name <" +
+                "The parameter '" + of + "/" + entry + "' has the name <" +
                   name + ">, but there is no section '" + kind + " " + name +
                   "'." + did_you_mean(name, sections));
     }
@@ -429,7 +432,8 @@ namespace greville
                law_names     = names_of(lines, "Materials"),
                load_names    = names_of(lines, "Surface loads"),
                rigid_names   = names_of(lines, "Rigid bodies"),
-               contact_names = names_of(lines, "Contacts");
+               contact_names = names_of(lines, "Contacts"),
+               region_names  = names_of(lines, "Refinement", "Grid");
     if (body_names.empty())
       for (const ParameterLine &line : lines)
         {
@@ -447,6 +451,9 @@ namespace greville
     check_sections(lines, "Rigid body", "Rigid bodies", rigid_names);
     check_sections(lines, "Contact", "Contacts", contact_names);
     check_sections(lines, "Stage", "Stages", names_of(lines, "Stages"));
+    check_sections(lines, "Refinement", "Refinement", region_names, "Grid");
+    for (const std::string &name : region_names)
+      grid.regions[name];
     for (const std::string &name : body_names)
       {
         bodies[name];

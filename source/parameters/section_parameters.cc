@@ -97,6 +97,9 @@ namespace greville
         "which each next cell is at most R times as large; several ranges, and "
         "the largest size, as in fine(0, 1, 0.1) fine(3, 4, 0.2) ratio 1.3 "
         "largest 0.5. Empty: equal cells. Unit: m.");
+    add_parameter(prm, "Refinement", refinement)(
+      "Names of regions with smaller cells; each has a section 'Refinement "
+      "NAME'. The splines are truncated hierarchical B-splines.");
     add_parameter(prm, "Order", degree, Integer(1, SplineSpace<2>::max_degree))(
       "Order p of the B-splines: the degree of their polynomials. In "
       "isogeometric analysis the order is the degree plus one; here it is the "
@@ -118,16 +121,31 @@ namespace greville
 
 
   void
+  RefinementParameters::declare(ParameterHandler &prm)
+  {
+    add_parameter(prm, "Shape", shape)(
+      "Region of small cells, a formula as 'Body NAME/Shape': cells are halved "
+      "until the centres of the smallest ones in the region are those of cells "
+      "of the last level. Cells around it are halved, too, so that sizes "
+      "change "
+      "gradually. Unit: m.");
+    add_parameter(prm, "Levels", levels, Integer(1, 6))(
+      "How often the cells of 'Grid/Cells' are halved. Unit: none.");
+  }
+
+
+
+  void
   BodyGridParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Lower corner", lower, List(Double(), 0, 3))(
-      "Smallest corner of the grid of this body in total Lagrangian steps. The "
-      "body uses the part of this grid around it, and each other body has a "
-      "grid of its own, too. Walls act on sides of this grid that lie on sides "
-      "of the outer 'Grid'. Empty: as in the outer section 'Grid'. Unit: m.");
-    add_parameter(prm, "Upper corner", upper, List(Double(), 0, 3))(
-      "Largest corner of this grid. Empty: as in the outer section 'Grid'. "
-      "Unit: m.");
+    const std::string corners =
+      "Smallest (lower) and largest (upper) corner of the grid of this body in "
+      "total Lagrangian steps. The body uses the part of this grid around it, "
+      "and each other body has a grid of its own, too. Walls act on sides of "
+      "this grid that lie on sides of the outer 'Grid'. Empty: as in the outer "
+      "section 'Grid'. Unit: m.";
+    add_parameter(prm, "Lower corner", lower, List(Double(), 0, 3))(corners);
+    add_parameter(prm, "Upper corner", upper, List(Double(), 0, 3))(corners);
     add_parameter(prm, "Cells", cells, List(Integer(1), 0, 3))(
       "Cells between the corners in each direction; needed if a corner is "
       "given. Empty: as in the outer section 'Grid'. Unit: none.");

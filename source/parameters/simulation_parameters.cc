@@ -47,6 +47,8 @@ namespace greville
   {
     declare_section(prm, "Simulation", general);
     declare_section(prm, "Grid", grid);
+    for (auto &[name, region] : grid.regions)
+      declare_section(prm, "Refinement " + name, region);
     declare_section(prm, "Water", water);
     declare_sections(prm);
     declare_section(prm, "Exact solution", exact);

@@ -15,6 +15,17 @@ namespace greville
 
   namespace
   {
+    std::string
+    text_of_levels(const GridParameters &grid)
+    {
+      const unsigned int n = grid.n_levels();
+      return n == 0 ? ""
+                    : ", halved up to " + std::to_string(n) +
+                        (n == 1 ? " time" : " times");
+    }
+
+
+
     // The largest imbalance without a note, as a fraction of the weight. Bodies
     // without stresses have 1.
     constexpr double largest_imbalance = 1.5;
@@ -100,7 +111,8 @@ namespace greville
     else
       out << "\n  grid: " << cells_text(parameters.grid.cells) << " cells"
           << (parameters.grid.is_uniform() ? "" : " of different sizes")
-          << ", order " << parameters.grid.degree
+          << text_of_levels(parameters.grid) << ", order "
+          << parameters.grid.degree
           << (parameters.grid.is_axisymmetric() ? ", axisymmetric" : "")
           << '\n';
     for (const std::string &name : parameters.general.contacts)

@@ -67,6 +67,7 @@ namespace greville
     CellFilling<dim> &filling;
 
     const Lattice<dim>         &lattice   = filling.spline_space->lattice();
+    const CellHierarchy<dim>   *levels    = lattice.hierarchy();
     const MultiIndex<dim>      &extents   = lattice.n_cells();
     const CellNeighbors<dim>   &neighbors = filling.neighbors;
     std::vector<unsigned char> &classes   = filling.classes;
@@ -85,7 +86,8 @@ namespace greville
 
     /// Call visit(offset, index) for a cell and its neighbours: the offset is
     /// 0, 1, or 2 in each direction, and the index is beyond the extents behind
-    /// walls.
+    /// walls. Several neighbours of another level can have the same offset, and
+    /// one neighbour several offsets.
     template <typename Visit>
     void
     for_each_neighbor(const unsigned int c, const Visit &visit) const
@@ -98,9 +100,62 @@ namespace greville
           auto       neighbor = index;
           for (unsigned int d = 0; d < dim; ++d)
             neighbor[d] += offset[d] - 1;
-          lattice.wrap(neighbor);
+          if (levels)
+            visit_active(index, offset, neighbor, visit);
+          else
+            {
+              lattice.wrap(neighbor);
+              visit(offset, neighbor);
+            }
+        }
+    }
+
+    /// Call visit(offset, index) for the active cells at the place of a
+    /// @p neighbor, which has the level of the cell @p index.
+    template <typename Visit>
+    void
+    visit_active(const MultiIndex<dim> &index,
+                 const MultiIndex<dim> &offset,
+                 MultiIndex<dim>        neighbor,
+                 const Visit           &visit) const
+    {
+      const unsigned int l = levels->level(index);
+      if (levels->level(neighbor) != l)
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+            if (offset[d] == 0 ? lattice.is_first(d, index[d])
+                               : offset[d] == 2 && lattice.is_last(d, index[d]))
+              neighbor[d] = numbers::invalid_unsigned_int;
           visit(offset, neighbor);
         }
+      else if (levels->is_refined(neighbor))
+        for (unsigned int k = 0; k < Utilities::pow(2, dim); ++k)
+          {
+            MultiIndex<dim> child;
+            bool            touches = true;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                const unsigned int upper = (k >> d) & 1;
+                touches  = touches && offset[d] != (upper ? 2u : 0u);
+                child[d] = levels->offset(l + 1)[d] +
+                           2 * (neighbor[d] - levels->offset(l)[d]) + upper;
+              }
+            if (touches)
+              visit(offset, child);
+          }
+      else
+        visit(offset,
+              levels->is_active(neighbor) ? neighbor
+                                          : levels->parent(neighbor));
+    }
+
+    /// Return the number of cells of the level of a cell in a direction.
+    unsigned int
+    n_cells(const unsigned int c, const unsigned int d) const
+    {
+      return levels ? levels->n_cells(levels->level(
+                        multi_index<dim>(positions[c], extents)))[d]
+                    : extents[d];
     }
 
     unsigned int
@@ -112,13 +167,23 @@ namespace greville
       return neighbors.find(lexicographic<dim>(index, extents));
     }
 
-    int
-    square_of_steps(const MultiIndex<dim> &a, const MultiIndex<dim> &b) const
+    /// Return the squared distance from a cell to a host, in units of the
+    /// host's size.
+    double
+    square_of_steps(const MultiIndex<dim> &a, const MultiIndex<dim> &host) const
     {
-      int distance = 0;
-      for (unsigned int d = 0; d < dim; ++d)
-        distance += Utilities::fixed_power<2>(lattice.steps(a[d], b[d], d));
-      return distance;
+      double result = 0.;
+      if (levels)
+        {
+          const auto center = levels->center(a), at = levels->center(host);
+          for (unsigned int d = 0; d < dim; ++d)
+            result += Utilities::fixed_power<2>((at[d] - center[d]) /
+                                                (2. * levels->width(host)));
+        }
+      else
+        for (unsigned int d = 0; d < dim; ++d)
+          result += Utilities::fixed_power<2>(lattice.steps(a[d], host[d], d));
+      return result;
     }
 
     /// Mark the empty cells around cells with points as beyond the body.
@@ -158,7 +223,7 @@ namespace greville
           if (neighbor[d] >= extents[d])
             {
               is_behind_wall = true;
-              if (extents[d] > 2 &&
+              if (n_cells(c, d) > 2 &&
                   !filling.contact_walls[2 * d + offset[d] / 2])
                 result = false;
             }
@@ -220,14 +285,14 @@ namespace greville
     {
       const std::size_t begin    = hosts_of_cells.size();
       const auto        index    = multi_index<dim>(positions[c], extents);
-      int               nearest  = std::numeric_limits<int>::max();
+      double            nearest  = std::numeric_limits<double>::max();
       const auto        add_near = [&](const unsigned int n) {
         if (near[n] == 0)
           return;
         for_each_neighbor(n, [&](const auto &offset, const auto &found) {
           if ((near[n] >> lexicographic<dim>(offset, three()) & 1) == 0)
             return;
-          const int distance = square_of_steps(index, found);
+          const double distance = square_of_steps(index, found);
           if (distance < nearest)
             hosts_of_cells.resize(begin);
           nearest = std::min(nearest, distance);
@@ -253,6 +318,8 @@ namespace greville
     Cells
     find_hosts_of(const Cells &cells)
     {
+      if (levels)
+        return find_hosts_on_levels(cells);
       const std::vector<std::uint32_t> near = find_nearest_neighbors(cells);
       Cells                            without;
       for (const unsigned int c : cells)
@@ -265,13 +332,23 @@ namespace greville
       return without;
     }
 
+    using Lists = std::vector<std::vector<std::uint64_t>>;
+
     /// Return the hosts of all local cells.
-    std::vector<std::vector<std::uint64_t>>
+    Lists
     exchange_hosts()
     {
-      std::vector<std::vector<std::uint64_t>> lists(positions.size());
+      Lists lists(positions.size());
       for (const auto &entry : hosts_of_cells)
         lists[entry.first].push_back(entry.second);
+      exchange_lists_of_cells(lists);
+      return lists;
+    }
+
+    /// Collective. Set the lists of cells that are not owned.
+    void
+    exchange_lists_of_cells(Lists &lists)
+    {
       std::size_t n_rounds = 0;
       for (const auto &list : lists)
         n_rounds = std::max(n_rounds, list.size());
@@ -289,7 +366,96 @@ namespace greville
             if (travelling[c] > 0.)
               lists[c].push_back(std::uint64_t(travelling[c]) - 1);
         }
-      return lists;
+    }
+
+    /// Collects the nearest hosts of a cell.
+    struct Nearest
+    {
+      const HostSearch       &search;
+      const MultiIndex<dim>   index;
+      double                  distance = std::numeric_limits<double>::max();
+      std::set<std::uint64_t> found    = {};
+
+      void
+      add(const std::uint64_t position)
+      {
+        const double d =
+          search.square_of_steps(index,
+                                 multi_index<dim>(position, search.extents));
+        if (d < distance)
+          found.clear();
+        distance = std::min(d, distance);
+        if (d == distance)
+          found.insert(position);
+      }
+
+      void
+      add_hosts_of_neighbors(const unsigned int c, const Lists &lists)
+      {
+        search.for_each_neighbor(c, [&](const auto &, const auto &neighbor) {
+          const unsigned int n = search.find(neighbor);
+          if (n != numbers::invalid_unsigned_int && n != c)
+            for (const std::uint64_t position : lists[n])
+              add(position);
+        });
+      }
+    };
+
+    /// The same as find_hosts_of() for cells of several levels. The nearest
+    /// host is that in units of its own size.
+    Cells
+    find_hosts_on_levels(const Cells &cells)
+    {
+      Lists near(positions.size());
+      for (const unsigned int c : cells)
+        {
+          Nearest nearest{*this, multi_index<dim>(positions[c], extents)};
+          for_each_neighbor(c, [&](const auto &, const auto &neighbor) {
+            const unsigned int n = find(neighbor);
+            if (n != numbers::invalid_unsigned_int && classes[n] == host)
+              nearest.add(positions[n]);
+          });
+          near[c].assign(nearest.found.begin(), nearest.found.end());
+        }
+      exchange_lists_of_cells(near);
+      Cells without;
+      for (const unsigned int c : cells)
+        {
+          Nearest nearest{*this, multi_index<dim>(positions[c], extents)};
+          for (const std::uint64_t position : near[c])
+            nearest.add(position);
+          if (near[c].empty())
+            nearest.add_hosts_of_neighbors(c, near);
+          for (const std::uint64_t position : nearest.found)
+            hosts_of_cells.emplace_back(c, position);
+          if (nearest.found.empty())
+            without.push_back(c);
+        }
+      return find_hosts_behind_edges(without);
+    }
+
+    /// Give cells the hosts of their neighbours that are not farther than hosts
+    /// are among equal cells: small cells next to large ones that are no hosts
+    /// lie three cells from a host. Return the cells that have none.
+    Cells
+    find_hosts_behind_edges(const Cells &cells)
+    {
+      constexpr double largest_square = 2. * 2. * dim;
+      const Lists      lists          = exchange_hosts();
+      Cells            without;
+      for (const unsigned int c : cells)
+        {
+          Nearest nearest{*this, multi_index<dim>(positions[c], extents)};
+          nearest.add_hosts_of_neighbors(c, lists);
+          const bool is_near = nearest.distance <= largest_square;
+          for (const std::uint64_t position : nearest.found)
+            if (is_near)
+              hosts_of_cells.emplace_back(c, position);
+          if (!is_near)
+            without.push_back(c);
+        }
+      std::sort(hosts_of_cells.begin(), hosts_of_cells.end());
+      return without;
     }
 
     /// Give cells beyond the body the nearest hosts of their neighbours, and
@@ -302,24 +468,9 @@ namespace greville
       for (const unsigned int c : cells)
         if (classes[c] == beyond)
           {
-            const auto index   = multi_index<dim>(positions[c], extents);
-            int        nearest = std::numeric_limits<int>::max();
-            std::set<std::uint64_t> found;
-            for_each_neighbor(c, [&](const auto &, const auto &neighbor) {
-              const unsigned int n = find(neighbor);
-              if (n == numbers::invalid_unsigned_int || n == c)
-                return;
-              for (const std::uint64_t position : lists[n])
-                {
-                  const int distance =
-                    square_of_steps(index, multi_index<dim>(position, extents));
-                  if (distance < nearest)
-                    found.clear();
-                  nearest = std::min(nearest, distance);
-                  if (distance == nearest)
-                    found.insert(position);
-                }
-            });
+            Nearest nearest{*this, multi_index<dim>(positions[c], extents)};
+            nearest.add_hosts_of_neighbors(c, lists);
+            const auto &found = nearest.found;
             for (const std::uint64_t position : found)
               hosts_of_cells.emplace_back(c, position);
             if (found.empty())

@@ -20,7 +20,11 @@ namespace greville
     ghost_places.clear();
     sent.clear();
     if (Utilities::MPI::n_mpi_processes(space.communicator()) == 1)
-      return;
+      {
+        if (lattice.hierarchy())
+          sort_cells();
+        return;
+      }
 
     const auto &tria       = space.triangulation();
     const auto partitioner = tria.global_active_cell_index_partitioner().lock();
@@ -73,7 +77,7 @@ namespace greville
   unsigned int
   CellNeighbors<dim>::find(const std::uint64_t position) const
   {
-    if (buffer.size() == 0) // one process: all cells
+    if (numbers.empty() && buffer.size() == 0) // all cells of one process
       return position;
     const std::uint64_t line = position / lattice.n_cells()[0] - first_line;
     if (line >= line_begin.size() - 1)

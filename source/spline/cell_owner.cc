@@ -3,6 +3,7 @@
 #include <deal.II/distributed/p4est_wrappers.h>
 
 #include <greville/spline/cell_owner.h>
+#include <greville/spline/coarse_cells.h>
 
 namespace greville
 {
@@ -12,25 +13,36 @@ namespace greville
   unsigned int
   cell_owner(const DistributedTriangulation<dim> &triangulation,
              const Lattice<dim>                  &lattice,
-             const MultiIndex<dim>               &index)
+             const MultiIndex<dim>               &lattice_index)
   {
-    // All active cells have the same level. The position of a cell is the
-    // position of its coarse cell and the position in the coarse cell.
-    const unsigned int level = triangulation.n_global_levels() - 1;
-    MultiIndex<dim>    coarse_index, n_coarse;
+    // The position of a cell is the position of its coarse cell and the
+    // position in the coarse cell.
+    unsigned int    level = triangulation.n_global_levels() - 1;
+    MultiIndex<dim> index = lattice_index, n_cells = lattice.n_cells();
+    if (const CellHierarchy<dim> *levels = lattice.hierarchy())
+      {
+        const unsigned int l = levels->level(index);
+        for (unsigned int d = 0; d < dim; ++d)
+          index[d] -= levels->offset(l)[d];
+        n_cells = levels->n_cells(l);
+        level   = l + CoarseCells<dim>(levels->n_cells(0)).n_refinements;
+      }
+    MultiIndex<dim> coarse_index, n_coarse;
     for (unsigned int d = 0; d < dim; ++d)
       {
         coarse_index[d] = index[d] >> level;
-        n_coarse[d]     = lattice.n_cells()[d] >> level;
+        n_coarse[d]     = n_cells[d] >> level;
       }
 
     const auto is_it = [&](const unsigned int coarse) {
       const typename Triangulation<dim>::cell_iterator cell(&triangulation,
                                                             0,
                                                             coarse);
-      const auto place = lattice.find_cell(cell->center());
+      const CellBox<dim> box = lattice.box(lattice_index);
       for (unsigned int d = 0; d < dim; ++d)
-        if (place[d] >> level != coarse_index[d])
+        if (!(cell->vertex(0)[d] < box.center[d] &&
+              box.center[d] <
+                cell->vertex(GeometryInfo<dim>::vertices_per_cell - 1)[d]))
           return false;
       return true;
     };

@@ -15,8 +15,9 @@ namespace greville
   namespace
   {
     // The weight of a cell in the sum over a function's support: with_host for
-    // host cells, 1 for other cells with points, 0 beyond the body.
-    constexpr double with_host = 1024.;
+    // host cells, with_full for other well-filled cells, 1 for cut cells, 0
+    // beyond the body. Smaller weights do not add up to the next larger one.
+    constexpr double with_host = 1048576., with_full = 1024.;
 
     // The weight of a host is its squared distance over the squared distance of
     // the nearest host, to this power. Hosts with a smaller share are ignored.
@@ -48,9 +49,10 @@ namespace greville
     support_weights = 0.;
     for (const unsigned int cell : filling.filled_cells())
       {
-        const double add = filling.is_host(cell)        ? with_host
-                           : filling.holds_points(cell) ? 1.
-                                                        : 0.;
+        const double add = filling.is_host(cell)          ? with_host
+                           : filling.is_well_filled(cell) ? with_full
+                           : filling.holds_points(cell)   ? 1.
+                                                          : 0.;
         for (const unsigned int f : space.cell_functions(cell))
           support_weights.local_element(f) += add;
       }
@@ -60,16 +62,26 @@ namespace greville
         support_weights.update_ghost_values();
       }
 
+    const bool has_levels = space.lattice().hierarchy();
+    if (has_levels)
+      {
+        Require(!constant, "Constant extensions need a grid without levels.");
+        levels.reinit(space, [&](const unsigned int f) {
+          return support_weights.local_element(f) >= with_full;
+        });
+      }
     find_hosts();
     classes.resize(n_local);
     for (unsigned int f = 0; f < n_local; ++f)
-      {
-        const double n = support_weights.local_element(f);
-        classes[f]     = n == 0. ? inactive : n >= with_host ? stable : lumped;
-      }
+      classes[f] = support_weights.local_element(f) == 0. ? inactive
+                   : is_stable(f)                         ? stable
+                                                          : lumped;
     for (const unsigned int f : functions.numbers)
       classes[f] = extended;
-    make_rows(old);
+    if (has_levels)
+      make_rows_of_levels();
+    else
+      make_rows(old);
   }
 
 
@@ -97,6 +109,16 @@ namespace greville
 
 
   template <int dim>
+  bool
+  Extension<dim>::is_stable(const unsigned int f) const
+  {
+    const double n = support_weights.local_element(f);
+    return n >= with_host || (n >= with_full && levels.is_at_refined_cells(f));
+  }
+
+
+
+  template <int dim>
   void
   Extension<dim>::find_hosts()
   {
@@ -104,12 +126,17 @@ namespace greville
 
     // Hosts of the owned cells of functions without a host among their cells.
     std::vector<HostOfFunction> found;
+    const auto                  is_at_contact_wall = [&](const unsigned int f) {
+      for (unsigned int side = 0; side < 2 * dim; ++side)
+        if (cell_filling->is_contact_wall(side) && space.on_side(f, side))
+          return true;
+      return false;
+    };
+    const bool has_levels = space.lattice().hierarchy();
     for (const auto &entry : cell_filling->hosts())
       for (const unsigned int f : space.cell_functions(entry.first))
-        if (support_weights.local_element(f) < with_host &&
-            !cell_filling->is_at_contact_wall(
-              multi_index<dim>(space.function_position(f), space.n_functions()),
-              space.n_functions()))
+        if (!is_stable(f) && !is_at_contact_wall(f) &&
+            !(has_levels && levels.is_tied(f)))
           found.emplace_back(f, entry.second);
     sort(found);
 
@@ -201,9 +228,82 @@ namespace greville
                                 old.rows.weights.begin() + end);
           }
         else
-          append_row(i);
+          append(row_from_hosts(i));
         rows.begin.push_back(rows.positions.size());
       }
+  }
+
+
+
+  template <int dim>
+  void
+  Extension<dim>::make_rows_of_levels()
+  {
+    std::vector<Row> rows;
+    for (unsigned int k = 0; k < functions.numbers.size(); ++k)
+      rows.push_back(row_from_hosts(k));
+    std::map<unsigned int, Row> of_functions;
+    for (unsigned int f = 0; f < classes.size(); ++f)
+      if (classes[f] != inactive && levels.is_tied(f))
+        of_functions[f] = {{spline_space->function_position(f), 1.}};
+    for (unsigned int k = 0; k < functions.numbers.size(); ++k)
+      of_functions[functions.numbers[k]] = std::move(rows[k]);
+    rows.clear();
+    functions = ExtendedFunctions();
+    for (auto &entry : of_functions)
+      {
+        classes[entry.first] = extended;
+        functions.numbers.push_back(entry.first);
+        rows.push_back(std::move(entry.second));
+      }
+    levels.resolve(rows);
+    for (const Row &row : rows)
+      {
+        append(row);
+        functions.rows.begin.push_back(functions.rows.positions.size());
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  Extension<dim>::append(const Row &row)
+  {
+    for (const auto &entry : row)
+      {
+        functions.rows.positions.push_back(entry.first);
+        functions.rows.weights.push_back(entry.second);
+      }
+  }
+
+
+
+  template <int dim>
+  double
+  Extension<dim>::square_of_distance(const MultiIndex<dim>      &host,
+                                     const MultiIndex<dim>      &function,
+                                     const std::array<int, dim> &periods) const
+  {
+    const int                 p       = spline_space->degree();
+    const auto               &lattice = spline_space->lattice();
+    const CellHierarchy<dim> *all     = lattice.hierarchy();
+    double                    result  = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        double distance = 2. * host[d] - (2. * function[d] - p) -
+                          2. * lattice.n_cells()[d] * periods[d];
+        if (all)
+          {
+            const unsigned int l    = all->level_of_function(function[0]);
+            const int          at   = function[d] - all->offset(l)[d];
+            const int          half = 1 << (all->n_levels() - 1 - l);
+            distance = double(all->center(host)[d] - (2 * at - p + 1) * half) /
+                       all->width(host);
+          }
+        result += distance * distance;
+      }
+    return result;
   }
 
 
@@ -231,8 +331,8 @@ namespace greville
 
 
   template <int dim>
-  void
-  Extension<dim>::append_row(const unsigned int k)
+  typename Extension<dim>::Row
+  Extension<dim>::row_from_hosts(const unsigned int k) const
   {
     const SplineSpace<dim> &space   = *spline_space;
     const auto             &hosts   = functions.hosts;
@@ -260,11 +360,10 @@ namespace greville
     for (std::size_t h = begin; h < end; ++h)
       {
         const auto host = multi_index<dim>(hosts[h], lattice.n_cells());
+        std::array<int, dim> shifts;
         for (unsigned int d = 0; d < dim; ++d)
-          shares[h - begin] +=
-            std::pow(2. * host[d] - (2. * i[d] - p) -
-                       2. * lattice.n_cells()[d] * periods(host[d], d),
-                     2);
+          shifts[d] = periods(host[d], d);
+        shares[h - begin] = square_of_distance(host, i, shifts);
       }
     const double nearest    = *std::min_element(shares.begin(), shares.end());
     double       all_shares = 0.;
@@ -276,7 +375,7 @@ namespace greville
         all_shares += share;
       }
 
-    std::vector<std::pair<std::uint64_t, double>> entries;
+    Row entries;
     for (std::size_t h = begin; h < end; ++h)
       {
         if (shares[h - begin] == 0.)
@@ -319,16 +418,13 @@ namespace greville
           }
       }
     std::sort(entries.begin(), entries.end());
-    Rows             &rows  = functions.rows;
-    const std::size_t first = rows.positions.size();
+    Row result;
     for (const auto &entry : entries)
-      if (rows.positions.size() > first && rows.positions.back() == entry.first)
-        rows.weights.back() += entry.second;
+      if (!result.empty() && result.back().first == entry.first)
+        result.back().second += entry.second;
       else
-        {
-          rows.positions.push_back(entry.first);
-          rows.weights.push_back(entry.second);
-        }
+        result.push_back(entry);
+    return result;
   }
 
 

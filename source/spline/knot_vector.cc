@@ -69,6 +69,30 @@ namespace greville
 
 
   KnotVector
+  KnotVector::of_levels(const unsigned int               degree,
+                        const std::vector<double>       &edges,
+                        const std::vector<unsigned int> &begin,
+                        const std::vector<unsigned int> &size)
+  {
+    KnotVector result;
+    result.p = degree;
+    result.t.assign(edges.size() + 2 * degree, edges.back());
+    for (unsigned int l = 0; l < begin.size(); ++l)
+      {
+        const auto first = edges.begin() + begin[l];
+        const auto knots = result.t.begin() + begin[l];
+        std::fill_n(knots, degree, *first);
+        std::copy_n(first, size[l] + 1, knots + degree);
+        std::fill_n(knots + degree + size[l] + 1, degree, first[size[l]]);
+      }
+    for (unsigned int e = 0; e + 1 < edges.size(); ++e)
+      result.spans.push_back(degree + e);
+    return result;
+  }
+
+
+
+  KnotVector
   KnotVector::periodic_uniform(const unsigned int degree,
                                const unsigned int n_elements,
                                const double       lower,

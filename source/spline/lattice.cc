@@ -21,14 +21,16 @@ namespace greville
     class EdgeManifold : public Manifold<dim>
     {
     public:
-      explicit EdgeManifold(const std::shared_ptr<const CellEdges<dim>> &edges)
+      EdgeManifold(const std::shared_ptr<const CellEdges<dim>>     &edges,
+                   const std::shared_ptr<const CellHierarchy<dim>> &levels)
         : edges(edges)
+        , levels(levels)
       {}
 
       std::unique_ptr<Manifold<dim>>
       clone() const override
       {
-        return std::make_unique<EdgeManifold>(edges);
+        return std::make_unique<EdgeManifold>(edges, levels);
       }
 
       Point<dim>
@@ -49,7 +51,8 @@ namespace greville
         return result;
       }
 
-      const std::shared_ptr<const CellEdges<dim>> edges;
+      const std::shared_ptr<const CellEdges<dim>>     edges; // finest ones
+      const std::shared_ptr<const CellHierarchy<dim>> levels;
 
     private:
       /// Return the number of the edge that is nearest to a vertex.
@@ -89,7 +92,10 @@ namespace greville
     if (id != numbers::flat_manifold_id)
       if (const auto *manifold = dynamic_cast<const EdgeManifold<dim> *>(
             &triangulation.get_manifold(id)))
-        all_edges = manifold->edges;
+        {
+          levels    = manifold->levels;
+          all_edges = levels ? levels->edges() : manifold->edges;
+        }
 
     // Smallest and largest corners and cell sizes, with signs such that one
     // reduction suffices.
@@ -124,10 +130,19 @@ namespace greville
                      : edges(d).size() - 1;
         product *= cells[d];
       }
-    Require(product ==
-              static_cast<double>(triangulation.n_global_active_cells()),
+    Require(levels || product == static_cast<double>(
+                                   triangulation.n_global_active_cells()),
             "A spline space needs a mesh whose cells fill a box.");
     set_sizes();
+    if (levels)
+      run_on_all(comm, [&]() {
+        for (const auto &cell : triangulation.active_cell_iterators())
+          Require(!cell->is_locally_owned() ||
+                    std::abs(cell->extent_in_direction(0) -
+                             box(find_cell(cell->center())).size[0]) <
+                      1e-6 * sizes[0],
+                  "The mesh is not refined as its levels require.");
+      });
 
     // The faces of coarse cells are known on all processes.
     for (const auto &pair : triangulation.get_periodic_face_map())
@@ -142,9 +157,12 @@ namespace greville
   {
     for (unsigned int d = 0; d < dim; ++d)
       {
-        sizes[d] = (upper_corner[d] - lower_corner[d]) / cells[d];
+        sizes[d] = edges(d).empty()
+                     ? (upper_corner[d] - lower_corner[d]) / cells[d]
+                     : cell_size(d, 0);
         for (unsigned int cell = 0; cell + 1 < edges(d).size(); ++cell)
-          sizes[d] = std::min(sizes[d], cell_size(d, cell));
+          if (cell_size(d, cell) > 0.) // not in gaps between levels
+            sizes[d] = std::min(sizes[d], cell_size(d, cell));
       }
   }
 
@@ -177,6 +195,7 @@ namespace greville
   Lattice<dim>
   Lattice<dim>::parents() const
   {
+    Require(!levels, "The cells of a refined mesh have no parents.");
     Lattice result = *this;
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -206,6 +225,8 @@ namespace greville
   MultiIndex<dim>
   Lattice<dim>::find_cell(const Point<dim> &point) const
   {
+    if (levels)
+      return levels->find(point);
     MultiIndex<dim> index;
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -234,6 +255,71 @@ namespace greville
 
 
 
+  namespace
+  {
+    /// Throws dealii::ExcMessage for arguments that create_box_mesh() refuses.
+    template <int dim>
+    void
+    check_box(const Point<dim>            &lower,
+              const Point<dim>            &upper,
+              const MultiIndex<dim>       &n_cells,
+              const std::array<bool, dim> &periodic,
+              const CellEdges<dim>        &edges)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          Require(n_cells[d] > 0,
+                  "A box mesh needs at least one cell in each direction.");
+          Require(lower[d] < upper[d],
+                  "The lower corner of a box has to be below its upper corner "
+                  "in each direction.");
+          if (edges[d].empty())
+            continue;
+          Require(edges[d].size() == n_cells[d] + 1 &&
+                    edges[d].front() == lower[d] &&
+                    edges[d].back() == upper[d] &&
+                    std::adjacent_find(edges[d].begin(),
+                                       edges[d].end(),
+                                       std::greater_equal<double>()) ==
+                      edges[d].end(),
+                  "The edges of cells have to increase from the lower to the "
+                  "upper corner of a box, one more than there are cells.");
+          Require(!periodic[d],
+                  "Cells in a periodic direction have to be equal: there are "
+                  "no edges between them.");
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  refine_box_mesh(DistributedTriangulation<dim> &triangulation,
+                  const std::shared_ptr<const CellHierarchy<dim>> &levels)
+  {
+    triangulation.set_manifold(
+      0,
+      EdgeManifold<dim>(std::make_shared<const CellEdges<dim>>(
+                          levels->finest_edges()),
+                        levels));
+    const unsigned int first =
+      CoarseCells<dim>(levels->n_cells(0)).n_refinements;
+    for (unsigned int l = 0; l + 1 < levels->n_levels(); ++l)
+      {
+        run_on_all(get_communicator(triangulation), [&]() {
+          for (const auto &cell : triangulation.active_cell_iterators())
+            if (cell->is_locally_owned() &&
+                levels->level(levels->find(cell->center())) >
+                  cell->level() - first)
+              cell->set_refine_flag();
+        });
+        triangulation.execute_coarsening_and_refinement();
+      }
+  }
+
+
+
   template <int dim>
   void
   create_box_mesh(DistributedTriangulation<dim> &triangulation,
@@ -241,45 +327,36 @@ namespace greville
                   const Point<dim>              &upper,
                   const MultiIndex<dim>         &n_cells,
                   const std::array<bool, dim>   &periodic,
-                  const CellEdges<dim>          &edges)
+                  const CellEdges<dim>          &edges,
+                  const std::shared_ptr<const CellHierarchy<dim>> &levels)
   {
-    bool has_edges = false;
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        Require(n_cells[d] > 0,
-                "A box mesh needs at least one cell in each direction.");
-        Require(lower[d] < upper[d],
-                "The lower corner of a box has to be below its upper corner in "
-                "each direction.");
-        if (edges[d].empty())
-          continue;
-        has_edges = true;
-        Require(edges[d].size() == n_cells[d] + 1 &&
-                  edges[d].front() == lower[d] && edges[d].back() == upper[d] &&
-                  std::adjacent_find(edges[d].begin(),
-                                     edges[d].end(),
-                                     std::greater_equal<double>()) ==
-                    edges[d].end(),
-                "The edges of cells have to increase from the lower to the "
-                "upper corner of a box, one more than there are cells.");
-        Require(!periodic[d],
-                "Cells in a periodic direction have to be equal: there are no "
-                "edges between them.");
-      }
-
+    check_box<dim>(lower, upper, n_cells, periodic, edges);
     const CoarseCells<dim>           trees(n_cells);
     std::vector<std::vector<double>> sizes(dim);
+    bool                             has_manifold = bool(levels);
     for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int k = 0; k < trees.n[d]; ++k)
-        {
-          const unsigned int step = n_cells[d] / trees.n[d];
-          sizes[d].push_back(edges[d].empty()
-                               ? (upper[d] - lower[d]) / trees.n[d]
+      {
+        Require(!levels || !periodic[d], "A refined grid cannot be periodic.");
+        has_manifold = has_manifold || !edges[d].empty();
+        for (unsigned int k = 0; k < trees.n[d]; ++k)
+          {
+            const unsigned int step = n_cells[d] / trees.n[d];
+            sizes[d].push_back(
+              edges[d].empty() ? (upper[d] - lower[d]) / trees.n[d]
                                : edges[d][(k + 1) * step] - edges[d][k * step]);
-        }
-    if (has_edges)
-      GridGenerator::subdivided_hyper_rectangle(
-        triangulation, sizes, lower, upper, true);
+          }
+      }
+    if (has_manifold)
+      {
+        GridGenerator::subdivided_hyper_rectangle(
+          triangulation, sizes, lower, upper, true);
+        triangulation.set_all_manifold_ids(0);
+        triangulation.set_manifold(
+          0,
+          EdgeManifold<dim>(std::make_shared<const CellEdges<dim>>(
+                              levels ? levels->finest_edges() : edges),
+                            levels));
+      }
     else
       GridGenerator::subdivided_hyper_rectangle(
         triangulation,
@@ -287,12 +364,6 @@ namespace greville
         lower,
         upper,
         true);
-    if (has_edges)
-      {
-        triangulation.set_all_manifold_ids(0);
-        triangulation.set_manifold(
-          0, EdgeManifold<dim>(std::make_shared<const CellEdges<dim>>(edges)));
-      }
     std::vector<GridTools::PeriodicFacePair<
       typename DistributedTriangulation<dim>::cell_iterator>>
       pairs;
@@ -303,10 +374,13 @@ namespace greville
     if (!pairs.empty())
       triangulation.add_periodicity(pairs);
     triangulation.refine_global(trees.n_refinements);
+    if (levels)
+      refine_box_mesh<dim>(triangulation, levels);
   }
 
 
 
   GREVILLE_INSTANTIATE_CLASS(Lattice);
   GREVILLE_INSTANTIATE(create_box_mesh);
+  GREVILLE_INSTANTIATE(refine_box_mesh);
 } // namespace greville

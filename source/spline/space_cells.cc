@@ -55,7 +55,7 @@ namespace greville
     const CellBox<dim> at = box(cell);
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const bool   last  = at.index[d] + 1 == mesh_lattice.n_cells()[d];
+        const bool   last  = mesh_lattice.is_last(d, at.index[d]);
         const double upper = last ? mesh_lattice.upper()[d]
                                   : mesh_lattice.edge(d, at.index[d] + 1);
         if (!(x[d] >= at.lower[d] && (x[d] < upper || (last && x[d] == upper))))

@@ -41,50 +41,8 @@ namespace greville
     functions_per_cell = Utilities::fixed_power<dim>(p + 1);
 
     for (unsigned int d = 0; d < dim; ++d)
-      {
-        const unsigned int n = mesh_lattice.n_cells()[d];
-        if (mesh_lattice.is_periodic(d))
-          {
-            Require(n > p,
-                    "A grid that is periodic in " + std::string(1, "xyz"[d]) +
-                      " needs at least order + 1 = " + std::to_string(p + 1) +
-                      " cells in this direction; it has " + std::to_string(n) +
-                      ".");
-            knot_vectors[d] = KnotVector::periodic_uniform(
-              p, n, mesh_lattice.lower()[d], mesh_lattice.upper()[d]);
-            extents[d] = n;
-            anchor_cells[d].resize(n);
-            for (unsigned int i = 0; i < n; ++i)
-              anchor_cells[d][i] = (i + n - p / 2) % n;
-            continue;
-          }
-        extents[d]                       = n + p;
-        const std::vector<double> &edges = mesh_lattice.edges(d);
-        if (!edges.empty())
-          {
-            knot_vectors[d] = KnotVector::open(p, edges);
-            anchor_cells[d].resize(extents[d]);
-            for (unsigned int i = 0; i < extents[d]; ++i)
-              anchor_cells[d][i] = knot_vectors[d].find_element(
-                knot_vectors[d].greville_abscissa(i));
-            continue;
-          }
-        knot_vectors[d] = KnotVector::open_uniform(p,
-                                                   n,
-                                                   mesh_lattice.lower()[d],
-                                                   mesh_lattice.upper()[d]);
-
-        // Greville abscissae in units of cells, in exact integer arithmetic.
-        anchor_cells[d].resize(extents[d]);
-        for (unsigned int i = 0; i < extents[d]; ++i)
-          {
-            unsigned int sum = 0;
-            for (unsigned int k = i + 1; k <= i + p; ++k)
-              sum += std::min(k - std::min(k, p), n);
-            anchor_cells[d][i] = std::min(sum / p, n - 1);
-          }
-      }
-    n_dofs(); // throws where they are too many
+      make_knots(d);
+    count_functions();
 
     element = std::make_unique<FE_Bernstein<dim>>(p);
 
@@ -97,45 +55,158 @@ namespace greville
 
   template <int dim>
   void
-  SplineSpace<dim>::find_owned_functions()
+  SplineSpace<dim>::make_knots(const unsigned int d)
   {
-    // The functions of the Greville points of a cell form a contiguous range in
-    // each direction, also in a periodic one.
-    owned.clear();
-    for (const std::uint64_t position : cells)
+    const unsigned int n = mesh_lattice.n_cells()[d];
+    if (mesh_lattice.is_periodic(d))
       {
-        const auto cell = multi_index<dim>(position, mesh_lattice.n_cells());
-        MultiIndex<dim> begin, length;
-        for (unsigned int d = 0; d < dim; ++d)
+        Require(n > p,
+                "A grid that is periodic in " + std::string(1, "xyz"[d]) +
+                  " needs at least order + 1 = " + std::to_string(p + 1) +
+                  " cells in this direction; it has " + std::to_string(n) +
+                  ".");
+        knot_vectors[d] = KnotVector::periodic_uniform(p,
+                                                       n,
+                                                       mesh_lattice.lower()[d],
+                                                       mesh_lattice.upper()[d]);
+        extents[d]      = n;
+        anchor_cells[d].resize(n);
+        for (unsigned int i = 0; i < n; ++i)
+          anchor_cells[d][i] = (i + n - p / 2) % n;
+        return;
+      }
+    extents[d] = n + p;
+    anchor_cells[d].assign(extents[d], numbers::invalid_unsigned_int);
+    const std::vector<double> &edges = mesh_lattice.edges(d);
+    if (edges.empty())
+      {
+        knot_vectors[d] = KnotVector::open_uniform(p,
+                                                   n,
+                                                   mesh_lattice.lower()[d],
+                                                   mesh_lattice.upper()[d]);
+
+        // Greville abscissae in units of cells, in exact integer arithmetic.
+        for (unsigned int i = 0; i < extents[d]; ++i)
           {
-            if (mesh_lattice.is_periodic(d))
-              {
-                begin[d]  = wrapped(cell[d] + p / 2, d);
-                length[d] = 1;
-                continue;
-              }
-            const auto range = std::equal_range(anchor_cells[d].begin(),
-                                                anchor_cells[d].end(),
-                                                cell[d]);
-            begin[d]         = range.first - anchor_cells[d].begin();
-            length[d]        = range.second - range.first;
+            unsigned int sum = 0;
+            for (unsigned int k = i + 1; k <= i + p; ++k)
+              sum += std::min(k - std::min(k, p), n);
+            anchor_cells[d][i] = std::min(sum / p, n - 1);
           }
-        const std::uint64_t n =
-          std::accumulate(length.begin(),
-                          length.end(),
-                          std::uint64_t(1),
-                          std::multiplies<std::uint64_t>());
-        for (std::uint64_t k = 0; k < n; ++k)
+        return;
+      }
+    std::vector<unsigned int> begin = {0}, size = {n};
+    if (const CellHierarchy<dim> *levels = mesh_lattice.hierarchy())
+      {
+        begin.resize(levels->n_levels());
+        size.resize(levels->n_levels());
+        for (unsigned int l = 0; l < levels->n_levels(); ++l)
           {
-            MultiIndex<dim> function = multi_index<dim>(k, length);
-            for (unsigned int d = 0; d < dim; ++d)
-              function[d] += begin[d];
-            owned.push_back(lexicographic<dim>(function, extents));
+            begin[l] = levels->offset(l)[d];
+            size[l]  = levels->n_cells(l)[d];
           }
       }
+    knot_vectors[d] = KnotVector::of_levels(p, edges, begin, size);
+    for (unsigned int l = 0; l < begin.size(); ++l)
+      for (unsigned int i = begin[l]; i < begin[l] + size[l] + p; ++i)
+        {
+          const auto first = edges.begin() + begin[l];
+          anchor_cells[d][i] =
+            std::upper_bound(first + 1,
+                             first + size[l],
+                             knot_vectors[d].greville_abscissa(i)) -
+            edges.begin() - 1;
+        }
+  }
+
+
+
+  template <int dim>
+  MultiIndex<dim>
+  SplineSpace<dim>::anchor_cell(const MultiIndex<dim> &function) const
+  {
+    MultiIndex<dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = anchor_cells[d][function[d]];
+    const CellHierarchy<dim> *levels = mesh_lattice.hierarchy();
+    if (!levels || levels->is_active(result))
+      return result;
+    MultiIndex<dim> local_extents, nearest = result;
+    local_extents.fill(p + 1);
+    unsigned int smallest = numbers::invalid_unsigned_int;
+    for (unsigned int k = 0; k < functions_per_cell; ++k)
+      {
+        const auto      offset = multi_index<dim>(k, local_extents);
+        MultiIndex<dim> cell   = function;
+        unsigned int    square = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            cell[d] -= offset[d];
+            square += Utilities::fixed_power<2>(int(cell[d]) - int(result[d]));
+          }
+        if (square < smallest && levels->is_active(cell))
+          {
+            smallest = square;
+            nearest  = cell;
+          }
+      }
+    return nearest;
+  }
+
+
+
+  template <int dim>
+  void
+  SplineSpace<dim>::append_functions_of(const MultiIndex<dim> &cell)
+  {
+    // Without levels, the functions of a cell form a contiguous range in each
+    // direction, also in a periodic one.
+    MultiIndex<dim> begin = cell, length;
+    length.fill(p + 1);
+    for (unsigned int d = 0; d < dim && !mesh_lattice.hierarchy(); ++d)
+      {
+        if (mesh_lattice.is_periodic(d))
+          {
+            begin[d]  = wrapped(cell[d] + p / 2, d);
+            length[d] = 1;
+            continue;
+          }
+        const auto range = std::equal_range(anchor_cells[d].begin(),
+                                            anchor_cells[d].end(),
+                                            cell[d]);
+        begin[d]         = range.first - anchor_cells[d].begin();
+        length[d]        = range.second - range.first;
+      }
+    const std::uint64_t n = std::accumulate(length.begin(),
+                                            length.end(),
+                                            std::uint64_t(1),
+                                            std::multiplies<std::uint64_t>());
+    for (std::uint64_t k = 0; k < n; ++k)
+      {
+        MultiIndex<dim> function = multi_index<dim>(k, length);
+        for (unsigned int d = 0; d < dim; ++d)
+          function[d] += begin[d];
+        if (!mesh_lattice.hierarchy() || anchor_cell(function) == cell)
+          owned.push_back(lexicographic<dim>(function, extents));
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  SplineSpace<dim>::find_owned_functions()
+  {
+    owned.clear();
+    for (const std::uint64_t position : cells)
+      append_functions_of(multi_index<dim>(position, mesh_lattice.n_cells()));
     std::sort(owned.begin(), owned.end());
 
     first_owned = sum_before(owned.size(), comm);
+    if (mesh_lattice.hierarchy())
+      n_all = checked_index<types::global_dof_index>(
+        Utilities::MPI::sum(std::uint64_t(owned.size()), comm),
+        "functions of a grid");
   }
 
 
@@ -229,13 +300,13 @@ namespace greville
 
 
   template <int dim>
-  types::global_dof_index
-  SplineSpace<dim>::n_dofs() const
+  void
+  SplineSpace<dim>::count_functions()
   {
     // Each factor has 32 bits, the product of two of them fits into 64.
     constexpr std::uint64_t largest_index = types::global_dof_index(-1);
     std::uint64_t           n             = 1;
-    for (unsigned int d = 0; d < dim; ++d)
+    for (unsigned int d = 0; d < dim && !mesh_lattice.hierarchy(); ++d)
       {
         n *= extents[d];
         Require(
@@ -245,22 +316,32 @@ namespace greville
             ": use a coarser grid, or a deal.II with 64-bit indices "
             "(DEAL_II_WITH_64BIT_INDICES).");
       }
-    return n;
+    n_all = n;
+  }
+
+
+
+  template <int dim>
+  bool
+  SplineSpace<dim>::exists(const std::uint64_t position) const
+  {
+    const CellHierarchy<dim> *levels = mesh_lattice.hierarchy();
+    return !levels ||
+           levels->is_active(anchor_cell(multi_index<dim>(position, extents)));
   }
 
 
 
   template <int dim>
   std::vector<unsigned int>
-  SplineSpace<dim>::find_owners(
+  SplineSpace<dim>::owners_of_functions(
     const std::vector<std::uint64_t> &positions) const
   {
     std::vector<unsigned int> owners;
     for (const std::uint64_t position : positions)
       {
-        MultiIndex<dim> cell = multi_index<dim>(position, extents);
-        for (unsigned int d = 0; d < dim; ++d)
-          cell[d] = anchor_cells[d][cell[d]];
+        const MultiIndex<dim> cell =
+          anchor_cell(multi_index<dim>(position, extents));
         owners.push_back(
           this->owner(lexicographic<dim>(cell, mesh_lattice.n_cells())));
       }
@@ -282,7 +363,7 @@ namespace greville
     };
 
     const unsigned int me     = Utilities::MPI::this_mpi_process(comm);
-    const auto         owners = find_owners(positions);
+    const auto         owners = owners_of_functions(positions);
 
     std::vector<types::global_dof_index>               result(positions.size());
     std::map<unsigned int, std::vector<std::size_t>>   places;
@@ -433,10 +514,11 @@ namespace greville
   {
     if (mesh_lattice.edges(d).empty())
       return mesh_lattice.cell_size(d);
-    unsigned int cell = i > p ? i - p : 0;
-    double       h    = mesh_lattice.cell_size(d, cell);
-    for (; cell <= std::min(i, mesh_lattice.n_cells()[d] - 1); ++cell)
-      h = std::min(h, mesh_lattice.cell_size(d, cell));
+    const std::vector<double> &t = knot_vectors[d].knots();
+    double                     h = t[i + p + 1] - t[i];
+    for (unsigned int k = i; k <= i + p; ++k)
+      if (t[k] < t[k + 1])
+        h = std::min(h, t[k + 1] - t[k]);
     return h;
   }
 
@@ -448,9 +530,13 @@ namespace greville
                             const unsigned int side) const
   {
     const unsigned int d = side / 2;
-    return !mesh_lattice.is_periodic(d) &&
-           multi_index<dim>(function_position(function), extents)[d] ==
-             (side % 2 == 0 ? 0 : extents[d] - 1);
+    if (mesh_lattice.is_periodic(d))
+      return false;
+    const unsigned int i =
+      multi_index<dim>(function_position(function), extents)[d];
+    const std::vector<double> &t = knot_vectors[d].knots();
+    return side % 2 == 0 ? t[i + p] == mesh_lattice.lower()[d]
+                         : t[i + 1] == mesh_lattice.upper()[d];
   }
 
 

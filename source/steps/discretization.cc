@@ -104,7 +104,14 @@ namespace greville
                          upper,
                          n_cells,
                          Walls<dim>::periodic_directions(walls),
-                         edges);
+                         edges,
+                         grid.hierarchy<dim>());
+    const unsigned int n_refinements =
+      CoarseCells<dim>(n_cells).n_refinements + grid.n_levels();
+    Require(!grid.is_refined() || mesh.n_global_levels() == n_refinements + 1,
+            "The regions of 'Grid/Refinement' contain no cell of the grid that "
+            "is halved " +
+              std::to_string(grid.n_levels()) + " times: check their 'Shape'.");
     return n_cells;
   }
 
@@ -128,6 +135,8 @@ namespace greville
               std::to_string(dim) + "D.");
     const MultiIndex<dim> n_cells =
       create_grid_mesh(mesh, parameters.grid, parameters.walls, "Grid/Cells");
+    if (parameters.grid.is_refined())
+      refine_at_surfaces(mesh, parameters, loads);
     cell_partition =
       std::make_shared<const Partition>(std::vector<double>(), comm);
     repartition(std::make_shared<const Partition>(

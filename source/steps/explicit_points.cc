@@ -131,6 +131,24 @@ namespace greville
 
 
 
+  namespace
+  {
+    /// Return the size of the smallest cell on which a function does not
+    /// vanish. In refined grids, functions reach into cells of the next level.
+    template <int dim>
+    double
+    smallest_cell_at(const SplineSpace<dim> &space,
+                     const unsigned int      i,
+                     const unsigned int      d)
+    {
+      const double h = space.smallest_cell_of(i, d);
+      return space.lattice().hierarchy() ? std::max(0.5 * h, space.cell_size(d))
+                                         : h;
+    }
+  } // namespace
+
+
+
   template <int dim>
   Signals
   CentralDifferences<dim>::signals() const
@@ -145,7 +163,7 @@ namespace greville
     std::array<std::vector<double>, dim> inverse_h;
     for (unsigned int d = 0; d < dim; ++d)
       for (unsigned int i = 0; i < space.n_functions()[d]; ++i)
-        inverse_h[d].push_back(1. / space.smallest_cell_of(i, d));
+        inverse_h[d].push_back(1. / smallest_cell_at(space, i, d));
     const std::size_t n =
       points_cross_cells ? space.owned_functions().size() : 0;
     for (std::size_t i = 0; i < n; ++i)

@@ -209,6 +209,33 @@ namespace greville
 
 
 
+  namespace
+  {
+    /// Return the bodies of the first stage with their points, with the numbers
+    /// of their laws only.
+    template <int dim>
+    std::vector<Body<dim>>
+    place_bodies(const SimulationParameters &parameters,
+                 const Loads<dim>           &loads,
+                 const SplineSpace<dim>     &space)
+    {
+      std::vector<Body<dim>> bodies;
+      for (const std::string &name : parameters.general.bodies)
+        if (parameters.is_in_stage(name, 0))
+          {
+            bodies.push_back(make_body<dim>(name, parameters));
+            make_points(bodies.back(),
+                        space,
+                        loads.gravity(parameters.time.start),
+                        PointLayout<dim>(
+                          bodies.back().material->state_names()));
+          }
+      return bodies;
+    }
+  } // namespace
+
+
+
   template <int dim>
   Partition
   initial_partition(DistributedTriangulation<dim> &mesh,
@@ -220,19 +247,53 @@ namespace greville
       return Partition({}, comm);
     const SplineSpace<dim>     cells(mesh, 1);
     std::vector<std::uint64_t> counts(cells.owned_cells().size(), 0);
-    for (const std::string &name : parameters.general.bodies)
-      {
-        if (!parameters.is_in_stage(name, 0))
-          continue;
-        Body<dim> body = make_body<dim>(name, parameters);
-        make_points(body,
-                    cells,
-                    loads.gravity(parameters.time.start),
-                    PointLayout<dim>(body.material->state_names()));
-        for (const unsigned int cell : body.points.cells())
-          counts[cell] += body.points.n_points(cell);
-      }
+    for (const Body<dim> &body : place_bodies(parameters, loads, cells))
+      for (const unsigned int cell : body.points.cells())
+        counts[cell] += body.points.n_points(cell);
     return partition_by_points(counts, cells);
+  }
+
+
+
+  template <int dim>
+  void
+  refine_at_surfaces(DistributedTriangulation<dim> &mesh,
+                     const SimulationParameters    &parameters,
+                     const Loads<dim>              &loads)
+  {
+    // Points may move this far before a well-filled cell is a cut one.
+    constexpr double well_filled = 0.97;
+    while (true)
+      {
+        const SplineSpace<dim> space(mesh, parameters.grid.degree);
+        const auto             bodies = place_bodies(parameters, loads, space);
+        std::vector<const MaterialPoints<dim> *> points;
+        for (const Body<dim> &body : bodies)
+          points.push_back(&body.points);
+        PointTransfer<dim> transfer;
+        transfer.reinit(space);
+        std::vector<double> parts;
+        transfer.filling(points, parts);
+        CellFilling<dim> filling(space);
+        filling.update(parts, well_filled);
+        const Extension<dim> extension(space, filling);
+        // Empty cells need no splines.
+        std::vector<std::uint64_t> cut;
+        for (const std::uint64_t position :
+             extension.level_functions().cells_to_refine())
+          if (parts[space.find(position)] > 0.)
+            cut.push_back(position);
+        std::vector<MultiIndex<dim>> cells;
+        for (const auto &of_process :
+             Utilities::MPI::all_gather(space.communicator(), cut))
+          for (const std::uint64_t position : of_process)
+            cells.push_back(
+              multi_index<dim>(position, space.cells_per_direction()));
+        if (cells.empty())
+          return;
+        refine_box_mesh<dim>(mesh,
+                             space.lattice().hierarchy()->refined_also(cells));
+      }
   }
 
 
@@ -363,6 +424,7 @@ namespace greville
   GREVILLE_INSTANTIATE(check_overlap);
   GREVILLE_INSTANTIATE(check_overlap_of_shapes);
   GREVILLE_INSTANTIATE(initial_partition);
+  GREVILLE_INSTANTIATE(refine_at_surfaces);
   GREVILLE_INSTANTIATE(initial_signals);
   GREVILLE_INSTANTIATE(make_initial_state);
   GREVILLE_INSTANTIATE(check_closed_box);

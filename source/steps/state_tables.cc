@@ -176,15 +176,26 @@ namespace greville
       Require(table.columns == columns_of(layout),
               "the " + name_of(owner) +
                 " has other numbers at its points there");
-      const double n_cells =
-        discretization.space().triangulation().n_global_active_cells();
+      const SplineSpace<dim> &space   = discretization.space();
+      double                  n_cells = 1.;
+      for (const unsigned int n : space.cells_per_direction())
+        n_cells *= n;
       run_on_all(discretization.communicator(), [&]() {
         for (std::size_t k = 0; k < table.values.size();
              k += table.columns.size())
-          Require(table.values[k] >= 0. && table.values[k] < n_cells,
-                  "a point of the " + name_of(owner) + " is in the cell " +
-                    text_of(table.values[k]) + ", but the grid has " +
-                    text_of(n_cells) + " cells");
+          {
+            const double cell = table.values[k];
+            Require(cell >= 0. && cell < n_cells,
+                    "a point of the " + name_of(owner) + " is in the cell " +
+                      text_of(cell) + ", but the grid has " + text_of(n_cells) +
+                      " cells");
+            const auto *levels = space.lattice().hierarchy();
+            Require(!levels || levels->is_active(
+                                 multi_index<dim>(std::uint64_t(cell),
+                                                  space.cells_per_direction())),
+                    "a point of the " + name_of(owner) +
+                      " is in a cell that the levels of the grid do not have");
+          }
       });
       owner.points.reinit(discretization.space(), layout);
       discretization.transport().insert(owner.points, table.values);

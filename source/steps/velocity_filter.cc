@@ -88,12 +88,13 @@ namespace greville
     /// images and functions of other processes.
     template <int dim>
     void
-    append_rest_of_runs(std::vector<MultiIndex<dim>>     &functions,
-                        const std::vector<std::uint64_t> &owned,
-                        const UnwrappedFunctions<dim>    &unwrapped,
-                        const int                         reach)
+    append_rest_of_runs(std::vector<MultiIndex<dim>>  &functions,
+                        const SplineSpace<dim>        &space,
+                        const UnwrappedFunctions<dim> &unwrapped,
+                        const int                      reach)
     {
-      const auto                &all = unwrapped.all;
+      const auto                &all   = unwrapped.all;
+      const auto                &owned = space.owned_functions();
       std::vector<std::uint64_t> near;
       for (const auto &i : functions)
         for (unsigned int d = 0; d < dim; ++d)
@@ -102,11 +103,13 @@ namespace greville
             const int last = std::min(int(i[d]) + reach, int(all[d]) - 1);
             for (int k = std::max(int(i[d]) - reach, 0); k <= last; ++k)
               {
-                j[d] = k;
+                j[d]                         = k;
+                const std::uint64_t position = unwrapped.position(j);
                 if (unwrapped.is_image(k, d) ||
-                    !std::binary_search(owned.begin(),
-                                        owned.end(),
-                                        unwrapped.position(j)))
+                    (!std::binary_search(owned.begin(),
+                                         owned.end(),
+                                         position) &&
+                     space.exists(position)))
                   near.push_back(lexicographic<dim>(j, all));
               }
           }
@@ -156,7 +159,7 @@ namespace greville
           i[d] += shift[d];
         functions.push_back(i);
       }
-    append_rest_of_runs<dim>(functions, owned, unwrapped, reach);
+    append_rest_of_runs<dim>(functions, *space, unwrapped, reach);
 
     std::vector<std::uint64_t> positions;
     for (std::size_t k = owned.size(); k < functions.size(); ++k)

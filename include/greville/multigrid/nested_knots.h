@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,11 @@ namespace greville
                 const bool                 periodic,
                 const std::vector<double> &edges = {});
 
+    /// The knots of the levels of a refined grid. Level l begins with function
+    /// @p begin[l]; functions between levels do not exist.
+    NestedKnots(const std::vector<NestedKnots>  &levels,
+                const std::vector<unsigned int> &begin);
+
     bool
     is_periodic() const
     {
@@ -40,6 +46,22 @@ namespace greville
       return int(breakpoints.size()) - 1;
     }
 
+    unsigned int
+    n_levels() const
+    {
+      return levels ? levels->size() : 1;
+    }
+
+    /// Return the level of a function.
+    unsigned int
+    level(const int i) const
+    {
+      unsigned int l = n_levels() - 1;
+      while (l > 0 && i < int(begin_of_levels[l]))
+        --l;
+      return l;
+    }
+
     /// The breakpoints between cells.
     const std::vector<double> &
     edges() const
@@ -50,12 +72,13 @@ namespace greville
     int
     n_functions() const
     {
-      return periodic ? n_cells() : n_cells() + p;
+      return levels ? end_of_levels : periodic ? n_cells() : n_cells() + p;
     }
 
     /// Return the knots of cells of twice the size. If cells have different
     /// sizes, the smallest cells are joined in pairs. Returns the same knots if
-    /// there is one cell or a period would have too few.
+    /// there is one cell or a period would have too few. The coarser knots of
+    /// several levels are those of level 0.
     NestedKnots
     coarser() const;
 
@@ -75,6 +98,7 @@ namespace greville
 
     /// Return the row of function @p i for the @p coarse knots, which are a
     /// part of these knots. In a periodic direction, @p i may be any integer.
+    /// The row is empty if the function does not exist.
     Row
     insertion(const int i, const NestedKnots &coarse) const;
 
@@ -87,5 +111,10 @@ namespace greville
     bool                periodic   = false;
     bool                is_uniform = true;
     std::vector<double> breakpoints;
+
+    // Of a refined grid, otherwise null.
+    std::shared_ptr<const std::vector<NestedKnots>> levels;
+    std::vector<unsigned int>                       begin_of_levels;
+    int                                             end_of_levels = 0;
   };
 } // namespace greville

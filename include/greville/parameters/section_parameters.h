@@ -5,6 +5,7 @@
 #include <greville/loads/surface_load.h>
 #include <greville/stiffness/tangent_system.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <string>
@@ -62,6 +63,18 @@ namespace greville
 
 
 
+  /// A region in which cells are refined.
+  struct RefinementParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string  shape;
+    unsigned int levels = 1;
+  };
+
+
+
   struct GridParameters
   {
     void
@@ -76,6 +89,31 @@ namespace greville
     unsigned int               degree   = 2;
     std::string                geometry = "plane strain";
     bool                       per_body = false;
+    std::vector<std::string>   refinement;
+    /// The regions that 'refinement' names.
+    std::map<std::string, RefinementParameters> regions;
+
+    bool
+    is_refined() const
+    {
+      return !regions.empty();
+    }
+
+    /// Return how often cells are halved at most.
+    unsigned int
+    n_levels() const
+    {
+      unsigned int n = 0;
+      for (const auto &region : regions)
+        n = std::max(n, region.second.levels);
+      return n;
+    }
+
+    /// Return the levels of a refined grid for a mesh; null for a grid without
+    /// refinement. Throws dealii::ExcMessage for invalid shapes.
+    template <int dim>
+    std::shared_ptr<const CellHierarchy<dim>>
+    hierarchy() const;
 
     /// Return the edges of the cells of a direction; none for equal cells.
     /// Throws dealii::ExcMessage for a text that is no list of edges.

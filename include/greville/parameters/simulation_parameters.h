@@ -227,6 +227,13 @@ namespace greville
     void
     check_water_of_stage() const;
 
+    /// Throw for parameters that refined grids do not support.
+    void
+    check_refinement() const;
+
+    void
+    check_refinement_of_stage() const;
+
     std::string used_text;
   };
 } // namespace greville

@@ -63,16 +63,12 @@ namespace greville
            const Walls            &contact_walls = {},
            const bool              with_rims     = false);
 
-    /// Return whether a function does not vanish at a contact wall.
+    /// Return whether a side of the grid (SplineSpace::on_side()) is a contact
+    /// wall.
     bool
-    is_at_contact_wall(const MultiIndex<dim> &function,
-                       const MultiIndex<dim> &n_functions) const
+    is_contact_wall(const unsigned int side) const
     {
-      for (unsigned int d = 0; d < dim; ++d)
-        if ((contact_walls[2 * d] && function[d] == 0) ||
-            (contact_walls[2 * d + 1] && function[d] + 1 == n_functions[d]))
-          return true;
-      return false;
+      return contact_walls[side];
     }
 
     /// Collective. Compute the classes. @p filling is the filled fraction of
@@ -106,6 +102,12 @@ namespace greville
     holds_points(const unsigned int cell) const
     {
       return classes[cell] != empty && classes[cell] != beyond;
+    }
+
+    bool
+    is_well_filled(const unsigned int cell) const
+    {
+      return classes[cell] == well_filled;
     }
 
     bool

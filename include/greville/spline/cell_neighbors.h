@@ -61,7 +61,7 @@ namespace greville
     Lattice<dim>               lattice;
 
     // Local numbers by position, and where lines of cells in x begin among
-    // them; empty on one process.
+    // them; empty on one process, unless cells have levels.
     std::vector<std::pair<std::uint64_t, unsigned int>> numbers;
     std::vector<unsigned int>                           line_begin;
     std::uint64_t                                       first_line = 0;

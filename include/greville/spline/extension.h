@@ -3,6 +3,7 @@
 #pragma once
 
 #include <greville/spline/cell_filling.h>
+#include <greville/spline/level_functions.h>
 
 namespace greville
 {
@@ -25,6 +26,10 @@ namespace greville
    *   the nearest hosts in 3D (doc/results/mass_of_points.md has the effect),
    * - *lumped*: its cells are fragments only. Such functions stay, but without
    *   their products with other functions: see ExtendedMass.
+   *
+   * In a refined grid, functions of LevelFunctions that follow from the level
+   * before are extended functions with their rows, and so do the functions of
+   * hosts enter other rows.
    *
    * Numbers of functions are the local ones of the space; all functions of
    * owned cells have a class on each process.
@@ -67,6 +72,13 @@ namespace greville
     space() const
     {
       return *spline_space;
+    }
+
+    /// Return the relations of the functions of a refined grid.
+    const LevelFunctions<dim> &
+    level_functions() const
+    {
+      return levels;
     }
 
     Class
@@ -122,6 +134,10 @@ namespace greville
       Rows                       rows;
     };
 
+    /// Return whether a function that is not inactive or tied is stable.
+    bool
+    is_stable(const unsigned int function) const;
+
     void
     find_hosts();
 
@@ -133,8 +149,27 @@ namespace greville
     void
     make_rows(const ExtendedFunctions &old);
 
+    /// Collective. Make rows in a refined grid, which contain tied functions.
     void
-    append_row(const unsigned int k);
+    make_rows_of_levels();
+
+    using Row = typename LevelFunctions<dim>::Row;
+
+    /// Return the row of function number k from its hosts, with ascending
+    /// positions.
+    Row
+    row_from_hosts(const unsigned int k) const;
+
+    /// Return the squared distance from the centre of a host to the centre of a
+    /// function, by indices, in half cells of the host. In a periodic grid, the
+    /// function is shifted by @p periods.
+    double
+    square_of_distance(const MultiIndex<dim>      &host,
+                       const MultiIndex<dim>      &function,
+                       const std::array<int, dim> &periods) const;
+
+    void
+    append(const Row &row);
 
     const SplineSpace<dim>    *spline_space = nullptr;
     const CellFilling<dim>    *cell_filling = nullptr;
@@ -142,5 +177,6 @@ namespace greville
     std::vector<unsigned char> classes;
     ExtendedFunctions          functions;
     VectorType                 support_weights;
+    LevelFunctions<dim>        levels; // of a refined grid
   };
 } // namespace greville

@@ -48,6 +48,17 @@ namespace greville
                  const double       lower = 0.,
                  const double       upper = 1.);
 
+    /// Return open knot vectors one behind the other, as CellHierarchy places
+    /// the edges of its levels: vector l has the breakpoints
+    /// @p edges[@p begin[l]], ..., of @p size[l] elements. Element e is the
+    /// cell e, whose first function is e. Elements and functions between two
+    /// vectors have no meaning.
+    static KnotVector
+    of_levels(const unsigned int               degree,
+              const std::vector<double>       &edges,
+              const std::vector<unsigned int> &begin,
+              const std::vector<unsigned int> &size);
+
     /// Return a knot vector with the same elements and equidistant knots that
     /// continue beyond both ends. Function n_elements + k is function k shifted
     /// by one period: all functions are translates of one another, and a

@@ -2,82 +2,20 @@
 
 #pragma once
 
-#include <deal.II/base/point.h>
-
-#include <greville/base/compatibility.h>
+#include <greville/spline/cell_hierarchy.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
-#include <memory>
-#include <vector>
 
 namespace greville
 {
-  /// Integer coordinates of a cell or a function in a tensor product.
-  template <int dim>
-  using MultiIndex = std::array<unsigned int, dim>;
-
-  /// Return the position of @p index in lexicographic order, x fastest, in an
-  /// array of extents[0] x extents[1] (x extents[2]) entries.
-  template <int dim>
-  std::uint64_t
-  lexicographic(const MultiIndex<dim> &index, const MultiIndex<dim> &extents)
-  {
-    std::uint64_t result = 0;
-    for (int d = dim - 1; d >= 0; --d)
-      result = result * extents[d] + index[d];
-    return result;
-  }
-
-  /// Return the inverse of lexicographic().
-  template <int dim>
-  MultiIndex<dim>
-  multi_index(std::uint64_t position, const MultiIndex<dim> &extents)
-  {
-    MultiIndex<dim> result;
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        result[d] = position % extents[d];
-        position /= extents[d];
-      }
-    return result;
-  }
-
-  /// Where a cell lies. Lengths carry the unit of the mesh.
-  template <int dim>
-  struct CellBox
-  {
-    /// Number of the cell in each direction, as KnotVector counts elements.
-    MultiIndex<dim>        index;
-    dealii::Point<dim>     lower, center;
-    dealii::Tensor<1, dim> size;
-
-    double
-    volume() const
-    {
-      double result = 1.;
-      for (unsigned int d = 0; d < dim; ++d)
-        result *= size[d];
-      return result;
-    }
-  };
-
-
-
-  /// The edges between the cells of a box in each direction, ascending, with
-  /// both ends; none in a direction of equal cells. Lengths carry the unit of
-  /// the mesh.
-  template <int dim>
-  using CellEdges = std::array<std::vector<double>, dim>;
-
-
-
   /// The cells of a box mesh, counted by integers along each axis: equal cells,
   /// or in some directions cells between given edges. The lattice is read off a
   /// triangulation by create_box_mesh(), or another one whose active cells are
   /// equal boxes that fill a larger box. A direction is periodic if it is
   /// periodic in the triangulation. Lengths carry the unit of the mesh.
+  ///
+  /// The lattice of a refined mesh contains the cells of all levels of its
+  /// CellHierarchy, with its indices.
   template <int dim>
   class Lattice
   {
@@ -103,6 +41,28 @@ namespace greville
       return cells;
     }
 
+    /// Return the levels of a refined mesh; null for other meshes.
+    const CellHierarchy<dim> *
+    hierarchy() const
+    {
+      return levels.get();
+    }
+
+    /// Return whether the upper end of a cell is the upper end of the lattice.
+    bool
+    is_last(const unsigned int d, const unsigned int cell) const
+    {
+      return levels ? edges(d)[cell + 1] == upper_corner[d]
+                    : cell + 1 == cells[d];
+    }
+
+    /// Return whether the lower end of a cell is the lower end of the lattice.
+    bool
+    is_first(const unsigned int d, const unsigned int cell) const
+    {
+      return levels ? edges(d)[cell] == lower_corner[d] : cell == 0;
+    }
+
     bool
     is_periodic(const unsigned int d) const
     {
@@ -121,6 +81,8 @@ namespace greville
     bool
     wrap(MultiIndex<dim> &index) const
     {
+      if (levels)
+        return levels->level(index) < levels->n_levels();
       bool is_inside = true;
       for (unsigned int d = 0; d < dim; ++d)
         if (index[d] >= cells[d])
@@ -205,13 +167,30 @@ namespace greville
                               : place_between(edges(d), x);
     }
 
-    /// Return the smallest size among a cell and its two neighbours.
+    /// Return the place() of a point in all directions; in a refined mesh among
+    /// the cells of the level of the active cell there.
+    dealii::Point<dim>
+    places(const dealii::Point<dim> &x) const
+    {
+      dealii::Point<dim>    result;
+      const MultiIndex<dim> cell = levels ? levels->find(x) : MultiIndex<dim>();
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] =
+          levels ? cell[d] + (x[d] - edge(d, cell[d])) / cell_size(d, cell[d])
+                 : place(d, x[d]);
+      return result;
+    }
+
+    /// Return the smallest size among a cell and its two neighbours, or a lower
+    /// bound of it if the neighbours may belong to another level.
     double
     smallest_near(const unsigned int d, const unsigned int cell) const
     {
       if (edges(d).empty())
         return sizes[d];
       double h = cell_size(d, cell);
+      if (levels)
+        return std::max(0.5 * h, sizes[d]);
       if (cell > 0)
         h = std::min(h, cell_size(d, cell - 1));
       if (cell + 1 < cells[d])
@@ -262,6 +241,8 @@ namespace greville
     static double
     place_between(const std::vector<double> &edges, const double x);
 
+    std::shared_ptr<const CellHierarchy<dim>> levels;
+
     std::shared_ptr<const CellEdges<dim>> all_edges;
     static const std::vector<double>      no_edges;
 
@@ -280,14 +261,26 @@ namespace greville
   /// the lower to the upper corner, cells lie between these, by a manifold of
   /// the mesh. Throws dealii::ExcMessage for other numbers of edges, edges that
   /// do not increase, and edges in periodic directions.
+  ///
+  /// With @p levels, cells are refined; n_cells and edges are those of level 0,
+  /// and no direction may be periodic.
   template <int dim>
   void
-  create_box_mesh(DistributedTriangulation<dim> &triangulation,
-                  const dealii::Point<dim>      &lower,
-                  const dealii::Point<dim>      &upper,
-                  const MultiIndex<dim>         &n_cells,
-                  const std::array<bool, dim>   &periodic = {},
-                  const CellEdges<dim>          &edges    = {});
+  create_box_mesh(
+    DistributedTriangulation<dim>                   &triangulation,
+    const dealii::Point<dim>                        &lower,
+    const dealii::Point<dim>                        &upper,
+    const MultiIndex<dim>                           &n_cells,
+    const std::array<bool, dim>                     &periodic = {},
+    const CellEdges<dim>                            &edges    = {},
+    const std::shared_ptr<const CellHierarchy<dim>> &levels   = nullptr);
+
+  /// Collective. Refine a mesh with levels, by create_box_mesh(), as other
+  /// levels of the same cells require, which have to contain its refined cells.
+  template <int dim>
+  void
+  refine_box_mesh(DistributedTriangulation<dim> &triangulation,
+                  const std::shared_ptr<const CellHierarchy<dim>> &levels);
 
   /// The settings required of a triangulation for a SplineSpace, which asks
   /// p4est for the owners of points.

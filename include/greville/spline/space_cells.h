@@ -72,6 +72,15 @@ namespace greville
       return mesh_lattice.upper();
     }
 
+    /// Return whether a cell, by its index in a direction, lies at a side of
+    /// the grid: 2 d at the lower and 2 d + 1 at the upper end of direction d.
+    bool
+    is_at_side(const unsigned int index, const unsigned int side) const
+    {
+      return side % 2 == 0 ? mesh_lattice.is_first(side / 2, index)
+                           : mesh_lattice.is_last(side / 2, index);
+    }
+
     /// The size of the smallest cells in a direction.
     double
     cell_size(const unsigned int d) const

@@ -36,6 +36,14 @@ namespace greville
    * **Numbering.** Contiguous per process, lexicographic (x fastest) among the
    * coefficients of a process; incomplete factorizations depend on that order.
    *
+   * **Refined grids.** On a mesh with a CellHierarchy, the functions are those
+   * of the lattices of all levels, restricted to the active cells of their own
+   * level: a spline of the space is one of level l on the active cells of level
+   * l. Splines that are continuous between levels are a subspace, which
+   * Extension finds. A function that has no active cell does not exist. If the
+   * cell of a Greville point is not active, the coefficient belongs to the
+   * nearest active cell of the function.
+   *
    * The triangulation must have the settings ::mesh_settings and must outlive
    * the space. Call reinit() after each repartitioning.
    */
@@ -75,6 +83,8 @@ namespace greville
       return knot_vectors[d];
     }
 
+    /// Return the numbers of functions in each direction; in refined grids,
+    /// the extents of their positions.
     const MultiIndex<dim> &
     n_functions() const
     {
@@ -91,7 +101,10 @@ namespace greville
     // Numbers of dofs, as in a DoFHandler.
 
     dealii::types::global_dof_index
-    n_dofs() const;
+    n_dofs() const
+    {
+      return n_all;
+    }
 
     unsigned int
     n_locally_owned_dofs() const
@@ -177,10 +190,19 @@ namespace greville
               functions_per_cell};
     }
 
+    /// Return whether the function at a position exists: in refined grids,
+    /// whether it has an active cell of its level.
+    bool
+    exists(const std::uint64_t position) const;
+
     /// Collective. Return the global numbers of functions at lexicographic
-    /// @p positions, anywhere in the mesh.
+    /// @p positions, anywhere in the mesh. All of them must exist.
     std::vector<dealii::types::global_dof_index>
     global_numbers(const std::vector<std::uint64_t> &positions) const;
+
+    /// Return the processes that own functions at lexicographic @p positions.
+    std::vector<unsigned int>
+    owners_of_functions(const std::vector<std::uint64_t> &positions) const;
 
     /// Return the lexicographic position of a function with a local number.
     std::uint64_t
@@ -209,13 +231,24 @@ namespace greville
     using SpaceCells<dim>::comm;
     using SpaceCells<dim>::mesh_lattice;
 
-    /// Return the processes that own the cells of the functions' Greville
-    /// points.
-    std::vector<unsigned int>
-    find_owners(const std::vector<std::uint64_t> &positions) const;
+    /// Set the knots of a direction, and the cells of Greville points.
+    void
+    make_knots(const unsigned int d);
+
+    /// Set the number of functions of a grid without levels.
+    void
+    count_functions();
+
+    /// Return the cell whose owner owns a function.
+    MultiIndex<dim>
+    anchor_cell(const MultiIndex<dim> &function) const;
 
     void
     find_owned_functions();
+
+    /// Append the functions whose anchor_cell() is the cell.
+    void
+    append_functions_of(const MultiIndex<dim> &cell);
 
     void
     number_functions();
@@ -246,7 +279,7 @@ namespace greville
     std::vector<std::uint64_t>                   ghosts;
     std::vector<dealii::types::global_dof_index> ghost_numbers;
     std::vector<unsigned int>                    cell_function_numbers;
-    dealii::types::global_dof_index              first_owned = 0;
+    dealii::types::global_dof_index              first_owned = 0, n_all = 0;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition;
   };

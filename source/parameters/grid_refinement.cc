@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/geometry/shape.h>
+#include <greville/parameters/names.h>
+#include <greville/parameters/simulation_parameters.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  template <int dim>
+  std::shared_ptr<const CellHierarchy<dim>>
+  GridParameters::hierarchy() const
+  {
+    if (!is_refined())
+      return nullptr;
+    CellEdges<dim> of_level_0;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        of_level_0[d] = edges(d);
+        for (unsigned int k = 0; of_level_0[d].size() <= cells[d]; ++k)
+          of_level_0[d].push_back(
+            k == cells[d] ? upper[d]
+                          : lower[d] + (upper[d] - lower[d]) * k / cells[d]);
+      }
+    using Region = std::pair<unsigned int, Shape<dim>>;
+    std::vector<Region> shapes;
+    unsigned int        n_levels = 0;
+    for (const auto &[name, region] : regions)
+      {
+        shapes.emplace_back(region.levels,
+                            Shape<dim>(region.shape,
+                                       "Refinement " + name + "/Shape"));
+        n_levels = std::max(n_levels, region.levels);
+      }
+    return std::make_shared<const CellHierarchy<dim>>(
+      of_level_0,
+      n_levels,
+      degree,
+      [shapes](const unsigned int level, const CellBox<dim> &box) {
+        return std::any_of(
+          shapes.begin(), shapes.end(), [&](const Region &region) {
+            if (level >= region.first)
+              return false;
+            // The centres of the smallest cells in this one.
+            const unsigned int n = 1u << (region.first - level);
+            MultiIndex<dim>    extents;
+            extents.fill(n);
+            bool contains = false;
+            for (unsigned int k = 0;
+                 k < Utilities::fixed_power<dim>(n) && !contains;
+                 ++k)
+              {
+                const auto index = multi_index<dim>(k, extents);
+                Point<dim> x     = box.lower;
+                for (unsigned int d = 0; d < dim; ++d)
+                  x[d] += box.size[d] * (index[d] + 0.5) / n;
+                contains = region.second.contains(x);
+              }
+            return contains;
+          });
+      });
+  }
+
+
+
+  void
+  SimulationParameters::check_refinement() const
+  {
+    const Refusal refuse{"'Grid/Refinement'"};
+    for (const auto &[name, region] : grid.regions)
+      Require(!region.shape.empty(),
+              "The parameter 'Refinement " + name +
+                "/Shape' is empty: it has to be the formula of a region.");
+    constexpr unsigned int largest_order = 3;
+    refuse(grid.degree > largest_order,
+           "'Grid/Order' = " + std::to_string(grid.degree),
+           "take an order up to " + std::to_string(largest_order) + ".");
+    refuse(general.pore_water,
+           "'Simulation/Pore water' = true",
+           "the cells of its pressure are pairs of cells.");
+    refuse(has_body_grids(),
+           "'Grid/Per body' = true and sections 'Body NAME/Grid'",
+           "all bodies use one grid.");
+    // Positions of functions and the points at which regions are looked for.
+    constexpr double most_in_direction = 5e5, most_tests = 1e9;
+    double           n_tests = 1.;
+    for (unsigned int d = 0; d < general.dimension; ++d)
+      {
+        const double n = std::ldexp(grid.cells[d], grid.n_levels());
+        n_tests *= n;
+        Require(2. * n < most_in_direction,
+                "The parameter 'Levels' of 'Grid/Refinement' makes up to " +
+                  text_of(n) + " cells in a direction: take fewer.");
+      }
+    Require(
+      n_tests < most_tests,
+      "The parameter 'Levels' of 'Grid/Refinement' divides the grid into "
+      "up to " +
+        text_of(n_tests) +
+        " cells, each of which is looked at: take fewer levels or cells.");
+    for (const auto &[name, body] : bodies)
+      refuse(!body.shape_file.empty(),
+             "'Body " + name + "/Shape file'",
+             "take a formula, 'Shape'.");
+  }
+
+
+
+  void
+  SimulationParameters::check_refinement_of_stage() const
+  {
+    const Refusal refuse{"'Grid/Refinement'"};
+    refuse(!scheme.has_consistent_mass(),
+           "'Scheme/Mass' = " + scheme.mass,
+           "take consistent.");
+    refuse(scheme.is_total_lagrangian() && bodies.size() > 1,
+           "several bodies with 'Scheme/Formulation' = total Lagrangian",
+           "take one body.");
+    refuse(scheme.averages_over_domains(),
+           "'Scheme/Functions' = domains",
+           "take points.");
+    refuse(scheme.has_projection(),
+           "'Scheme/Volumetric projection' = " + scheme.volumetric_projection,
+           "take none.");
+    for (unsigned int w = 0; w < 2 * general.dimension; ++w)
+      for (const std::string type : {"periodic", "friction"})
+        refuse(walls.type[w] == type,
+               "'Walls/" + WallParameters::names[w] + "' = " + type,
+               "take another type.");
+    if (is_explicit_scheme(scheme.stress_update))
+      refuse(solver.has_cycle(),
+             "'Solver/Preconditioner' = p-multigrid",
+             "take auto.");
+    else
+      {
+        refuse(implicit_solver.always_takes_levels(),
+               "'Implicit solver/Preconditioner' = p-multigrid",
+               "take auto.");
+        refuse(!implicit_solver.multigrid.coarsens_lattices(),
+               "'Implicit solver/Levels' = orders",
+               "take lattice.");
+      }
+  }
+
+
+
+  template std::shared_ptr<const CellHierarchy<2>>
+  GridParameters::hierarchy<2>() const;
+  template std::shared_ptr<const CellHierarchy<3>>
+  GridParameters::hierarchy<3>() const;
+} // namespace greville
