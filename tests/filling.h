@@ -53,3 +53,18 @@ fillings(const SplineSpace<dim> &space, const Filling<dim> &filling)
     result.push_back(filling(space.box(cell).index));
   return result;
 }
+
+
+
+// The coefficient of the product of (x_d - 0.3 (d + 1))^p.
+template <int dim>
+double
+coefficient(const SplineSpace<dim> &space, const std::uint64_t position)
+{
+  const auto i       = multi_index<dim>(position, space.n_functions());
+  double     product = 1.;
+  for (unsigned int d = 0; d < dim; ++d)
+    for (unsigned int k = 1; k <= space.degree(); ++k)
+      product *= space.knots(d).knots()[i[d] + k] - 0.3 * (d + 1);
+  return product;
+}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <deal.II/base/patterns.h>
 #include <deal.II/base/utilities.h>
 
 #include <greville/parameters/section_parameters.h>
@@ -442,8 +443,10 @@ namespace greville
 
 
   void
-  GridParameters::complete(const unsigned int dim)
+  GridParameters::complete(const unsigned int dim, ParameterHandler &prm)
   {
+    if (is_uniform())
+      return;
     check(dim);
     for (unsigned int d = 0; d < cells.size(); ++d)
       {
@@ -467,5 +470,11 @@ namespace greville
         all.push_back(given.back());
         set_edges(d, all);
       }
+    set_parameter(prm, {"Grid"}, "Cells", Patterns::Tools::to_string(cells));
+    for (unsigned int d = 0; d < dim; ++d)
+      set_parameter(prm,
+                    {"Grid"},
+                    "Knots " + std::string(1, "xyz"[d]),
+                    std::string(knots[d]));
   }
 } // namespace greville

@@ -322,29 +322,6 @@ namespace greville
 
 
 
-    /// Complete the number of cells and the list of edges of a grid, also in
-    /// @p prm. See GridParameters::complete().
-    void
-    complete_grid(GridParameters    &grid,
-                  const unsigned int dim,
-                  ParameterHandler  &prm)
-    {
-      if (grid.is_uniform())
-        return;
-      grid.complete(dim);
-      set_parameter(prm,
-                    {"Grid"},
-                    "Cells",
-                    Patterns::Tools::to_string(grid.cells));
-      for (unsigned int d = 0; d < dim; ++d)
-        set_parameter(prm,
-                      {"Grid"},
-                      "Knots " + std::string(1, "xyz"[d]),
-                      std::string(grid.knots[d]));
-    }
-
-
-
     /// Return the mass for "auto": lumped with APIC, and in updated Lagrangian
     /// steps also if bodies spread into thin layers or with friction walls;
     /// otherwise consistent.
@@ -394,7 +371,7 @@ namespace greville
     if (general.name.empty())
       general.name = std::filesystem::path(file).stem().string();
     locate_files(folder, prm);
-    complete_grid(grid, general.dimension, prm);
+    grid.complete(general.dimension, prm);
     std::ostringstream text;
     prm.print_parameters(text, style);
     used_text = without_common_times(text.str());

@@ -13,7 +13,7 @@ namespace greville
 
 
 
-    /// Whether a rigid body comes near a region, and whether it moves.
+    /// The motion of a rigid body: it comes near a region, or it moves at all.
     struct Course
     {
       bool comes = false, moves = false;

@@ -52,21 +52,6 @@ struct RefinedBox
 
 
 
-// The coefficient of the product of (x_d - 0.3 (d + 1))^p.
-template <int dim>
-double
-coefficient(const SplineSpace<dim> &space, const std::uint64_t position)
-{
-  const auto i       = multi_index<dim>(position, space.n_functions());
-  double     product = 1.;
-  for (unsigned int d = 0; d < dim; ++d)
-    for (unsigned int k = 1; k <= space.degree(); ++k)
-      product *= space.knots(d).knots()[i[d] + k] - 0.3 * (d + 1);
-  return product;
-}
-
-
-
 // The value at x in an owned cell of a derivative in one direction of a spline
 // with coefficients by local function.
 template <int dim>

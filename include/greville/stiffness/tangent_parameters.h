@@ -29,7 +29,8 @@ namespace greville
       return method == "cg";
     }
 
-    /// Whether the cycle uses coarse levels: never, always, or if they pay.
+    /// Return whether the cycle never uses coarse levels. If it may, it uses
+    /// them always, or only where they pay.
     bool
     never_takes_levels() const
     {

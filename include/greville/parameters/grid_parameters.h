@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <greville/spline/cell_hierarchy.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace greville
+{
+  /// A region in which cells are refined.
+  struct RefinementParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::string  shape;
+    unsigned int levels = 1;
+  };
+
+
+
+  struct GridParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    std::vector<double>       lower = {0., 0.};
+    std::vector<double>       upper = {1., 1.};
+    std::vector<unsigned int> cells = {16, 16};
+    /// The edges of cells in each direction, or a text "fine(...) ..." from
+    /// which they follow; empty for equal cells.
+    std::array<std::string, 3> knots;
+    unsigned int               degree   = 2;
+    std::string                geometry = "plane strain";
+    bool                       per_body = false;
+    std::vector<std::string>   refinement;
+    /// The regions that 'refinement' names.
+    std::map<std::string, RefinementParameters> regions;
+
+    bool
+    is_refined() const
+    {
+      return !regions.empty();
+    }
+
+    /// Return how often cells are halved at most.
+    unsigned int
+    n_levels() const
+    {
+      unsigned int n = 0;
+      for (const auto &region : regions)
+        n = std::max(n, region.second.levels);
+      return n;
+    }
+
+    /// Return the levels of a refined grid for a mesh; null for a grid without
+    /// refinement. Throws dealii::ExcMessage for invalid shapes.
+    template <int dim>
+    std::shared_ptr<const CellHierarchy<dim>>
+    hierarchy() const;
+
+    /// Return the edges of the cells of a direction; none for equal cells.
+    /// Throws dealii::ExcMessage for a text that is no list of edges.
+    std::vector<double>
+    edges(const unsigned int d) const;
+
+    void
+    set_edges(const unsigned int d, const std::vector<double> &edges);
+
+    /// Return whether all cells are equal.
+    bool
+    is_uniform() const
+    {
+      return knots[0].empty() && knots[1].empty() && knots[2].empty();
+    }
+
+    /// Throw dealii::ExcMessage for corners and cells of another dimension, and
+    /// corners in the wrong order.
+    void
+    check(const unsigned int dim) const;
+
+    /// Set the number of cells and the edges from a text "fine(...) ...", also
+    /// in @p prm.
+    void
+    complete(const unsigned int dim, dealii::ParameterHandler &prm);
+
+    /// Return whether x is the distance from an axis, and quantities are per
+    /// radian.
+    bool
+    is_axisymmetric() const
+    {
+      return geometry == "axisymmetric";
+    }
+
+    /// Return whether the grid begins at the axis.
+    bool
+    has_axis() const
+    {
+      return is_axisymmetric() && lower[0] == 0.;
+    }
+  };
+
+
+
+  /// The grid of a body: empty or zero values are taken from GridParameters.
+  struct BodyGridParameters
+  {
+    void
+    declare(dealii::ParameterHandler &prm);
+
+    bool
+    is_given() const
+    {
+      return !lower.empty() || !upper.empty() || !cells.empty() || degree > 0;
+    }
+
+    std::vector<double>       lower;
+    std::vector<double>       upper;
+    std::vector<unsigned int> cells;
+    unsigned int              degree = 0;
+  };
+} // namespace greville
