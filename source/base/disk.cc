@@ -44,8 +44,8 @@ namespace greville
 
 
 
-    /// Return whether there is room on the disk, which not all file systems can
-    /// tell.
+    /// Reserve room on the disk. Returns false if this fails; file systems that
+    /// cannot reserve room count as having enough.
     bool
     allocate(const int           descriptor,
              const int           mode,

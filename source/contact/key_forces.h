@@ -97,9 +97,9 @@ namespace greville::internal
 
 
 
-  /// Return the pressure for a gap that grows by @p motion up to now, the
-  /// part @p share of the step, and from @p first to @p last by @p change in
-  /// all.
+  /// Return the pressure for a gap that has grown by @p motion in the part
+  /// @p share of the step, and grows by @p change, from @p first to @p last, in
+  /// the whole step.
   inline KeyPressure
   pressure_of_key(const ContactLaw &law,
                   const double      gap,
@@ -129,7 +129,8 @@ namespace greville::internal
 
 
 
-  /// The shear of a key with its derivative; slips holds at zero strength, too.
+  /// The shear of a key with its derivative. `slips` is also true at zero
+  /// strength.
   template <int dim>
   struct KeyShear
   {

@@ -57,7 +57,8 @@ namespace greville
         if (sum > result.excess)
           result = {sum, points[p].x, points[p].side, points[p].body};
       }
-    // Of several, the first process counts.
+    // If several processes have the largest overlap, take the point of the
+    // first one.
     return Utilities::MPI::all_reduce<Overlap<dim>>(
       result, comm, [](const Overlap<dim> &a, const Overlap<dim> &b) {
         return b.excess > a.excess ? b : a;

@@ -208,8 +208,8 @@ namespace greville
           }
       }
 
-      /// By side the largest -x and x, and the largest area (2D: length) of a
-      /// point.
+      /// For each side, the largest -x and x of its points, and the largest
+      /// area (2D: length) of a point.
       static constexpr double none = std::numeric_limits<double>::lowest();
       std::vector<double>     extremes;
       double                  radius, size;

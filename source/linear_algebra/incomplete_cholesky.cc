@@ -161,7 +161,8 @@ namespace greville
           const double factor = entries[entry];
           pivot -= factor * factor;
           const std::size_t end = column_begin[j + 1];
-          // touch() sets an entry before it is used.
+          // Entries outside of the pattern are changed, too, but touch() sets
+          // an entry before it is used.
           for (std::size_t e = entry + 1; e < end && drop_tolerance == 0.; ++e)
             column[rows[e]] -= factor * entries[e];
           for (std::size_t e = entry + 1; e < end && drop_tolerance > 0.; ++e)

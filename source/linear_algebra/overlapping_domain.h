@@ -107,7 +107,9 @@ namespace greville
       UpperTriangle
       domain_matrix(const UpperTriangle &own) const;
 
-      /// Append the entries between owned unknowns that keep their order.
+      /// Append the entries of a row between two owned unknowns that both
+      /// differ between variants, or both do not: such unknowns keep their
+      /// order in the domain.
       void
       append_own_entries(UpperTriangle       &result,
                          const UpperTriangle &own,

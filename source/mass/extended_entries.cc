@@ -380,8 +380,8 @@ namespace greville
         }
     }
 
-    /// Return whether a row without entries of W and C has the entries of M at
-    /// later places only.
+    /// Return whether a row of A without entries of W and C has just the
+    /// entries of M at this and later places, between free unknowns.
     bool
     is_plain(const unsigned int i) const
     {

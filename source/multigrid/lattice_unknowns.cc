@@ -100,7 +100,8 @@ namespace greville
       n_keys *= direction.n_functions();
     checked_index<types::global_dof_index>(n_keys, "functions of a level");
 
-    // The functions in this list: keys, in ascending order, and components.
+    // The listed functions: their keys, in ascending order, and the components
+    // that are needed.
     const Wanted                         wanted = find_wanted(fine);
     std::vector<types::global_dof_index> keys;
     std::vector<unsigned char>           needed;

@@ -82,7 +82,8 @@ namespace greville
         return std::min(h_begin, h_end);
       }
 
-      /// Return how many more cells fit that are not smaller than wanted.
+      /// Return the number of cells that can be added without a cell smaller
+      /// than wanted.
       unsigned int
       n_spare() const
       {
@@ -123,7 +124,7 @@ namespace greville
       };
 
       /// Set the pieces in which h is linear, and return the number of cells
-      /// that a ratio of neighbours requires.
+      /// that are required for a ratio of the sizes of neighbours.
       double
       needed_cells(const double ratio)
       {
@@ -163,8 +164,8 @@ namespace greville
         return sum;
       }
 
-      /// Return the distance from the start at which the integral of 1 / h has
-      /// a value.
+      /// Return the distance from the start at which the integral of 1 / h
+      /// reaches @p value.
       double
       distance(double value) const
       {

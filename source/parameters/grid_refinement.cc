@@ -85,7 +85,8 @@ namespace greville
     refuse(has_body_grids(),
            "'Grid/Per body' = true and sections 'Body NAME/Grid'",
            "all bodies use one grid.");
-    // Positions of functions and the points at which regions are looked for.
+    // Limits of the positions of functions in a direction, and of the number of
+    // points at which regions are evaluated.
     constexpr double most_in_direction = 5e5, most_tests = 1e9;
     double           n_tests = 1.;
     for (unsigned int d = 0; d < general.dimension; ++d)

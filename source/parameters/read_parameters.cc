@@ -517,7 +517,7 @@ namespace greville
     const auto names = names_of(lines, "Stages");
     if (names.empty())
       return;
-    // All stages begin with the sections outside.
+    // All stages begin with the values of the sections outside of stages.
     StageParameters  common;
     ParameterHandler prm;
     common.declare_sections(prm);
@@ -527,7 +527,8 @@ namespace greville
         stages.push_back(common);
         stages.back().name    = name;
         WallParameters &walls = stages.back().walls;
-        // Parameters of a wall that has another type are not inherited.
+        // If the stage gives a wall another type, the wall does not inherit its
+        // other parameters.
         for (const ParameterLine &line :
              lines_of_stage(lines, "Stage " + name + "/"))
           for (unsigned int w = 0; w < 6; ++w)

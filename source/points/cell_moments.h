@@ -186,7 +186,7 @@ namespace greville
           sums[m] = in_registers[m];
       }
 
-      /// Sum over lanes. Blocks then take the place of lanes.
+      /// Sum over the lanes. The results contain blocks in place of lanes.
       void
       sum_lanes()
       {
@@ -194,7 +194,8 @@ namespace greville
           for (int i = 0, block = 0; i < dim; ++i)
             for (int k = i; k < dim; ++k, ++block)
               {
-                // Symmetric blocks are stored once.
+                // Blocks on the diagonal are symmetric and stored for J <= L
+                // only.
                 const Simd *from =
                   i == k && J > L ? moments[L][J][block] : moments[J][L][block];
                 for (int m = 0; m < Degrees<J, L>::size; m += 4)

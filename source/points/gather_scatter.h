@@ -17,8 +17,8 @@ namespace greville
 {
   namespace internal
   {
-    /// The distance of two fields of a function in the buffer. A vector
-    /// contains two fields in 2D.
+    /// The distance between two fields of a function in the buffer. In 2D, a
+    /// vector of four numbers contains two fields.
     template <int dim>
     constexpr int field_stride = dim == 2 ? 2 : 4;
 
@@ -31,9 +31,10 @@ namespace greville
 
 
 
-    /// The kinds of sums for vectors u_a of all functions a: n_vectors of
-    /// values N_a u_a; and derivatives d_d N_a u_a in each direction d for
-    /// vector number with_slopes, unless negative.
+    /// The sums over all functions a, each of which has vectors u_a: the sums
+    /// of N_a u_a for n_vectors vectors; and, unless with_slopes is negative,
+    /// the sums of d_d N_a u_a in each direction d for the vector number
+    /// with_slopes.
     template <int n_vectors_, int with_slopes_>
     struct Sums
     {

@@ -136,7 +136,8 @@ namespace greville
       using Layout      = PointLayout<dim>;
       Simd m            = load(group.numbers + Layout::mass * simd_width);
       where(m <= 0., m) = 1.;
-      // The specific volume does not wait for the material.
+      // Divide by the mass first: the division need not wait for the results of
+      // the material.
       const Simd v0 = load(group.numbers + Layout::volume0 * simd_width) / m;
       return load(group.numbers + Layout::wave_modulus * simd_width) * (J * v0);
     }

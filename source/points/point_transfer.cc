@@ -186,9 +186,9 @@ namespace greville
 
 
     /// Add the mass matrices of the cells, sum_p m_p N_a N_b for all pairs of
-    /// functions. Shape functions have points in the lanes. The sums have
-    /// entries of a matrix row in the lanes, as the matrix has, so that no sum
-    /// over lanes is needed.
+    /// functions. Shape functions are evaluated with one point per lane. The
+    /// sums have one entry of a matrix row per lane, like the stored matrix, so
+    /// that no sum over lanes is needed.
     template <int dim, int n>
     void
     add_cells(const MaterialPoints<dim>   &points,

@@ -130,7 +130,8 @@ namespace greville
 
       /// Compute the stress for the gradient @p H, which is transformed to
       /// current positions. Axisymmetric points also have the strain u_r / r:
-      /// @p hoop is first u_r, and then the force of the hoop stress on values.
+      /// on entry, @p hoop is u_r; on return, it is the factor of the values of
+      /// functions in the force of the hoop stress.
       inline __attribute__((always_inline)) void
       evaluate(const double *group,
                Simd (&H)[dim][dim],

@@ -30,8 +30,8 @@ namespace greville
 
 
 
-    /// Return the volume ratio of the reference configuration of the
-    /// projection.
+    /// Return the volume of a point in the reference configuration of the
+    /// projection over its stress-free volume.
     template <int dim>
     double
     initial_J(const ConstPointRef<dim> p, const PointLayout<dim> &layout)

@@ -300,7 +300,8 @@ namespace greville
     with_order(functions.space->degree(), [&](const auto size) {
       constexpr int      m = decltype(size)::value, n_q = power(m, dim);
       FullMatrix<double> of_cell(n_q, n_q);
-      // Gradients of all functions at the start, and the action on them.
+      // Evaluate all functions and their gradients at the start for each term,
+      // and call an action that adds the term to the matrix of its cell.
       const auto for_each = [&](const auto &of_terms, const auto &action) {
         for (std::size_t k = 0; k < of_terms.size();)
           {

@@ -358,8 +358,8 @@ namespace greville
   void
   SimulationRun<dim>::write_checkpoint()
   {
-    // If it cannot be written, the kept state and the mark still belong to the
-    // same step.
+    // Assign `mark` only after the checkpoint has been written: if this throws,
+    // the stored state and the mark still belong to the same step.
     Mark now = make_mark();
     if (before_last)
       {

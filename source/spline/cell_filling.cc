@@ -21,7 +21,7 @@ namespace greville
     has_rims      = with_rims;
     neighbors.reinit(space);
     const auto &positions = neighbors.positions();
-    // This value is no class, so that the first update() is always a change.
+    // 255 is no class, so that the first update() always reports a change.
     classes.assign(positions.size(), 255);
     given.assign(space.owned_cells().size(), 255);
     filled.clear();
@@ -401,8 +401,8 @@ namespace greville
       }
     };
 
-    /// The same as find_hosts_of() for cells of several levels. The nearest
-    /// host is that in units of its own size.
+    /// Do the same as find_hosts_of() for cells of several levels. The distance
+    /// from a host is measured in units of the host's size.
     Cells
     find_hosts_on_levels(const Cells &cells)
     {
@@ -434,9 +434,10 @@ namespace greville
       return find_hosts_behind_edges(without);
     }
 
-    /// Give cells the hosts of their neighbours that are not farther than hosts
-    /// are among equal cells: small cells next to large ones that are no hosts
-    /// lie three cells from a host. Return the cells that have none.
+    /// Give cells the hosts of their neighbours if these hosts are not farther
+    /// away than hosts can be among equal cells. (Small cells beside large
+    /// cells that are not hosts are three cells away from a host.) Return the
+    /// cells that have none.
     Cells
     find_hosts_behind_edges(const Cells &cells)
     {

@@ -11,7 +11,7 @@ namespace greville
 
   namespace
   {
-    /// Call visit(index) for all indices in a box, whose last ones are
+    /// Call visit(index) for all indices from @p first to @p last, both
     /// included, until it returns true. Returns whether it did.
     template <int dim, typename Visit>
     bool
@@ -235,9 +235,10 @@ namespace greville
     });
     if (!result && level + 2 < n_levels())
       {
-        // The rings around refined children may reach these cells. Refined
-        // children are at most n_rings + 4 cells from wanted ones: each level
-        // adds half of the rings, and siblings.
+        // The rings around refined children may reach these cells. First look
+        // for wanted cells nearby: a refined child is at most n_rings + 4 cells
+        // away from one, since each level adds half of the rings and the
+        // siblings.
         MultiIndex<dim> children = first, last_children = last;
         for (unsigned int d = 0; d < dim; ++d)
           {

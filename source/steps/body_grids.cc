@@ -134,8 +134,8 @@ namespace greville
 
 
 
-    /// Return the number of which numbers of cells are multiples: cells of the
-    /// pore pressure have twice the size.
+    /// Return a common divisor of all numbers of cells: cells of the pore
+    /// pressure are twice as large.
     unsigned int
     smallest_factor(const SimulationParameters &part)
     {

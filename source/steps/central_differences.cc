@@ -429,7 +429,7 @@ namespace greville
       return;
     find_acceleration(state);
     FieldState<dim> &kept = state.field;
-    // A step that has been rejected once is accepted.
+    // Accept a step that has been rejected before.
     const bool is_too_long =
       state.n_rejections == 0 &&
       step_size.has_unstable_mode(state, kept, field, dt);

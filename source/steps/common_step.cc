@@ -56,7 +56,8 @@ namespace greville
     for (Simulation<dim> *simulation : simulations)
       {
         simulation->remember();
-        // All simulations keep the state of the same step.
+        // Redistribution of one simulation's cells has replaced its stored
+        // state: store all states, so that they belong to the same step.
         if (is_shared)
           simulation->last_good.take(simulation->current);
       }
@@ -69,7 +70,7 @@ namespace greville
   void
   CommonStep<dim>::begin()
   {
-    // The end of a stage needs contact forces, too.
+    // Contact forces are also needed at the end of a stage.
     if (contacts)
       contacts->act();
     const bool enters_stage = simulations.front()->is_stage_finished();
@@ -77,7 +78,8 @@ namespace greville
       simulation.begin_step();
       propose();
     });
-    // Either all simulations keep this state, or none.
+    // Store the states of all simulations, so that they can only return to the
+    // start of the stage together.
     if (enters_stage)
       for_each([](Simulation<dim> &simulation) {
         simulation.last_good.take(simulation.current);

@@ -278,8 +278,8 @@ namespace greville
         result.material_points.reserve(n_near);
         for (const NearCell &cell : near)
           for_each_in_cell(all, cell.cell, [&](const PointRef<dim> p) {
-            // The distances of two positions differ at most by the distance
-            // between them.
+            // The distance from the other side differs between a point and the
+            // center of its cell by at most the distance between the two.
             const double distance =
               cell.distance - p.position().distance(cell.center);
             if (distance > reach)

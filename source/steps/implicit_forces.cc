@@ -395,8 +395,8 @@ namespace greville
   {
     if (scheme.is_static)
       return;
-    // Points lose this momentum with the FLIP kick, or take a velocity without
-    // it.
+    // Points lose the constrained momentum by the FLIP kick, or take a velocity
+    // without it.
     const bool   is_taken = !scheme.keeps_constrained_momentum;
     const double flip     = discretization.flip_share(state, dt);
     const auto   sums =

@@ -417,7 +417,8 @@ namespace greville
   {
     if (!water)
       return;
-    // The work of the pore pressure on the soil, which bodies store.
+    // Count the work of the pore pressure on the soil as a load, since bodies
+    // store its energy.
     state.energy.add_work(EnergyBalance::loads, water->work());
     state.water_of_step = water->advance(state.bodies, state.water_of_step);
     state.water_step    = dt;

@@ -11,8 +11,9 @@ namespace greville
 
   namespace
   {
-    // Steps between two averages of volume changes, and the fraction of a
-    // difference that they remove while a wave crosses a cell.
+    // The number of steps between two averages of volume changes, and the
+    // fraction of the difference from the average that is removed while a wave
+    // crosses a cell.
     constexpr unsigned int share_every = 10;
     constexpr double       share_rate  = 0.025;
   } // namespace

@@ -19,7 +19,7 @@ namespace greville
     for (std::size_t k = 0; k < rows.size(); k += 2)
       sums[1] += mixed_bits(mixed_bits(std::uint64_t(rows[k])) +
                             std::uint64_t(rows[k + 1]));
-    // Unsigned sums wrap around.
+    // The sum of checksums may overflow: unsigned numbers wrap around.
     std::array<std::uint64_t, 2> all{};
     const int                    ierr =
       MPI_Allreduce(sums.data(), all.data(), 2, MPI_UINT64_T, MPI_SUM, comm);

@@ -117,7 +117,8 @@ namespace greville
     else if (is_due && !rows_are_late())
       guard.check_energy(current, energy_totals());
     else if (is_implicit())
-      // A run may have few steps, between which loads appear and vanish.
+      // Compare the energy in each implicit step: a run may have few steps, and
+      // loads may appear and vanish between two checks.
       current.energy.remember(energy_totals());
   }
 

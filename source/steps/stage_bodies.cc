@@ -247,7 +247,7 @@ namespace greville
         q.set_F(state.F);
         if (layout.initial_F != 0)
           {
-            // F = F_motion F_initial, where F_motion remains.
+            // F = F_motion F_initial, with the same F_motion as before.
             Tensor<2, dim> old_F, old_initial, new_F;
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int j = 0; j < dim; ++j)

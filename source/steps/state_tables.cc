@@ -408,10 +408,11 @@ namespace greville
 
   namespace
   {
-    /// Return the rows of a table with the columns of another layout. Missing
-    /// numbers of the loads and of the scheme are zero: loads find their points
-    /// again, APIC begins without an affine velocity, and generalized-alpha
-    /// computes its first acceleration. A missing projected J begins with J.
+    /// Return the rows of a table with the columns of another layout. Numbers
+    /// of loads and schemes that the table does not have are zero: loads find
+    /// their points again, APIC begins without an affine velocity, and
+    /// generalized-alpha computes its first acceleration. Without a projected
+    /// J, J takes its place.
     template <int dim>
     std::vector<double>
     rows_with(const PointLayout<dim> &layout,

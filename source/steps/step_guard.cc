@@ -262,7 +262,7 @@ namespace greville
            : "'Time/Step', which is <" + formula_text(parameters.time.step) +
                ">") +
         ", or a 'Velocity' of a body");
-    // Where larger steps are allowed, StepSize has warned of them.
+    // If larger steps are allowed, StepSize has already warned.
     if (parameters.time.refuses_too_large_steps() &&
         extremes[3] * dt / h > most_cells_of_waves)
       throw StepFailed(

@@ -58,7 +58,8 @@ namespace greville
     for (const TrialBody<dim> &body : bodies)
       points.push_back(body.points);
     transfers.back().filling(points, filled_part);
-    // Springs determine functions as points do.
+    // In static steps, the springs of a surface determine the functions in its
+    // cells, as points of a body would.
     for (const Surface<dim> &surface : surfaces)
       for (const unsigned int cell : surface.points.cells())
         if (filled_part[cell] <= 0.)
@@ -139,8 +140,8 @@ namespace greville
 
 
 
-    /// Return the share of the volumetric stiffness with which it is not much
-    /// larger than the shear stiffness.
+    /// Return the fraction of the volumetric stiffness that is not much larger
+    /// than the shear stiffness.
     double
     share_of_volume_stiffness(const Moduli &moduli)
     {

@@ -49,7 +49,8 @@ namespace greville
   std::uint64_t
   checksum(const std::vector<double> &values, const std::uint64_t first);
 
-  /// Return the checksum of texts, with the checksum @p before, and one more.
+  /// Return the checksum of several texts: of the last @p text, with the
+  /// checksum @p before of the previous ones.
   std::uint64_t
   checksum(const std::string &text, const std::uint64_t before);
 

@@ -140,7 +140,8 @@ namespace greville
     void
     substitute(float *x, const unsigned int width) const;
 
-    /// Return the divisor of the matrix.
+    /// Return the number by which the matrix is divided: its largest diagonal
+    /// entry.
     double
     unit() const
     {
@@ -148,8 +149,8 @@ namespace greville
     }
 
   private:
-    /// Return an estimate from below of the largest eigenvalue of the
-    /// preconditioned matrix.
+    /// Return a lower estimate of the largest eigenvalue of the preconditioned
+    /// matrix.
     double
     largest_eigenvalue(const UpperTriangle &matrix) const;
 

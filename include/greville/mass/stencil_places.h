@@ -131,8 +131,9 @@ namespace greville
 
     /// Call visit(j, low_line, low, k) for the lines up to the distance
     /// @p reach from the place @p i, or only for its own line and later lines.
-    /// j is the place with the same x. Of both lines, low_line has the smaller
-    /// indices, and low is its place with this x. k = |dy| + |dz| (p + 1).
+    /// j is the place with the same x in the visited line. low_line is the one
+    /// of both lines with the smaller indices, and low is its place with this
+    /// x. k = |dy| + |dz| (p + 1).
     template <bool upper, typename Visit>
     void
     for_each_line(const unsigned int i,

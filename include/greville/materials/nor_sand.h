@@ -132,7 +132,7 @@ namespace greville
     }
 
   private:
-    /// Derivatives by m, ln P(trial), q(trial) and e.
+    /// Derivatives with respect to m, ln P(trial), q(trial) and e.
     struct Slopes
     {
       double by_m = 0., by_x = 0., by_q = 0., by_e = 0.;

@@ -49,7 +49,8 @@ namespace greville
       n_arrays
     };
 
-    /// Set the values that all calls share. The name has 80 letters.
+    /// Set the values that all calls share. The name is CMNAME, padded to 80
+    /// letters.
     void
     reinit(const std::vector<double> &properties,
            const std::string         &padded_name,

@@ -53,7 +53,8 @@ namespace greville
     add_solution(Blocks &x, const Blocks &b) const;
 
   private:
-    /// For each component of a part's owned unknowns, its columns with weights.
+    /// The columns of this level, with weights, that represent each component
+    /// of a part's owned unknowns.
     struct Columns
     {
       std::vector<std::size_t>                     begin{0};

@@ -77,8 +77,8 @@ namespace greville
 
     /// Return the knots of cells of twice the size. If cells have different
     /// sizes, the smallest cells are joined in pairs. Returns the same knots if
-    /// there is one cell or a period would have too few. The coarser knots of
-    /// several levels are those of level 0.
+    /// there is one cell or a period would have too few. Returns the knots of
+    /// level 0 if there are several levels.
     NestedKnots
     coarser() const;
 
@@ -112,7 +112,7 @@ namespace greville
     bool                is_uniform = true;
     std::vector<double> breakpoints;
 
-    // Of a refined grid, otherwise null.
+    // The levels of a refined grid, otherwise null.
     std::shared_ptr<const std::vector<NestedKnots>> levels;
     std::vector<unsigned int>                       begin_of_levels;
     int                                             end_of_levels = 0;

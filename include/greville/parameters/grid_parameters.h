@@ -51,7 +51,7 @@ namespace greville
       return !regions.empty();
     }
 
-    /// Return how often cells are halved at most.
+    /// Return the largest number of times that a cell is halved.
     unsigned int
     n_levels() const
     {

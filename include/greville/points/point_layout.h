@@ -100,8 +100,8 @@ namespace greville
     unsigned int
     first(const std::string &name) const;
 
-    /// Return a name for each number, in their order: "position_0", ...,
-    /// "mass", ...
+    /// Return the names of the numbers of a point in their order: "position_0",
+    /// ..., "mass", ...
     std::vector<std::string>
     names() const;
 

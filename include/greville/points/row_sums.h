@@ -136,7 +136,7 @@ namespace greville
     }
 
     std::uint64_t n_points = 0;
-    /// Lane by lane.
+    /// Sums by lane.
     Lane                      mass{}, kinetic{}, strain{}, dissipation{};
     std::array<Lane, dim>     momentum{}, first_moment{};
     std::array<Lane, n_spins> angular_momentum{};

@@ -39,9 +39,9 @@ namespace greville
     /// at the start: V P_iJ, and V P_zz / radius, J (in 2D J / m, or J per
     /// radian).
     Pairs stress;
-    /// If requested: V dP / df in PointTangents, and two means of V dP_ij /
-    /// df_ij in the axes of the end, over i = j (compression) and over other
-    /// pairs (shear).
+    /// If requested: V dP / df as in PointTangents, and two means of V dP_ij /
+    /// df_ij with respect to the configuration at the end, over i = j
+    /// (compression) and over other pairs (shear).
     double *tangent;
     Lanes   compression, shear;
     /// For points with projected volumes: the change of f in an isotropic

@@ -42,8 +42,9 @@ namespace greville
 
 
 
-  /// The motion of a surface in a trial step with the displacement u. Its state
-  /// is after the given share of the step, with the velocity v + v_by_u u.
+  /// The motion of a surface in a trial step with the displacement u. The state
+  /// of its points is evaluated after the given share of the step, with the
+  /// velocity v + v_by_u u.
   template <int dim>
   struct SurfaceMotion
   {

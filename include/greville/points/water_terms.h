@@ -82,7 +82,7 @@ namespace greville
     struct Point : Term
     {
       double volume; // at the start
-      // Times volumes: V0 phi / K_w, and V over the modulus of pressure waves.
+      // V0 phi / K_w, and V over the modulus of pressure waves.
       double storage, compliance;
       // The volume over the density, and the volume times div u of
       // WaterPoints::set_free_motion().

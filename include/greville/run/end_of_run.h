@@ -59,7 +59,8 @@ namespace greville
     struct Stage
     {
       std::optional<Expression> criterion, factor;
-      /// Sides of comparisons, and whether each equals itself: NaN does not.
+      /// The sides of comparisons, each with a formula that is false if the
+      /// side is NaN.
       std::vector<std::pair<std::string, Expression>> compared;
     };
 

@@ -17,8 +17,8 @@ namespace greville
   /**
    * Runs CoupledSimulations to the end, and writes the output of a parameter
    * file:
-   * - statistics.csv, probes.csv, summary.json, fields.pvd with its files, see
-   *   FieldOutput, and RunNotes;
+   * - statistics.csv, probes.csv and summary.json; fields.pvd with its files,
+   *   see FieldOutput; and the files of RunNotes;
    * - checkpoints, from which a run resumes as if it had not been interrupted;
    * - header, progress and summary on the first process's @p out.
    */

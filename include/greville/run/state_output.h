@@ -21,9 +21,10 @@ namespace greville
   first_body_of_part(const CoupledSimulations<dim> &simulations,
                      const unsigned int             part);
 
-  /// Collective. Write the points of a part, the surfaces that carry loads or
-  /// are in contact, and with the first part the rigid bodies. The @p output
-  /// must keep its files in memory, because parts share the file of points.
+  /// Collective. Write the points of a part, and its surfaces that carry loads
+  /// or are in contact; with the first part, also the rigid bodies. The
+  /// @p output must keep its files in memory, because parts share the file of
+  /// points.
   template <int dim>
   void
   write_bodies(FieldOutput<dim>              &output,

@@ -41,7 +41,7 @@ namespace greville
     return result;
   }
 
-  /// Where a cell lies. Lengths carry the unit of the mesh.
+  /// The place and the size of a cell. Lengths carry the unit of the mesh.
   template <int dim>
   struct CellBox
   {

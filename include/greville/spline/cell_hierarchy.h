@@ -19,40 +19,44 @@ namespace greville
    * that exists and is not refined is *active*. Level 0 is the grid without
    * refinement.
    *
-   * A cell is refined if it is wanted, which its parent has to be, too, or if
-   * one of the following rules requires it (doc/user/grids.md):
+   * A cell is refined if the constructor's argument @p wanted returns true for
+   * it and for the cells that contain it, or if one of the following rules
+   * requires it (doc/user/grids.md):
    * - the children of a cell are refined together,
-   * - around a refined cell, r rings of cells of its level exist: r = p, or 1
-   *   for order p = 2. The splines of a cell then belong to two levels at most.
+   * - around a refined cell, there are r rings of cells of its level: r = p, or
+   *   1 for order p = 2. The splines of a cell then belong to two levels at
+   *   most.
    *
    * Indices of cells count all levels, so that cells and functions of all
    * levels have positions in one array: level l begins in direction d at
    * offset(l)[d], behind the cells of the levels before and a gap, which is
    * larger than the supports of splines.
    *
-   * Which cells are refined follows from the arguments only. It is found where
-   * it is asked for, and kept: no array has the size of a level.
+   * The refined cells follow from the arguments only. They are determined on
+   * demand and then stored, so that no array has the size of a level.
    */
   template <int dim>
   class CellHierarchy
   {
   public:
-    /// Returns whether the cell of a level, in a box, should be refined.
+    /// A function that returns whether to refine the cell of a level that fills
+    /// a box.
     using Wanted =
       std::function<bool(const unsigned int, const CellBox<dim> &)>;
 
     /// The number of indices between two levels.
     static constexpr unsigned int gap = 11;
 
-    /// Make a hierarchy of @p n_levels above the cells between the @p edges of
-    /// level 0, with both ends, for splines of order @p degree.
+    /// Make a hierarchy with @p n_levels above level 0, whose cells lie between
+    /// the @p edges (with both ends of the grid), for splines of order
+    /// @p degree.
     CellHierarchy(const CellEdges<dim> &edges,
                   const unsigned int    n_levels,
                   const unsigned int    degree,
                   const Wanted         &wanted);
 
-    /// Return a hierarchy in which these active cells of levels before the last
-    /// one are wanted, too.
+    /// Return a hierarchy that refines these cells, too. They are active cells
+    /// of levels before the last one.
     std::shared_ptr<const CellHierarchy>
     refined_also(const std::vector<MultiIndex<dim>> &cells) const;
 
@@ -82,7 +86,7 @@ namespace greville
       return all_edges;
     }
 
-    /// Return the edges of the last level without the others.
+    /// Return only the edges of the last level.
     CellEdges<dim>
     finest_edges() const;
 

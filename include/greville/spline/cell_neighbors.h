@@ -29,9 +29,9 @@ namespace greville
     unsigned int
     find(const std::uint64_t position) const;
 
-    /// The local number of the neighbor of a local cell on a side, 2 d or 2 d +
-    /// 1 in direction d; invalid_unsigned_int if the side is a side of the
-    /// grid, or the neighbor is not local.
+    /// Return the local number of the neighbor of a local cell on a side, 2 d
+    /// or 2 d + 1 in direction d; invalid_unsigned_int if the side is a side of
+    /// the grid, or the neighbor is not local.
     unsigned int
     neighbor(const unsigned int cell, const unsigned int side) const;
 

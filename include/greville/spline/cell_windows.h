@@ -33,9 +33,9 @@ namespace greville
   class CellWindows
   {
   public:
-    /// Collective. The space is kept by reference. No cell
-    /// reaches its neighbours before update(). @p averages_values selects
-    /// averages of the splines themselves.
+    /// Collective. The space is kept by reference. No cell reaches its
+    /// neighbours before update(). @p averages_values selects averages of the
+    /// splines themselves.
     void
     reinit(const SplineSpace<dim> &space, const bool averages_values);
 

@@ -24,9 +24,10 @@ namespace greville
 
 
 
-  /// Return a sentence about the coarse cells, with numbers of cells that need
-  /// few of them, if they are many and more than the cells per process;
-  /// otherwise an empty text. Each process stores all coarse cells.
+  /// If there are many coarse cells, and more than the cells per process,
+  /// return a sentence that says so and proposes numbers of cells with few
+  /// coarse cells; otherwise an empty text. Each process stores all coarse
+  /// cells.
   template <int dim>
   std::string
   describe_many_coarse_cells(const MultiIndex<dim> &n_cells,

@@ -27,9 +27,9 @@ namespace greville
    * - *lumped*: its cells are fragments only. Such functions stay, but without
    *   their products with other functions: see ExtendedMass.
    *
-   * In a refined grid, functions of LevelFunctions that follow from the level
-   * before are extended functions with their rows, and so do the functions of
-   * hosts enter other rows.
+   * In a refined grid, tied functions (LevelFunctions) are extended functions,
+   * too: their rows contain the functions from which their coefficients follow.
+   * Tied functions of a host are replaced by these functions in all rows.
    *
    * Numbers of functions are the local ones of the space; all functions of
    * owned cells have a class on each process.

@@ -9,9 +9,9 @@
 namespace greville
 {
   /// The cells of a box mesh, counted by integers along each axis: equal cells,
-  /// or in some directions cells between given edges. The lattice is read off a
-  /// triangulation by create_box_mesh(), or another one whose active cells are
-  /// equal boxes that fill a larger box. A direction is periodic if it is
+  /// or in some directions cells between given edges. The lattice is found from
+  /// a triangulation, which is made by create_box_mesh(), or whose active cells
+  /// are equal boxes that fill a larger box. A direction is periodic if it is
   /// periodic in the triangulation. Lengths carry the unit of the mesh.
   ///
   /// The lattice of a refined mesh contains the cells of all levels of its
@@ -257,13 +257,14 @@ namespace greville
   /// cells. The number of p4est's trees, which deal.II keeps on every process,
   /// is the smallest that these numbers allow: the numbers of cells divided by
   /// their largest common power of two. In @p periodic directions the cells at
-  /// both ends are neighbours. In directions with @p edges, n_cells + 1 from
-  /// the lower to the upper corner, cells lie between these, by a manifold of
-  /// the mesh. Throws dealii::ExcMessage for other numbers of edges, edges that
-  /// do not increase, and edges in periodic directions.
+  /// both ends are neighbours. In directions with @p edges, cells lie between
+  /// these n_cells + 1 numbers, which increase from the lower to the upper
+  /// corner; a manifold of the mesh places the vertices. Throws
+  /// dealii::ExcMessage for other numbers of edges, edges that do not increase,
+  /// and edges in periodic directions.
   ///
-  /// With @p levels, cells are refined; n_cells and edges are those of level 0,
-  /// and no direction may be periodic.
+  /// With @p levels, cells are refined; n_cells and edges then refer to level
+  /// 0, and no direction may be periodic.
   template <int dim>
   void
   create_box_mesh(
@@ -275,8 +276,9 @@ namespace greville
     const CellEdges<dim>                            &edges    = {},
     const std::shared_ptr<const CellHierarchy<dim>> &levels   = nullptr);
 
-  /// Collective. Refine a mesh with levels, by create_box_mesh(), as other
-  /// levels of the same cells require, which have to contain its refined cells.
+  /// Collective. Refine a mesh of create_box_mesh() further, to other @p levels
+  /// on the same cells of level 0. All cells that are refined now must be
+  /// refined in these levels, too.
   template <int dim>
   void
   refine_box_mesh(DistributedTriangulation<dim> &triangulation,

@@ -12,21 +12,22 @@ namespace greville
   /**
    * The functions of a refined grid that belong to the truncated hierarchical
    * basis (@ref Giannelli2012 "Giannelli, Juettler and Speleers, 2012"), and
-   * the others in terms of them.
+   * the coefficients of all other functions in terms of theirs.
    *
    * With the region @f$ \Omega^l @f$ of cells of level l or higher, a function
    * of level l is *active* if its support lies in @f$ \Omega^l @f$ and contains
-   * an active cell of level l. The coefficient of another function i of level l
-   * follows from functions j of the level before, by insertion of knots:
+   * an active cell of level l. Another function i of level l is *tied*: its
+   * coefficient follows from functions j of the level before, by insertion of
+   * knots:
    * @f[ y^l_i = \sum_j S_{ij} \, y^{l-1}_j . @f]
    * A spline is then as smooth between levels as it is in a level.
    *
    * A function without a well-filled cell (CellFilling) on its own level
    * depends on few points. If its support contains refined cells, the rest of
    * the support counts as refined, too: functions of the next level become
-   * active there, and the function is *released*. On the cells that it still
-   * has, it extends the polynomials of hosts, as Extension does at the surface
-   * of a body.
+   * active there, and the function is *released*. On its remaining cells, a
+   * released function extends the polynomials of hosts, as Extension does at
+   * the surface of a body.
    */
   template <int dim>
   class LevelFunctions

@@ -9,8 +9,8 @@
 namespace greville
 {
   /**
-   * The cells of a spline space: of the whole grid by position, and those of
-   * this process by number.
+   * The cells of a spline space: all cells of the grid by position, and the
+   * cells of this process by number.
    *
    * They are the cells of the triangulation or their *parents*, the cells of
    * the mesh coarsened once. The children of a parent are on one process,
@@ -41,7 +41,7 @@ namespace greville
     }
 
     /// Return the cells as one lattice, for the few parts that need all cells.
-    /// Other parts use the functions on cells below.
+    /// All other code uses the functions on cells below.
     const Lattice<dim> &
     lattice() const
     {

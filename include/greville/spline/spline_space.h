@@ -36,13 +36,13 @@ namespace greville
    * **Numbering.** Contiguous per process, lexicographic (x fastest) among the
    * coefficients of a process; incomplete factorizations depend on that order.
    *
-   * **Refined grids.** On a mesh with a CellHierarchy, the functions are those
-   * of the lattices of all levels, restricted to the active cells of their own
-   * level: a spline of the space is one of level l on the active cells of level
-   * l. Splines that are continuous between levels are a subspace, which
-   * Extension finds. A function that has no active cell does not exist. If the
-   * cell of a Greville point is not active, the coefficient belongs to the
-   * nearest active cell of the function.
+   * **Refined grids.** On a mesh with a CellHierarchy, the space has the
+   * functions of the lattices of all levels, each restricted to the active
+   * cells of its own level. On the active cells of level l, a spline of the
+   * space is thus a spline of level l. Splines that are continuous between
+   * levels are a subspace, which Extension finds. A function that has no active
+   * cell does not exist. If the cell of a Greville point is not active, the
+   * coefficient belongs to the nearest active cell of the function.
    *
    * The triangulation must have the settings ::mesh_settings and must outlive
    * the space. Call reinit() after each repartitioning.

@@ -240,8 +240,8 @@ namespace greville
     double
     energy_swing(const State<dim> &state) const;
 
-    /// Call LateRow::show with the state at the start of the step. Points take
-    /// a @p kick at its end.
+    /// Call LateRow::show with the state at the start of the step, for which
+    /// points take a @p kick to their velocities at that time.
     void
     show(State<dim> &state, PointUpdate<dim> kick);
 

@@ -153,8 +153,8 @@ namespace greville
     void
     set_contact_impulses_apart(const State<dim> &state);
 
-    /// Return the times of walls at the start and the end of a step. Each has a
-    /// time before and after it for the velocities of walls.
+    /// Return the times of walls at the start and the end of a step, each with
+    /// an interval around it for the mean velocities of walls.
     std::array<WallTime, 2>
     wall_times(const double t, const double dt) const;
 
@@ -274,13 +274,14 @@ namespace greville
     VectorField<dim> velocity, acceleration, displacement;
     VectorField<dim> constrained_momentum; // of the mapped velocity
     VectorField<dim> old_force, old_loads, new_loads, force, work;
-    // Fields for surfaces, and for bodies if their loads depend on the position
-    // of points: the part of the velocity that does not depend on the
-    // displacement, and the loads. The loads at the start exclude loads of
-    // bodies.
+    // Fields for surfaces, and for bodies whose loads depend on the positions
+    // of points: the part of their velocity that does not depend on the
+    // displacement, and the loads. The loads at the start do not include loads
+    // of bodies.
     VectorField<dim> surface_velocity, old_surface_loads, new_surface_loads;
     // If contacts act as impulses: the weighted force of TrialContacts; and the
-    // contact load and its acceleration, first at the start, then in the trial.
+    // contact load with the acceleration that it causes, which belong to the
+    // start of the step and then to the trial.
     const VectorField<dim> *contact_force = nullptr;
     VectorField<dim>        contact_load, contact_acceleration;
     VectorType              last_residual;

@@ -45,10 +45,10 @@ namespace greville
     propose_step(State<dim> &state) = 0;
 
     /// Collective. Try a step, and store the data for advance(). Throws
-    /// StepRejected if a shorter step should be tried. Of the state, only
-    /// guesses may change, not positions, velocities, stresses, time and
-    /// counters; so a scheme that iterates needs fields of its own. The step
-    /// may be tried again with another length, as in common steps of
+    /// StepRejected if a shorter step should be tried. It may change only the
+    /// guesses in the state, not positions, velocities, stresses, time and
+    /// counters; a scheme that iterates therefore needs fields of its own. The
+    /// step may be tried again with another length, as in common steps of
     /// simulations. Throws StepFailed if a solver does not converge.
     virtual void
     try_step(State<dim> &, const double)
