@@ -11,6 +11,15 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    // Multiples of the unit of round-off: its upper bound, and the largest
+    // forces that count as vanished.
+    constexpr double bound_of_round_off = 16., vanished_forces = 1.6e5;
+  } // namespace
+
+
+
   template <int dim>
   CoupledSteps<dim>::CoupledSteps(const std::vector<Part> &parts,
                                   TrialContacts<dim>      *contacts,
@@ -168,8 +177,7 @@ namespace greville
                             const std::string &changing)
   {
     // Evaluate the reported iterate, which need not be the last trial.
-    constexpr double round_off_factor = 1e4;
-    std::string      rejection        = reason + changing;
+    std::string rejection = reason + changing;
     for (const Part &part : parts)
       part.steps->forces_vanish = false;
     VectorType r;
@@ -186,7 +194,7 @@ namespace greville
             const double size         = blocks[k].linfty_norm();
             steps.forces_vanish =
               changing.empty() && std::max(steps.force_scale, size) <=
-                                    round_off_factor * steps.round_off;
+                                    vanished_forces * steps.unit_of_round_off;
             if (size > largest)
               {
                 worst   = &parts[k];
@@ -267,16 +275,20 @@ namespace greville
 
   template <int dim>
   double
-  CoupledSteps<dim>::scale()
+  CoupledSteps<dim>::scale_with(const bool upper_bound) const
   {
     double square = 0.;
     for (const Part &part : parts)
       {
         const ImplicitSteps<dim> &steps     = *part.steps;
         const double              tolerance = steps.parameters.newton.tolerance;
-        const double              scale =
-          tolerance > 0.
-                         ? std::max(steps.force_scale, steps.round_off / tolerance)
+        const double              unit      = steps.unit_of_round_off;
+        const double              round_off =
+          upper_bound || steps.force_scale <= vanished_forces * unit
+                         ? bound_of_round_off * unit
+                         : unit;
+        const double scale =
+          tolerance > 0. ? std::max(steps.force_scale, round_off / tolerance)
                          : steps.force_scale;
         square += scale * scale;
         if (steps.water && tolerance > 0.)

@@ -96,7 +96,7 @@ namespace greville
         last_residual -= r;
         force_scale = std::max(force_scale, last_residual.l2_norm());
       }
-    round_off = find_round_off();
+    unit_of_round_off = find_round_off();
   }
 
 
@@ -129,7 +129,7 @@ namespace greville
   double
   ImplicitSteps<dim>::find_round_off() const
   {
-    constexpr double units = 16. * std::numeric_limits<double>::epsilon();
+    constexpr double epsilon = std::numeric_limits<double>::epsilon();
     // Use the mean displacement: coefficients of functions of hardly any mass
     // may have any value.
     const VectorType   &mass = field().lumped_mass;
@@ -148,7 +148,7 @@ namespace greville
       for (const double coordinate : *corner)
         x = std::max(x, std::abs(coordinate));
     const double of_surfaces = system.surfaces().stiffness_scale() * x;
-    return units *
+    return epsilon *
            (system.stiffness_scale() * (1. + u / discretization.cell_size()) +
             of_surfaces + force_scale + inertia_at_begin);
   }

@@ -97,7 +97,35 @@ namespace greville
             else
               accept_trial();
           }
+        if (result.iterations.size() > 1)
+          reduce_round_off();
         return "";
+      }
+
+      /// Take one more step if the residual is below the limit only because of
+      /// an upper bound of round-off. The rest would do work in each step of a
+      /// run.
+      void
+      reduce_round_off()
+      {
+        const double likely_limit =
+          std::max(parameters.tolerance *
+                     std::max(problem.likely_scale(), now.norm),
+                   parameters.absolute_tolerance);
+        if (now.norm <= likely_limit)
+          return;
+        forcing = 0.5 * likely_limit / now.norm;
+        if (!solve_linear_system().empty())
+          return;
+        trial = now.x;
+        trial.add(1., dx);
+        const std::string wrong = problem.residual(trial_r, trial);
+        norm                    = trial_r.l2_norm();
+        row.step                = 1.;
+        if (wrong.empty() && norm < now.norm)
+          accept_trial();
+        else
+          problem.residual(now.r, now.x);
       }
 
       /// Return the norm below which the residual at an iterate counts as zero.

@@ -21,6 +21,7 @@ namespace
     std::function<Values(const Values &x)>             residual;
     std::function<FullMatrix<double>(const Values &x)> derivative;
     double                                             scale      = 1.;
+    double                                             likely     = 0.;
     NewtonParameters                                   parameters = {};
 
     Values       x, tolerances;
@@ -50,6 +51,12 @@ namespace
       scale() override
       {
         return system.scale;
+      }
+
+      double
+      likely_scale() override
+      {
+        return system.likely > 0. ? system.likely : system.scale;
       }
 
       std::string
@@ -219,4 +226,21 @@ test_main()
         at_round_off.result.converged &&
           at_round_off.result.n_iterations() == 1);
   check("and no more than that", has_reason(noisy(5e-14), "did not converge"));
+
+  // A residual below a bound of round-off, but not below the likely round-off,
+  // causes one more step, also if this step does not reach it.
+  const auto bounded = [](const double likely_residual) {
+    System system = scalar([](const double x) { return x * x - 4.; },
+                           [](const double x) { return 2. * x; });
+    system.scale  = 0.1 / system.parameters.tolerance;
+    system.likely = likely_residual / system.parameters.tolerance;
+    system.solve({3.});
+    return system;
+  };
+  check("no step below the likely round-off",
+        bounded(0.1).result.n_iterations() == 2);
+  const System further = bounded(1e-6);
+  check("one more step below the bound",
+        further.result.converged && further.result.n_iterations() == 3 &&
+          std::abs(further.x[0] - 2.) < 2e-5);
 }

@@ -55,7 +55,16 @@ namespace greville
     /// Return the scale of the residual; tolerance times scale exceeds
     /// round-off.
     double
-    scale() override;
+    scale() override
+    {
+      return scale_with(true);
+    }
+
+    double
+    likely_scale() override
+    {
+      return scale_with(false);
+    }
 
     std::string
     linearize(const VectorType &x) override;
@@ -64,6 +73,12 @@ namespace greville
     solve(VectorType &dx, const VectorType &r, const double tolerance) override;
 
   private:
+    /// Return the scale. The tolerance times the scale is at least the upper
+    /// bound of round-off, or the likely round-off of parts whose forces have
+    /// not vanished.
+    double
+    scale_with(const bool upper_bound) const;
+
     /// Copy all blocks out of a vector, and into it.
     void
     read(std::vector<VectorType> &blocks, const VectorType &x) const;

@@ -285,10 +285,10 @@ namespace greville
     const VectorField<dim> *contact_force = nullptr;
     VectorField<dim>        contact_load, contact_acceleration;
     VectorType              last_residual;
-    double      force_scale = 0., round_off = 0.; // of the last residual
-    double      inertia_at_begin = 0.;            // of known inertia terms, N
-    bool        has_stiffness    = false;         // of the last residual
-    bool        forces_vanish    = false;         // when Newton's method failed
+    double force_scale = 0., unit_of_round_off = 0.; // of the last residual
+    double inertia_at_begin = 0.;    // of known inertia terms, N
+    bool   has_stiffness    = false; // of the last residual
+    bool   forces_vanish    = false; // when Newton's method failed
     std::string rejection;
 
     // The numbers of iterations in the last trial: of Newton's method, and of

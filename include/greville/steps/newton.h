@@ -26,6 +26,15 @@ namespace greville
     virtual double
     scale() = 0;
 
+    /// Return a smaller magnitude if scale() is an upper bound due to
+    /// round-off. solve_newton() then takes one more step if the residual
+    /// exceeds the tolerance times this magnitude.
+    virtual double
+    likely_scale()
+    {
+      return scale();
+    }
+
     /// Compute the derivative at x. Returns an error message, or an empty text.
     virtual std::string
     linearize(const VectorType &x) = 0;
