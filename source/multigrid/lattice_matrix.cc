@@ -145,28 +145,31 @@ namespace greville
   void
   LatticeMatrix<dim>::for_each_block(const Visit &visit) const
   {
+    int p = 0, n_lines = 0, line_size = 0;
     with_sizes([&](const auto width, const auto n) {
-      constexpr int nc = decltype(width)::value;
-      using Half       = HalfStencil<dim, nc, decltype(n)::value, float>;
-      constexpr int p  = decltype(n)::value - 1;
-      for (unsigned int u = 0; u < places.positions().size(); ++u)
-        for (int line = 0; line < Half::n_lines; ++line)
-          for (int x = line == 0 ? p : 0; x < Half::length; ++x)
-            {
-              const int v = places.unknown_in_line(u, line, x - p);
-              if (v >= 0)
-                visit(u,
-                      unsigned(v),
-                      rows.data() + u * row_size + line * nc * Half::line_size +
-                        x * nc,
-                      Half::line_size);
-            }
-      for (std::size_t k = 0; k < far_blocks.size(); ++k)
-        visit(far_unknowns[k].first,
-              far_unknowns[k].second,
-              far_blocks[k].block,
-              nc);
+      using Half =
+        HalfStencil<dim, decltype(width)::value, decltype(n)::value, float>;
+      p         = n - 1;
+      n_lines   = Half::n_lines;
+      line_size = Half::line_size;
     });
+    const int nc = n_components();
+    for (unsigned int u = 0; u < places.positions().size(); ++u)
+      for (int line = 0; line < n_lines; ++line)
+        for (int x = line == 0 ? p : 0; x <= 2 * p; ++x)
+          {
+            const int v = places.unknown_in_line(u, line, x - p);
+            if (v >= 0)
+              visit(u,
+                    unsigned(v),
+                    rows.data() + u * row_size + line * nc * line_size + x * nc,
+                    line_size);
+          }
+    for (std::size_t k = 0; k < far_blocks.size(); ++k)
+      visit(far_unknowns[k].first,
+            far_unknowns[k].second,
+            far_blocks[k].block,
+            nc);
   }
 
 
