@@ -5,6 +5,7 @@
 #include <greville/base/named_formulas.h>
 #include <greville/base/shared_library.h>
 #include <greville/materials/hencky.h>
+#include <greville/materials/left_cauchy_green.h>
 #include <greville/materials/material_lanes.h>
 #include <greville/materials/parameter_checks.h>
 #include <greville/materials/state_names.h>

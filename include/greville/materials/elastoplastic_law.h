@@ -5,6 +5,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <greville/materials/hencky_law.h>
+#include <greville/materials/left_cauchy_green.h>
 
 #include <algorithm>
 #include <string>

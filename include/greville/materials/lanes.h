@@ -155,4 +155,41 @@ namespace greville
         sum *= 2. + sum;
     return sum;
   }
+
+
+
+  /// Return x - ln(1 + x), with a relative error of round-off also for small x.
+  inline Lanes
+  less_log_of_one_plus(const Lanes &x)
+  {
+    // ln(1 + x) = 2 atanh(z)
+    const Lanes z = x / (2. + x), z2 = z * z;
+    Lanes       sum = 0.;
+#pragma GCC unroll 9
+    for (int k = 19; k > 1; k -= 2)
+      sum = sum * z2 + 1. / k;
+    const Lanes near     = z * (x - 2. * z2 * sum);
+    const auto  is_small = abs(x) < 0.3;
+    if (all_of(is_small))
+      return near;
+    return choose(is_small, near, x - log_of_one_plus(x));
+  }
+
+
+
+  /// Return exp(x) - 1 - x, with a relative error of round-off also for small
+  /// x.
+  inline Lanes
+  exp_less_one_less(const Lanes &x)
+  {
+    Lanes sum = 1.;
+#pragma GCC unroll 12
+    for (int k = 14; k > 2; --k)
+      sum = 1. + sum * x * (1. / k);
+    const Lanes near     = 0.5 * x * x * sum;
+    const auto  is_small = abs(x) < 0.3;
+    if (all_of(is_small))
+      return near;
+    return choose(is_small, near, exp_less_one(x) - x);
+  }
 } // namespace greville

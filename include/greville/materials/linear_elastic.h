@@ -3,6 +3,7 @@
 #pragma once
 
 #include <greville/materials/hencky_law.h>
+#include <greville/materials/left_cauchy_green.h>
 
 namespace greville
 {

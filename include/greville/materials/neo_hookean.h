@@ -3,6 +3,7 @@
 #pragma once
 
 #include <greville/materials/elastic_constants.h>
+#include <greville/materials/left_cauchy_green.h>
 
 namespace greville
 {
