@@ -258,17 +258,6 @@ namespace greville
 
   template <int dim>
   void
-  MaterialPoints<dim>::clean(const unsigned int cell)
-  {
-    if (heads[cell] != none)
-      for (unsigned int lane = n_in_first_group(cell); lane < width; ++lane)
-        clear_lane(cell, heads[cell], lane);
-  }
-
-
-
-  template <int dim>
-  void
   MaterialPoints<dim>::defragment()
   {
     // The old position of each group in the new order, and new links.

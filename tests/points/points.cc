@@ -171,26 +171,6 @@ test_storage(const MultiIndex<dim> &cells)
   check(name + "memory does not grow",
         on_all(points.memory_consumption() <= most &&
                points.n_points() == list.size()));
-
-  // Values that a kernel left in empty lanes are cleared.
-  bool corrupted = false;
-  for (const unsigned int cell : points.cells())
-    for (unsigned int lane = points.n_in_first_group(cell);
-         lane < MaterialPoints<dim>::width;
-         ++lane)
-      {
-        const PointRef<dim> p = points.point(points.first_group(cell), lane);
-        for (unsigned int k = 0; k < layout.size; ++k)
-          p[k] = 7.;
-        corrupted = true;
-      }
-  const auto before = by_id(points);
-  corrupted         = corrupted && !empty_lanes_are_harmless(points);
-  for (unsigned int cell = 0; cell < n_cells; ++cell)
-    points.clean(cell);
-  check(name + "clean()",
-        on_all(corrupted && empty_lanes_are_harmless(points) &&
-               by_id(points) == before));
 }
 
 

@@ -167,10 +167,6 @@ namespace greville
     void
     remove_leaving(const unsigned int cell, std::vector<double> &leaving);
 
-    /// Restore the empty lanes of a cell, see MaterialPoints.
-    void
-    clean(const unsigned int cell);
-
     /// Sort the groups in the order of the cells, in place.
     void
     defragment();
