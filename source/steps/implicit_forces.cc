@@ -67,7 +67,7 @@ namespace greville
           work[d] += (*contact_force)[d];
       }
     system.restrict(r, work, nullptr);
-    force_scale = std::max(system.force_scale(), r.l2_norm());
+    force_scale = std::max(system.bodies().force_scale(), r.l2_norm());
     if (water)
       force_scale = std::max(force_scale, water->force_scale());
     const double old_share = scheme.alpha_f / (1. - scheme.alpha_f);
@@ -148,9 +148,9 @@ namespace greville
       for (const double coordinate : *corner)
         x = std::max(x, std::abs(coordinate));
     const double of_surfaces = system.surfaces().stiffness_scale() * x;
-    return epsilon *
-           (system.stiffness_scale() * (1. + u / discretization.cell_size()) +
-            of_surfaces + force_scale + inertia_at_begin);
+    return epsilon * (system.bodies().stiffness_scale() *
+                        (1. + u / discretization.cell_size()) +
+                      of_surfaces + force_scale + inertia_at_begin);
   }
 
 

@@ -21,12 +21,13 @@ namespace greville
       return;
     // Ratios of the moduli for Poisson's ratios of 0.4 and 0.475.
     constexpr double stiff_ratio = 6., very_stiff_ratio = 20.;
-    const double     ratio = moduli[1] > 0.
-                               ? moduli[0] / moduli[1]
-                               : std::numeric_limits<double>::infinity();
-    cycle.smoother         = ratio <= stiff_ratio && !by_components
-                               ? "chebyshev-ic0"
-                               : "chebyshev-component-ic0";
+    const auto      &moduli = of_bodies.moduli();
+    const double     ratio  = moduli[1] > 0.
+                                ? moduli[0] / moduli[1]
+                                : std::numeric_limits<double>::infinity();
+    cycle.smoother          = ratio <= stiff_ratio && !by_components
+                                ? "chebyshev-ic0"
+                                : "chebyshev-component-ic0";
     if (ratio > stiff_ratio)
       {
         smoother.chebyshev_degree += ratio > very_stiff_ratio ? 3 : 1;
@@ -111,57 +112,14 @@ namespace greville
   TangentSystem<dim>::multiply(VectorType &dst, const VectorType &src)
   {
     finest().vmult(dst, src);
-    if (!projection && !windows)
+    if (!of_bodies.has_rest())
       return;
     VectorField<dim> direction, force;
     for (VectorField<dim> *field : {&direction, &force})
       for (VectorType &component : *field)
         space().initialize_vector(component);
     extend(direction, src);
-    sums.clear();
-    if (windows)
-      {
-        windows->read(direction, window_buffer);
-        for (const auto &of_cell : domains)
-          sums.add_change(of_cell.first,
-                          of_cell.second,
-                          tangents,
-                          window_buffer);
-      }
-    std::vector<TrialGroup<dim>> groups;
-    for (const ProjectedBody<dim> &body : projected_bodies)
-      {
-        const MaterialPoints<dim> &points = *body.points;
-        const double              *change = projection
-                                 ->differentiate(points,
-                                                 displacement,
-                                                 direction,
-                                                 body.J_hat,
-                                                 body.share)
-                                 .data();
-        const auto *derivative = body.derivatives.data();
-        for (const unsigned int cell : points.cells())
-          {
-            groups.clear();
-            unsigned int count = points.n_in_first_group(cell);
-            for (unsigned int g = points.first_group(cell); g != points.none;
-                 g = points.next_group(g), count = n_lanes, ++derivative)
-              {
-                TrialGroup<dim> &group  = groups.emplace_back();
-                Lanes            factor = 0.;
-                for (unsigned int lane = 0; lane < count; ++lane)
-                  factor[lane] = *change++;
-                const double *x =
-                  points.group(g) + points.layout().basis_position * n_lanes;
-                for (unsigned int d = 0; d < dim; ++d)
-                  group.x[d] = load<Lanes>(x + d * n_lanes);
-                for (unsigned int r = 0; r < group.stress.size(); ++r)
-                  group.stress[r] = factor * (*derivative)[r];
-              }
-            sums.add_force(cell, groups);
-          }
-      }
-    sums.take_force(force);
+    of_bodies.multiply_rest(force, direction);
     VectorType rows;
     initialize(rows);
     restrict(rows, force, nullptr);
@@ -196,18 +154,14 @@ namespace greville
     const double                                                     tolerance,
     const std::function<SolveResult(const unsigned int iterations)> &run)
   {
-    const TangentParameters &parameters = systems.front()->parameters;
-    // Return the number of digits by which the residual decreases.
-    const auto digits = [](const SolveResult &result) {
-      return std::max(0.5, -std::log10(std::max(result.reduction, 1e-16)));
-    };
+    const TangentParameters     &parameters = systems.front()->parameters;
     std::vector<TangentSystem *> used;
     double                       first = 0.;
     for (TangentSystem *system : systems)
-      if (!system->is_fresh)
+      if (!system->reuse.is_fresh())
         {
           used.push_back(system);
-          first = std::max(first, system->first_iterations);
+          first = std::max(first, system->reuse.iterations_per_digit());
         }
 
     unsigned int n_wasted = 0;
@@ -226,25 +180,15 @@ namespace greville
             used.clear();
           }
         else
+          // The assembly costs about as much as dim - 1 iterations.
           for (TangentSystem *system : used)
-            {
-              const double excess =
-                std::max(0.,
-                         *result.iterations -
-                           digits(result) * system->first_iterations);
-              system->excess_iterations += excess;
-              // The assembly costs about as much as this number of iterations.
-              system->wants_entries = excess > dim - 1.;
-            }
+            system->wants_entries = system->reuse.count(result) > dim - 1.;
       }
     if (used.empty())
       result = run(parameters.max_iterations);
     for (TangentSystem *system : systems)
-      if (system->is_fresh)
-        {
-          system->first_iterations = *result.iterations / digits(result);
-          system->is_fresh         = *result.iterations == 0;
-        }
+      if (system->reuse.is_fresh())
+        system->reuse.begin_count(result);
     *result.iterations += n_wasted;
     return result;
   }

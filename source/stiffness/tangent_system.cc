@@ -24,13 +24,10 @@ namespace greville
     , orders(orders)
     , transfers(orders.n_levels())
     , tables(orders.n_levels())
-    , projection(projection)
+    , of_bodies(orders.finest(), projection, windows)
     , windows(windows)
   {
     filling.reinit(orders.finest(), {}, windows != nullptr);
-    trial.reinit(orders.finest(), windows);
-    sums.reinit(orders.finest(), windows);
-    tangents.reinit(orders.finest());
     for (unsigned int l = 0; l < orders.n_levels(); ++l)
       {
         transfers[l].reinit(orders[l]);
@@ -86,75 +83,6 @@ namespace greville
 
 
 
-  namespace
-  {
-    /// Return the sums of the compression and shear moduli, A_iiii and A_ijij,
-    /// times the volumes.
-    template <int dim>
-    std::array<double, 2>
-    sum_moduli(const std::vector<TrialGroup<dim>> &groups)
-    {
-      Lanes compression = 0., shear = 0.;
-      for (const TrialGroup<dim> &group : groups)
-        {
-          compression += group.compression;
-          shear += group.shear;
-        }
-      return {{reduce(compression), reduce(shear)}};
-    }
-
-
-
-    /// Append the derivative of V P of a group by the logarithm of J hat, for
-    /// an isotropic expansion of 1 / dim in each direction (1 / 3 in
-    /// axisymmetry). The dependence of f on J hat is excluded. A share of the
-    /// derivative remains in the derivative by f, a full matrix of @p n_used
-    /// pairs.
-    template <int dim>
-    void
-    take_volume_stiffness(const int           n_used,
-                          TrialGroup<dim>    &group,
-                          ProjectedBody<dim> &projected)
-    {
-      const double n    = n_used == TrialGroup<dim>::n_pairs ? 3 : 2;
-      const double rest = 1. - projected.share;
-      typename TrialGroup<dim>::Pairs derivative;
-      derivative.fill(0.);
-      for (int r = 0; r < n_used; ++r)
-        {
-          double *row = group.tangent + r * n_used * n_lanes;
-          Lanes   sum = (1. - n) * group.stress[r];
-          for (int s = 0; s < n_used; ++s)
-            sum += load<Lanes>(row + s * n_lanes) * group.expansion[s];
-          sum *= 1. / n;
-          for (int s = 0; s < n_used; ++s)
-            store(Lanes(load<Lanes>(row + s * n_lanes) -
-                        rest * sum * group.dual[s]),
-                  row + s * n_lanes);
-          if (r < dim * dim)
-            group.compression -= rest / dim * sum * group.expansion[r];
-          derivative[r] = sum;
-        }
-      projected.derivatives.push_back(derivative);
-    }
-
-
-
-    /// Return the fraction of the volumetric stiffness that is not much larger
-    /// than the shear stiffness.
-    double
-    share_of_volume_stiffness(const Moduli &moduli)
-    {
-      constexpr double largest_ratio = 2.;
-      return moduli.shear > 0.
-               ? std::min(1., largest_ratio * moduli.shear / moduli.bulk)
-               : 1.;
-    }
-
-  } // namespace
-
-
-
   template <int dim>
   std::string
   TangentSystem<dim>::evaluate(const std::vector<TrialBody<dim>> &bodies,
@@ -164,101 +92,9 @@ namespace greville
                                const bool        with_stiffness,
                                VectorField<dim> &force)
   {
-    std::string problem;
-    // Sums over cells of the compression and shear moduli of K, see
-    // sum_moduli(), and of the square of each cell's compression modulus before
-    // take_volume_stiffness().
-    std::vector<double> sums_of_moduli(3);
-    sums.clear();
     if (with_stiffness)
-      {
-        bool are_symmetric = stress == StepStress::end && !projection;
-        for (const TrialBody<dim> &body : bodies)
-          are_symmetric =
-            are_symmetric && body.material->has_symmetric_tangent();
-        tangents.clear(are_symmetric,
-                       !bodies.empty() &&
-                         bodies[0].points->layout().is_axisymmetric());
-        std::size_t n_groups = 0;
-        for (const TrialBody<dim> &body : bodies)
-          for (const unsigned int cell : body.points->cells())
-            n_groups +=
-              (body.points->n_points(cell) + MaterialPoints<dim>::width - 1) /
-              MaterialPoints<dim>::width;
-        tangents.reserve(n_groups);
-        of_surfaces.clear_stiffness();
-        if (projection)
-          displacement = u;
-        projected_bodies.clear();
-        domains.clear();
-      }
-    for (const TrialBody<dim> &body : bodies)
-      {
-        PointReport        report;
-        ProjectedBody<dim> projected{body.points,
-                                     share_of_volume_stiffness(
-                                       body.material->moduli()),
-                                     {},
-                                     {}};
-        if (projection)
-          projected.J_hat = projection->project(*body.points, u, 1.);
-        // A law may throw on one process; all processes then continue with the
-        // next body.
-        try
-          {
-            report =
-              trial.evaluate(*body.points,
-                             *body.material,
-                             u,
-                             dt,
-                             body.time,
-                             body.strength_reduction,
-                             stress,
-                             with_stiffness ? &tangents : nullptr,
-                             projection ? projected.J_hat.data() : nullptr,
-                             [&](const unsigned int cell, auto &groups) {
-                               sums.add_force(cell, groups);
-                               if (!with_stiffness)
-                                 return;
-                               auto of_cell = sum_moduli<dim>(groups);
-                               sums_of_moduli[2] += of_cell[0] * of_cell[0];
-                               if (projection)
-                                 {
-                                   for (TrialGroup<dim> &group : groups)
-                                     take_volume_stiffness(tangents.n_pairs(),
-                                                           group,
-                                                           projected);
-                                   of_cell = sum_moduli<dim>(groups);
-                                 }
-                               sums_of_moduli[0] += of_cell[0];
-                               sums_of_moduli[1] += of_cell[1];
-                               if (windows && windows->reaches(cell))
-                                 domains.emplace_back(cell, groups);
-                             });
-          }
-        catch (const std::exception &error)
-          {
-            if (problem.empty())
-              problem = "the law of the body '" + body.name +
-                        "' has failed: " + message_of(error);
-          }
-        if (report.bad_point >= 0 && problem.empty())
-          problem = "point " + std::to_string(report.bad_point) +
-                    " of the body '" + body.name + "': " + report.bad_reason;
-        if (with_stiffness && projection)
-          projected_bodies.push_back(std::move(projected));
-      }
-    sums.take_force(force);
-    if (with_stiffness)
-      {
-        Utilities::MPI::sum(sums_of_moduli,
-                            space().communicator(),
-                            sums_of_moduli);
-        moduli = {{sums_of_moduli[0], sums_of_moduli[1]}};
-        force_of_strain =
-          std::sqrt(sums_of_moduli[2]) / space().smallest_cell_size();
-      }
-    return problem;
+      of_surfaces.clear_stiffness();
+    return of_bodies.evaluate(bodies, u, dt, stress, with_stiffness, force);
   }
 
 
@@ -304,19 +140,6 @@ namespace greville
 
 
   template <int dim>
-  bool
-  TangentSystem<dim>::is_reusable(const double mass_factor) const
-  {
-    constexpr double largest_change = 2.;
-    return is_set_up && parameters.reuse > 0 &&
-           excess_iterations <= parameters.reuse &&
-           mass_factor <= largest_change * mass_factor_of_set_up &&
-           mass_factor_of_set_up <= largest_change * mass_factor;
-  }
-
-
-
-  template <int dim>
   void
   TangentSystem<dim>::assemble(const unsigned int l)
   {
@@ -327,13 +150,13 @@ namespace greville
     else
       {
         level.begin_tangent();
-        tangents.template for_each_cell<float>(tables[l],
-                                               [&](const unsigned int cell,
-                                                   const float       *values,
-                                                   const unsigned int stride) {
-                                                 level.stiffness().add_cell(
-                                                   cell, values, stride);
-                                               });
+        of_bodies.tangents().template for_each_cell<float>(
+          tables[l],
+          [&](const unsigned int cell,
+              const float       *values,
+              const unsigned int stride) {
+            level.stiffness().add_cell(cell, values, stride);
+          });
       }
     of_surfaces.assemble(level, l);
     level.finish_tangent(shares ? 0. : mass_factor);
@@ -345,9 +168,7 @@ namespace greville
   void
   TangentSystem<dim>::set_up()
   {
-    static std::uint64_t last_number = 0;
-
-    is_set_up = false;
+    reuse.end();
     assemble(levels.size() - 1);
     has_levels = needs_levels(mass_factor);
     // Tangents of failing bodies are indefinite, and some cannot be factorized.
@@ -366,12 +187,7 @@ namespace greville
         has_levels  = false;
         make_multigrid();
       }
-    is_set_up             = true;
-    number_of_set_up      = ++last_number;
-    mass_factor_of_set_up = mass_factor;
-    excess_iterations     = 0.;
-    is_fresh              = true;
-    ++set_ups;
+    reuse.begin(mass_factor);
   }
 
 
@@ -383,14 +199,13 @@ namespace greville
     if (!has_entries())
       return;
     entries.clear();
-    tangents.template for_each_cell<double>(tables.back(),
-                                            [&](const unsigned int cell,
-                                                const double      *values,
-                                                const unsigned int stride) {
-                                              entries.add_cell(cell,
-                                                               values,
-                                                               stride);
-                                            });
+    of_bodies.tangents().template for_each_cell<double>(
+      tables.back(),
+      [&](const unsigned int cell,
+          const double      *values,
+          const unsigned int stride) {
+        entries.add_cell(cell, values, stride);
+      });
     if (mass_factor != 0.)
       entries.add(mass_factor, finest().extended().matrix());
   }
@@ -405,7 +220,7 @@ namespace greville
     symmetric   = is_symmetric;
     mass_factor = new_mass_factor;
     assemble_entries();
-    if (!is_reusable(mass_factor))
+    if (!reuse.is_possible(mass_factor, parameters.reuse))
       set_up();
     else if (wants_entries)
       for (unsigned int l = has_levels ? 0 : levels.size() - 1;
@@ -435,7 +250,7 @@ namespace greville
                  ++k)
               y[k] = mass_factor != 0. ? mass_factor * y[k] : 0.;
           });
-        tangents.add_product(y, x, mass);
+        of_bodies.tangents().add_product(y, x, mass);
       }
     of_surfaces.add_product(y, x, mass);
   }
@@ -506,21 +321,11 @@ namespace greville
 
 
   template <int dim>
-  double
-  TangentSystem<dim>::force_scale() const
-  {
-    return std::sqrt(
-      Utilities::MPI::sum(sums.square_of_forces(), space().communicator()));
-  }
-
-
-
-  template <int dim>
   void
   TangentSystem<dim>::forget()
   {
     multigrid.reset();
-    is_set_up   = false;
+    reuse.end();
     levels_fail = false;
   }
 

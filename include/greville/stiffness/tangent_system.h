@@ -3,37 +3,26 @@
 #pragma once
 
 #include <greville/linear_algebra/solve_result.h>
-#include <greville/points/point_tangents.h>
-#include <greville/points/volume_projection.h>
+#include <greville/stiffness/set_up_reuse.h>
+#include <greville/stiffness/tangent_bodies.h>
 #include <greville/stiffness/tangent_level.h>
 #include <greville/stiffness/tangent_parameters.h>
 #include <greville/stiffness/tangent_surfaces.h>
-#include <greville/stiffness/trial_body.h>
-
-#include <string>
 
 namespace greville
 {
   /**
    * The linear systems of implicit steps on extended B-splines,
    * @f[ E^T (c \tilde M + K) E \, x = E^T b, @f]
-   * with the stiffness K of points in a TrialStep. K is applied point by point
-   * (PointTangents). Only symmetric tangents of order 1 are assembled, which
-   * costs less than a few products; the cycle copies them. Krylov methods are
-   * preconditioned by a LatticeCycle, or, for 'Levels' = orders, by PMultigrid
-   * on one TangentLevel for each order. Both are assembled in single precision
-   * from the same points. The set-up of a preconditioner (entries,
-   * factorizations, eigenvalues, coarse levels) is reused for subsequent
-   * systems as long as it pays. After a system with more iterations than
-   * expected, the entries are assembled anew.
-   *
-   * A VolumeProjection couples functions beyond their stencils. In the K of the
-   * preconditioner, the volumetric stiffness is therefore reduced to about the
-   * shear stiffness, and multiply() adds the terms of J hat point by point. The
-   * projected volume changes are much stiffer than in K, but all other modes
-   * agree, so the number of iterations hardly depends on the bulk modulus. If
-   * gradients are averaged over domains, K uses the gradients at points, and
-   * multiply() adds the difference.
+   * with the stiffness K of TangentBodies. K is applied point by point, with
+   * the part that TangentBodies keeps apart from it. Only symmetric tangents of
+   * order 1 are assembled, which costs less than a few products; the cycle
+   * copies them. Krylov methods are preconditioned by a LatticeCycle, or, for
+   * 'Levels' = orders, by PMultigrid on one TangentLevel for each order. Both
+   * are assembled in single precision from the same points. The set-up of a
+   * preconditioner (entries, factorizations, eigenvalues, coarse levels) is
+   * reused for subsequent systems as long as it pays. After a system with more
+   * iterations than expected, the entries are assembled anew.
    *
    * Fields have a coefficient for each function of the space. The coefficients
    * of constrained functions are given, and the coefficients of extended
@@ -118,18 +107,11 @@ namespace greville
       return of_surfaces;
     }
 
-    /// Collective. Return the Euclidean norm of the cell contributions to the
-    /// last internal force. For the most part, these balance each other.
-    double
-    force_scale() const;
-
-    /// Return the unit of round-off of internal forces: the norm of the cell
-    /// contributions for a displacement gradient of one, with the moduli of the
-    /// last evaluate() with stiffness.
-    double
-    stiffness_scale() const
+    /// Return the internal forces and their stiffness.
+    const TangentBodies<dim> &
+    bodies() const
     {
-      return force_of_strain;
+      return of_bodies;
     }
 
     /// Collective. Build the operator with a mass factor (1/s^2), and its
@@ -172,7 +154,7 @@ namespace greville
     std::uint64_t
     set_up_number() const
     {
-      return number_of_set_up;
+      return reuse.number();
     }
 
     /// Call visit(s, u, weight, constrained) for the weights with which the
@@ -192,7 +174,7 @@ namespace greville
     unsigned int
     n_set_ups() const
     {
-      return set_ups;
+      return reuse.n_set_ups();
     }
 
     /// Collective. Compute rows = E^T (force + M~ field), with zeros at
@@ -239,7 +221,7 @@ namespace greville
     bool
     takes_cg() const
     {
-      return parameters.takes_cg(symmetric) && !projection;
+      return parameters.takes_cg(symmetric) && !of_bodies.has_projection();
     }
 
     /// Return the number of basis vectors of FGMRES between two restarts; 0 for
@@ -250,7 +232,7 @@ namespace greville
       if (takes_cg())
         return 0;
       // With a projection, restarts cost more than the basis vectors they save.
-      return projection ? parameters.max_iterations : 30;
+      return of_bodies.has_projection() ? parameters.max_iterations : 30;
     }
 
     /// Collective. Compute the velocity with M~ v = momentum; @p velocity
@@ -266,10 +248,6 @@ namespace greville
     bool
     needs_levels(const double mass_factor) const;
 
-    /// Return whether the last set-up can be reused for this mass factor.
-    bool
-    is_reusable(const double mass_factor) const;
-
     /// Collective. Assemble the entries of a level for the mass factor.
     void
     assemble(const unsigned int level);
@@ -278,7 +256,7 @@ namespace greville
     bool
     has_entries() const
     {
-      return space().degree() == 1 && tangents.is_symmetric();
+      return space().degree() == 1 && of_bodies.tangents().is_symmetric();
     }
 
     void
@@ -310,40 +288,21 @@ namespace greville
     CellFilling<dim>                                filling;
     std::vector<PointTransfer<dim>>                 transfers;
     std::vector<std::unique_ptr<TangentLevel<dim>>> levels;
-    TrialSums<dim>                                  sums;
     std::vector<SpacePolynomials<dim>>              tables; // by level
-    TrialStep<dim>                                  trial;
-    PointTangents<dim>                              tangents;
+    TangentBodies<dim>                              of_bodies;
     BlockStencil<dim, double>                       entries; // of order 1
     TangentSurfaces<dim>                            of_surfaces;
     std::unique_ptr<Preconditioner>                 multigrid;
+    CellWindows<dim>                               *windows;
     bool                                            symmetric     = true;
     bool                                            by_components = false;
-    VolumeProjection<dim>                          *projection;
-    // The displacement of the last evaluate() with stiffness and a projection.
-    VectorField<dim>                displacement;
-    std::vector<ProjectedBody<dim>> projected_bodies;
-    // The points with domains, for each cell that reaches its neighbours.
-    CellWindows<dim>                                                  *windows;
-    std::vector<std::pair<unsigned int, std::vector<TrialGroup<dim>>>> domains;
-    std::vector<double> window_buffer;
 
-    // Sums of the compression and shear moduli of all points.
-    std::array<double, 2> moduli{};
-    double                force_of_strain = 0.;
-
-    // The state of the set-up. Its number of iterations refers to a reduction
-    // of the residual by ten.
-    bool          has_levels = false, is_fresh = false;
-    bool          wants_entries = false; // the next system needs new entries
-    bool          levels_fail = false; // coarse levels fail for these unknowns
-    bool          is_set_up = false, is_coupled = false;
-    double        mass_factor_of_set_up = 0.;
-    double        mass_factor           = 0.; // of the operator
-    double        first_iterations      = 0.;
-    double        excess_iterations     = 0.;
-    unsigned int  set_ups               = 0;
-    std::uint64_t number_of_set_up      = 0;
+    SetUpReuse reuse;
+    bool       has_levels    = false; // in the last set-up
+    bool       wants_entries = false; // the next system needs new entries
+    bool       levels_fail   = false; // coarse levels fail for these unknowns
+    bool       is_coupled    = false;
+    double     mass_factor   = 0.; // of the operator
 
     std::vector<double> filled_part;
     mutable VectorType  unknowns;

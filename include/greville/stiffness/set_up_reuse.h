@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#pragma once
+
+#include <greville/linear_algebra/solve_result.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace greville
+{
+  /// The reuse of the set-up of a preconditioner for subsequent systems, as
+  /// long as it pays: until the additional iterations due to its age exceed a
+  /// limit, or the mass factor changes by more than a factor of two.
+  class SetUpReuse
+  {
+  public:
+    /// Return whether the set-up can be used for this mass factor.
+    bool
+    is_possible(const double mass_factor, const double largest_excess) const
+    {
+      constexpr double largest_change = 2.;
+      return exists && largest_excess > 0. && excess <= largest_excess &&
+             mass_factor <= largest_change * mass_factor_of_set_up &&
+             mass_factor_of_set_up <= largest_change * mass_factor;
+    }
+
+    /// Require a new set-up.
+    void
+    end()
+    {
+      exists = false;
+    }
+
+    /// Begin with a new set-up.
+    void
+    begin(const double mass_factor)
+    {
+      static std::uint64_t last_number = 0;
+      exists                           = true;
+      fresh                            = true;
+      unique_number                    = ++last_number;
+      mass_factor_of_set_up            = mass_factor;
+      excess                           = 0.;
+      ++n;
+    }
+
+    /// Return whether no system has been solved with the set-up.
+    bool
+    is_fresh() const
+    {
+      return fresh;
+    }
+
+    /// Count the iterations of a solve, and return the additional ones.
+    double
+    count(const SolveResult &result)
+    {
+      const double more =
+        std::max(0., *result.iterations - digits(result) * iterations_of_digit);
+      excess += more;
+      return more;
+    }
+
+    /// Take the iterations of the first solve for comparison with later ones.
+    void
+    begin_count(const SolveResult &result)
+    {
+      iterations_of_digit = *result.iterations / digits(result);
+      fresh               = *result.iterations == 0;
+    }
+
+    /// Return the number of iterations by which the first solve reduced the
+    /// residual by ten.
+    double
+    iterations_per_digit() const
+    {
+      return iterations_of_digit;
+    }
+
+    /// Return the number of the set-up, which is unique on this process.
+    std::uint64_t
+    number() const
+    {
+      return unique_number;
+    }
+
+    /// Return the number of set-ups so far.
+    unsigned int
+    n_set_ups() const
+    {
+      return n;
+    }
+
+  private:
+    /// Return the number of digits by which the residual decreases.
+    static double
+    digits(const SolveResult &result)
+    {
+      return std::max(0.5, -std::log10(std::max(result.reduction, 1e-16)));
+    }
+
+    bool          exists = false, fresh = false;
+    double        mass_factor_of_set_up = 0.;
+    double        iterations_of_digit = 0., excess = 0.;
+    unsigned int  n             = 0;
+    std::uint64_t unique_number = 0;
+  };
+} // namespace greville
