@@ -130,7 +130,9 @@ namespace greville
 
     template <int dim>
     Expression
-    make_shape(const std::string &formula, const std::string &parameter)
+    make_shape(const std::string &formula,
+               const std::string &parameter,
+               const bool         moves)
     {
       Require(formula.find_first_not_of(" \t") != std::string::npos,
               "The parameter '" + parameter +
@@ -141,7 +143,7 @@ namespace greville
       shape_dim   = dim;
       return Expression(formula,
                         parameter,
-                        coordinate_names<dim>(),
+                        variables_of<dim>(moves ? "xt" : "x"),
                         shape_functions);
     }
   } // namespace
@@ -160,19 +162,26 @@ namespace greville
 
 
   template <int dim>
-  Shape<dim>::Shape(const std::string &formula, const std::string &parameter)
-    : expression(make_shape<dim>(formula, parameter))
+  Shape<dim>::Shape(const std::string &formula,
+                    const std::string &parameter,
+                    const bool         moves)
+    : expression(make_shape<dim>(formula, parameter, moves))
+    , moves(moves)
   {}
 
 
 
   template <int dim>
   bool
-  Shape<dim>::contains(const Point<dim> &x) const
+  Shape<dim>::contains(const Point<dim> &x, const double t) const
   {
     shape_point = &x[0];
     shape_dim   = dim;
-    return expression(ArrayView<const double>(&x[0], dim)) != 0.;
+    std::array<double, dim + 1> arguments;
+    std::copy_n(x.begin_raw(), dim, arguments.begin());
+    arguments.back() = t;
+    return expression(ArrayView<const double>(arguments.data(),
+                                              moves ? dim + 1 : dim)) != 0.;
   }
 
 

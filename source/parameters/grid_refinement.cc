@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/geometry/shape.h>
 #include <greville/parameters/names.h>
+#include <greville/parameters/refinement_region.h>
 #include <greville/parameters/simulation_parameters.h>
 
 #include <algorithm>
@@ -12,8 +12,45 @@ namespace greville
   using namespace dealii;
 
   template <int dim>
+  RefinementRegion<dim>::RefinementRegion(const RefinementParameters &region,
+                                          const std::string          &name,
+                                          const bool                  moves)
+    : n_levels(region.levels)
+  {
+    if (!region.shape.empty())
+      shape.emplace(region.shape, "Refinement " + name + "/Shape", moves);
+  }
+
+
+
+  template <int dim>
+  bool
+  RefinementRegion<dim>::contains(const unsigned int  level,
+                                  const CellBox<dim> &box,
+                                  const double        time) const
+  {
+    if (!shape)
+      return true;
+    const unsigned int n = 1u << (n_levels - std::min(level, n_levels));
+    MultiIndex<dim>    extents;
+    extents.fill(n);
+    for (unsigned int k = 0; k < Utilities::fixed_power<dim>(n); ++k)
+      {
+        const auto index = multi_index<dim>(k, extents);
+        Point<dim> x     = box.lower;
+        for (unsigned int d = 0; d < dim; ++d)
+          x[d] += box.size[d] * (index[d] + 0.5) / n;
+        if (shape->contains(x, time))
+          return true;
+      }
+    return false;
+  }
+
+
+
+  template <int dim>
   std::shared_ptr<const CellHierarchy<dim>>
-  GridParameters::hierarchy() const
+  GridParameters::hierarchy(const double time) const
   {
     if (!is_refined())
       return nullptr;
@@ -26,42 +63,22 @@ namespace greville
             k == cells[d] ? upper[d]
                           : lower[d] + (upper[d] - lower[d]) * k / cells[d]);
       }
-    using Region = std::pair<unsigned int, Shape<dim>>;
-    std::vector<Region> shapes;
-    unsigned int        n_levels = 0;
+    std::vector<std::pair<unsigned int, RefinementRegion<dim>>> shapes;
     for (const auto &[name, region] : regions)
-      {
-        shapes.emplace_back(region.levels,
-                            Shape<dim>(region.shape,
-                                       "Refinement " + name + "/Shape"));
-        n_levels = std::max(n_levels, region.levels);
-      }
+      if (!region.has_indicator() && region.acts_at(time))
+        shapes.emplace_back(
+          region.levels, RefinementRegion<dim>(region, name, adapt_every > 0));
     return std::make_shared<const CellHierarchy<dim>>(
       of_level_0,
-      n_levels,
+      n_levels(),
       degree,
-      [shapes](const unsigned int level, const CellBox<dim> &box) {
-        return std::any_of(
-          shapes.begin(), shapes.end(), [&](const Region &region) {
-            if (level >= region.first)
-              return false;
-            // The centres of the smallest cells in this one.
-            const unsigned int n = 1u << (region.first - level);
-            MultiIndex<dim>    extents;
-            extents.fill(n);
-            bool contains = false;
-            for (unsigned int k = 0;
-                 k < Utilities::fixed_power<dim>(n) && !contains;
-                 ++k)
-              {
-                const auto index = multi_index<dim>(k, extents);
-                Point<dim> x     = box.lower;
-                for (unsigned int d = 0; d < dim; ++d)
-                  x[d] += box.size[d] * (index[d] + 0.5) / n;
-                contains = region.second.contains(x);
-              }
-            return contains;
-          });
+      [shapes, time](const unsigned int level, const CellBox<dim> &box) {
+        return std::any_of(shapes.begin(),
+                           shapes.end(),
+                           [&](const auto &region) {
+                             return level < region.first &&
+                                    region.second.contains(level, box, time);
+                           });
       });
   }
 
@@ -71,10 +88,25 @@ namespace greville
   SimulationParameters::check_refinement() const
   {
     const Refusal refuse{"'Grid/Refinement'"};
+    const bool    adapts = grid.adapt_every > 0;
     for (const auto &[name, region] : grid.regions)
-      Require(!region.shape.empty(),
-              "The parameter 'Refinement " + name +
-                "/Shape' is empty: it has to be the formula of a region.");
+      {
+        const std::string section = "'Refinement " + name + "/";
+        Require(!region.shape.empty() || region.has_indicator(),
+                "The parameter " + section +
+                  "Shape' is empty: it has to be the formula of a region.");
+        Require(adapts || !region.has_indicator(),
+                "The parameter " + section + "Indicator' = " +
+                  region.indicator + " needs 'Grid/Adapt every' > 0.");
+        Require(adapts || (region.from == 0. && region.until == 0.),
+                "The parameters " + section +
+                  "From' and 'Until' need "
+                  "'Grid/Adapt every' > 0.");
+        Require(region.until == 0. || region.from < region.until,
+                "The parameter " + section + "From' = " + text_of(region.from) +
+                  " s has to be less than 'Until' = " + text_of(region.until) +
+                  " s.");
+      }
     constexpr unsigned int largest_order = 3;
     refuse(grid.degree > largest_order,
            "'Grid/Order' = " + std::to_string(grid.degree),
@@ -149,8 +181,9 @@ namespace greville
 
 
 
+  GREVILLE_INSTANTIATE_CLASS(RefinementRegion);
   template std::shared_ptr<const CellHierarchy<2>>
-  GridParameters::hierarchy<2>() const;
+  GridParameters::hierarchy<2>(const double) const;
   template std::shared_ptr<const CellHierarchy<3>>
-  GridParameters::hierarchy<3>() const;
+  GridParameters::hierarchy<3>(const double) const;
 } // namespace greville

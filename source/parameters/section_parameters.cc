@@ -100,6 +100,13 @@ namespace greville
     add_parameter(prm, "Refinement", refinement)(
       "Names of regions with smaller cells; each has a section 'Refinement "
       "NAME'. The splines are truncated hierarchical B-splines.");
+    add_parameter(prm, "Adapt every", adapt_every, Integer(0))(
+      "Steps between two adaptations of the cells to the regions of "
+      "'Refinement'. In cells that are halved, points are divided so that two "
+      "are left in each direction. 0: the cells never change. Unit: none.");
+    add_parameter(prm, "Most cells", most_cells, Integer(0))(
+      "Indicators halve cells only as long as the grid has fewer cells. 0: no "
+      "limit. Unit: none.");
     add_parameter(prm, "Order", degree, Integer(1, SplineSpace<2>::max_degree))(
       "Order p of the B-splines: the degree of their polynomials. In "
       "isogeometric analysis the order is the degree plus one; here it is the "
@@ -127,10 +134,28 @@ namespace greville
       "Region of small cells, a formula as 'Body NAME/Shape': cells are halved "
       "until the centres of the smallest ones in the region are those of cells "
       "of the last level. Cells around it are halved, too, so that sizes "
-      "change "
-      "gradually. Unit: m.");
+      "change gradually. With 'Grid/Adapt every' it may contain the time t. "
+      "With an 'Indicator', only cells in the region are halved; empty: all. "
+      "Unit: m.");
     add_parameter(prm, "Levels", levels, Integer(1, 6))(
       "How often the cells of 'Grid/Cells' are halved. Unit: none.");
+    add_parameter(prm,
+                  "Indicator",
+                  indicator,
+                  Selection("none|plastic strain|stress jump"))(
+      "Which cells of the region are halved when the grid is adapted. none: "
+      "all. plastic strain: cells with a point above 'Refine above'. stress "
+      "jump: the cells with the largest differences between the stresses of "
+      "their points and a spline through all stresses, which together have 0.6 "
+      "of the sum of squares. Cells join again below a tenth of the smallest "
+      "value that halves cells.");
+    add_parameter(prm, "Refine above", refine_above, Double(0.))(
+      "Plastic strain of points whose cells are halved. Unit: none.");
+    for (auto &[name, time] :
+         {std::pair<std::string, double &>{"From", from}, {"Until", until}})
+      add_parameter(prm, name, time)(
+        "Times between which the cells of the region are halved, with "
+        "'Grid/Adapt every'. 'Until' = 0: to the end. Unit: s.");
   }
 
 

@@ -157,7 +157,34 @@ namespace greville
     const std::vector<MultiIndex<dim>> &cells) const
   {
     auto result = std::make_shared<CellHierarchy>(*this);
-    for (auto &of_level : result->refined)
+    result->want(cells);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::shared_ptr<const CellHierarchy<dim>>
+  CellHierarchy<dim>::refined_only(
+    const std::vector<MultiIndex<dim>> &cells) const
+  {
+    auto result    = std::make_shared<CellHierarchy>(*this);
+    result->wanted = [](const unsigned int, const CellBox<dim> &) {
+      return false;
+    };
+    for (auto &of_level : result->known_wanted)
+      of_level.clear();
+    result->want(cells);
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  CellHierarchy<dim>::want(const std::vector<MultiIndex<dim>> &cells)
+  {
+    for (auto &of_level : refined)
       of_level.clear();
     for (const MultiIndex<dim> &index : cells)
       {
@@ -167,8 +194,7 @@ namespace greville
           cell[d] -= offsets[l][d];
         while (true)
           {
-            result->known_wanted[l][lexicographic<dim>(cell, n_cells(l))] =
-              true;
+            known_wanted[l][lexicographic<dim>(cell, n_cells(l))] = true;
             if (l == 0)
               break;
             --l;
@@ -176,7 +202,6 @@ namespace greville
               i /= 2;
           }
       }
-    return result;
   }
 
 

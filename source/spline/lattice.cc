@@ -133,16 +133,22 @@ namespace greville
     Require(levels || product == static_cast<double>(
                                    triangulation.n_global_active_cells()),
             "A spline space needs a mesh whose cells fill a box.");
-    set_sizes();
-    if (levels)
-      run_on_all(comm, [&]() {
-        for (const auto &cell : triangulation.active_cell_iterators())
-          Require(!cell->is_locally_owned() ||
-                    std::abs(cell->extent_in_direction(0) -
-                             box(find_cell(cell->center())).size[0]) <
-                      1e-6 * sizes[0],
-                  "The mesh is not refined as its levels require.");
-      });
+    if (!levels)
+      set_sizes();
+    else
+      {
+        // Lattices of levels without active cells have smaller cells.
+        for (unsigned int d = 0; d < dim; ++d)
+          sizes[d] = global[2 * dim + d];
+        run_on_all(comm, [&]() {
+          for (const auto &cell : triangulation.active_cell_iterators())
+            Require(!cell->is_locally_owned() ||
+                      std::abs(cell->extent_in_direction(0) -
+                               box(find_cell(cell->center())).size[0]) <
+                        1e-6 * sizes[0],
+                    "The mesh is not refined as its levels require.");
+        });
+      }
 
     // The faces of coarse cells are known on all processes.
     for (const auto &pair : triangulation.get_periodic_face_map())
@@ -161,8 +167,7 @@ namespace greville
                      ? (upper_corner[d] - lower_corner[d]) / cells[d]
                      : cell_size(d, 0);
         for (unsigned int cell = 0; cell + 1 < edges(d).size(); ++cell)
-          if (cell_size(d, cell) > 0.) // not in gaps between levels
-            sizes[d] = std::min(sizes[d], cell_size(d, cell));
+          sizes[d] = std::min(sizes[d], cell_size(d, cell));
       }
   }
 
@@ -295,27 +300,71 @@ namespace greville
 
   template <int dim>
   void
-  refine_box_mesh(DistributedTriangulation<dim> &triangulation,
-                  const std::shared_ptr<const CellHierarchy<dim>> &levels)
+  adapt_box_mesh(DistributedTriangulation<dim>                   &triangulation,
+                 const std::shared_ptr<const CellHierarchy<dim>> &levels)
   {
     triangulation.set_manifold(
       0,
       EdgeManifold<dim>(std::make_shared<const CellEdges<dim>>(
                           levels->finest_edges()),
                         levels));
+    const MPI_Comm     comm = get_communicator(triangulation);
     const unsigned int first =
       CoarseCells<dim>(levels->n_cells(0)).n_refinements;
-    for (unsigned int l = 0; l + 1 < levels->n_levels(); ++l)
+    // p4est joins the children of a cell when no neighbor is smaller.
+    for (unsigned int k = 0; k <= 3 * levels->n_levels(); ++k)
       {
-        run_on_all(get_communicator(triangulation), [&]() {
+        bool changes = false;
+        run_on_all(comm, [&]() {
           for (const auto &cell : triangulation.active_cell_iterators())
-            if (cell->is_locally_owned() &&
-                levels->level(levels->find(cell->center())) >
-                  cell->level() - first)
-              cell->set_refine_flag();
+            if (cell->is_locally_owned())
+              {
+                const unsigned int here = cell->level() - first;
+                const unsigned int wanted =
+                  levels->level(levels->find(cell->center()));
+                changes = changes || wanted != here;
+                if (wanted > here)
+                  cell->set_refine_flag();
+                else if (wanted < here)
+                  cell->set_coarsen_flag();
+              }
         });
+        if (!Utilities::MPI::logical_or(changes, comm))
+          return;
         triangulation.execute_coarsening_and_refinement();
       }
+    Require(false, "The mesh cannot be refined as its levels require.");
+  }
+
+
+
+  template <int dim>
+  std::vector<std::uint64_t>
+  refined_cells(const DistributedTriangulation<dim> &triangulation)
+  {
+    const Lattice<dim>         lattice(triangulation);
+    const CellHierarchy<dim>  &levels = *lattice.hierarchy();
+    std::vector<std::uint64_t> own, result;
+    for (const auto &cell : triangulation.active_cell_iterators())
+      if (cell->is_locally_owned())
+        {
+          MultiIndex<dim> index = lattice.find_cell(cell->center());
+          while (levels.level(index) > 0)
+            {
+              index = levels.parent(index);
+              own.push_back(lexicographic<dim>(index, lattice.n_cells()));
+            }
+        }
+    const auto make_unique = [](std::vector<std::uint64_t> &cells) {
+      std::sort(cells.begin(), cells.end());
+      cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    };
+    make_unique(own);
+    for (const auto &of_process :
+         Utilities::MPI::all_gather(get_communicator(triangulation), own))
+      result.insert(result.end(), of_process.begin(), of_process.end());
+    make_unique(result);
+    return result;
   }
 
 
@@ -375,12 +424,13 @@ namespace greville
       triangulation.add_periodicity(pairs);
     triangulation.refine_global(trees.n_refinements);
     if (levels)
-      refine_box_mesh<dim>(triangulation, levels);
+      adapt_box_mesh<dim>(triangulation, levels);
   }
 
 
 
   GREVILLE_INSTANTIATE_CLASS(Lattice);
   GREVILLE_INSTANTIATE(create_box_mesh);
-  GREVILLE_INSTANTIATE(refine_box_mesh);
+  GREVILLE_INSTANTIATE(adapt_box_mesh);
+  GREVILLE_INSTANTIATE(refined_cells);
 } // namespace greville

@@ -47,8 +47,12 @@ namespace greville
       DistributedTriangulation<dim> mesh(comm,
                                          Triangulation<dim>::none,
                                          mesh_settings<dim>);
-      const MultiIndex<dim>         n_cells = create_grid_mesh(
-        mesh, grid, parameters.walls, "Body " + name + "/Grid/Cells");
+      const MultiIndex<dim>         n_cells =
+        create_grid_mesh(mesh,
+                         grid,
+                         parameters.walls,
+                         "Body " + name + "/Grid/Cells",
+                         parameters.time.start);
       const SplineSpace<dim> space(mesh, 1);
       Body<dim>              body = make_body<dim>(name, parameters);
       make_points(body,

@@ -52,7 +52,8 @@ namespace greville
   {
     bool is_shared = false;
     for (Simulation<dim> *simulation : simulations)
-      is_shared = simulation->balance_load() || is_shared;
+      is_shared =
+        simulation->adapt_cells() || simulation->balance_load() || is_shared;
     for (Simulation<dim> *simulation : simulations)
       {
         simulation->remember();

@@ -81,7 +81,8 @@ namespace greville
   create_grid_mesh(DistributedTriangulation<dim> &mesh,
                    const GridParameters          &grid,
                    const WallParameters          &walls,
-                   const std::string             &parameter)
+                   const std::string             &parameter,
+                   const double                   start)
   {
     double          n_all_cells = 1.;
     Point<dim>      lower, upper;
@@ -105,10 +106,11 @@ namespace greville
                          n_cells,
                          Walls<dim>::periodic_directions(walls),
                          edges,
-                         grid.hierarchy<dim>());
+                         grid.hierarchy<dim>(start));
     const unsigned int n_refinements =
       CoarseCells<dim>(n_cells).n_refinements + grid.n_levels();
-    Require(!grid.is_refined() || mesh.n_global_levels() == n_refinements + 1,
+    Require(!grid.is_refined() || grid.adapt_every > 0 ||
+              mesh.n_global_levels() == n_refinements + 1,
             "The regions of 'Grid/Refinement' contain no cell of the grid that "
             "is halved " +
               std::to_string(grid.n_levels()) + " times: check their 'Shape'.");
@@ -133,14 +135,24 @@ namespace greville
             "The parameters are those of a simulation in " +
               std::to_string(parameters.general.dimension) + "D, not " +
               std::to_string(dim) + "D.");
-    const MultiIndex<dim> n_cells =
-      create_grid_mesh(mesh, parameters.grid, parameters.walls, "Grid/Cells");
+    const MultiIndex<dim> n_cells = create_grid_mesh(mesh,
+                                                     parameters.grid,
+                                                     parameters.walls,
+                                                     "Grid/Cells",
+                                                     parameters.time.start);
     if (parameters.grid.is_refined())
       refine_at_surfaces(mesh, parameters, loads);
-    cell_partition =
-      std::make_shared<const Partition>(std::vector<double>(), comm);
+    cell_partition = std::make_shared<const Partition>(
+      std::vector<double>(),
+      comm,
+      parameters.grid.adapt_every > 0
+        ? std::make_shared<const std::vector<std::uint64_t>>(
+            refined_cells(mesh))
+        : nullptr);
     repartition(std::make_shared<const Partition>(
-      initial_partition(mesh, parameters, loads)));
+      initial_partition(mesh, parameters, loads).rows,
+      comm,
+      cell_partition->refined));
     const std::string warning =
       describe_many_coarse_cells<dim>(n_cells,
                                       Utilities::MPI::n_mpi_processes(comm));
@@ -156,12 +168,36 @@ namespace greville
   Discretization<dim>::repartition(
     const std::shared_ptr<const Partition> &partition)
   {
-    if (Utilities::MPI::n_mpi_processes(comm) == 1 || partition->n_rows == 0 ||
-        partition->is_same(*cell_partition))
-      return false;
-    repartition_mesh(mesh, *partition);
-    cell_partition = partition;
-    return true;
+    const bool adapts = !partition->has_same_cells(*cell_partition);
+    if (adapts)
+      {
+        const Lattice<dim>           lattice(mesh);
+        std::vector<MultiIndex<dim>> cells;
+        for (const std::uint64_t position : *partition->refined)
+          cells.push_back(multi_index<dim>(position, lattice.n_cells()));
+        adapt_box_mesh<dim>(mesh, lattice.hierarchy()->refined_only(cells));
+      }
+    const bool moves = Utilities::MPI::n_mpi_processes(comm) > 1 &&
+                       partition->n_rows > 0 &&
+                       !partition->is_same(*cell_partition);
+    if (moves)
+      repartition_mesh(mesh, *partition);
+    if (moves || adapts)
+      cell_partition = partition;
+    return moves || adapts;
+  }
+
+
+
+  template <int dim>
+  void
+  Discretization<dim>::reinit_adapted()
+  {
+    cell_partition = std::make_shared<const Partition>(
+      std::vector<double>(),
+      comm,
+      std::make_shared<const std::vector<std::uint64_t>>(refined_cells(mesh)));
+    reinit();
   }
 
 

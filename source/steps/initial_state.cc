@@ -2,6 +2,7 @@
 
 #include <greville/geometry/inside.h>
 #include <greville/parameters/pores.h>
+#include <greville/steps/adapt_grid.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/stage_bodies.h>
@@ -261,8 +262,6 @@ namespace greville
                      const SimulationParameters    &parameters,
                      const Loads<dim>              &loads)
   {
-    // Points may move this far before a well-filled cell is a cut one.
-    constexpr double well_filled = 0.97;
     while (true)
       {
         const SplineSpace<dim> space(mesh, parameters.grid.degree);
@@ -270,29 +269,11 @@ namespace greville
         std::vector<const MaterialPoints<dim> *> points;
         for (const Body<dim> &body : bodies)
           points.push_back(&body.points);
-        PointTransfer<dim> transfer;
-        transfer.reinit(space);
-        std::vector<double> parts;
-        transfer.filling(points, parts);
-        CellFilling<dim> filling(space);
-        filling.update(parts, well_filled);
-        const Extension<dim> extension(space, filling);
-        // Empty cells need no splines.
-        std::vector<std::uint64_t> cut;
-        for (const std::uint64_t position :
-             extension.level_functions().cells_to_refine())
-          if (parts[space.find(position)] > 0.)
-            cut.push_back(position);
-        std::vector<MultiIndex<dim>> cells;
-        for (const auto &of_process :
-             Utilities::MPI::all_gather(space.communicator(), cut))
-          for (const std::uint64_t position : of_process)
-            cells.push_back(
-              multi_index<dim>(position, space.cells_per_direction()));
+        const auto cells = cells_at_surfaces(space, points);
         if (cells.empty())
           return;
-        refine_box_mesh<dim>(mesh,
-                             space.lattice().hierarchy()->refined_also(cells));
+        adapt_box_mesh<dim>(mesh,
+                            space.lattice().hierarchy()->refined_also(cells));
       }
   }
 

@@ -10,8 +10,12 @@ namespace greville
 {
   using namespace dealii;
 
-  Partition::Partition(std::vector<double> rows_, const MPI_Comm comm)
+  Partition::Partition(
+    std::vector<double>                                      rows_,
+    const MPI_Comm                                           comm,
+    const std::shared_ptr<const std::vector<std::uint64_t>> &refined)
     : rows(std::move(rows_))
+    , refined(refined)
   {
     Require(rows.size() % 2 == 0,
             "a row of a partition has a cell and a weight");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/parameters/in_stage.h>
+#include <greville/steps/adapt_grid.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/simulation.h>
@@ -192,8 +193,10 @@ namespace greville
   void
   Simulation<dim>::share_cells()
   {
-    const auto partition =
-      std::make_shared<const Partition>(balanced_partition(current, space()));
+    const auto partition = std::make_shared<const Partition>(
+      balanced_partition(current, space()).rows,
+      comm,
+      current.partition->refined);
     if (Utilities::MPI::n_mpi_processes(comm) == 1 ||
         partition->is_same(*current.partition))
       return;
@@ -225,6 +228,45 @@ namespace greville
                             std::max(threshold, worth_it * current.imbalance))
       return false;
     share_cells();
+    return true;
+  }
+
+
+
+  template <int dim>
+  bool
+  Simulation<dim>::adapt_cells()
+  {
+    const unsigned int every = parameters.grid.adapt_every;
+    if (every == 0 || current.n_steps == 0 || current.n_steps % every != 0)
+      return false;
+    const PartTimer  timer(log, "adaptation");
+    const Adaptation result =
+      adapt_grid(current, discretization, parameters, [&]() {
+        integrator.reset();
+        last_good = Snapshot<dim>();
+      });
+    if (result.is_limited && !current.is_limited)
+      log.warnings.push_back("The limit 'Grid/Most cells' = " +
+                             std::to_string(parameters.grid.most_cells) +
+                             " is reached at t = " + text_of(current.time) +
+                             " s: indicators halve no more cells.");
+    current.is_limited = current.is_limited || result.is_limited;
+    if (!result.changes)
+      return false;
+    ++current.n_adaptations;
+    current.n_divided += result.n_divided;
+    share_cells();
+    if (!integrator)
+      integrator = make_integrator();
+    const Signals last       = current.signals;
+    const double  first_step = current.estimates.first_step;
+    current.signals          = initial_signals(current.bodies, space());
+    current.signals.wave     = std::max(last.wave, current.signals.wave);
+    current.signals.fastest  = std::max(last.fastest, current.signals.fastest);
+    current.estimates        = StepEstimates();
+    current.estimates.first_step = first_step;
+    last_good.take(current);
     return true;
   }
 

@@ -95,6 +95,12 @@ namespace greville
         }
       all("n_partitions", state.n_partitions);
       all("imbalance", state.imbalance);
+      if (state.partition && state.partition->refined)
+        {
+          all("n_adaptations", state.n_adaptations);
+          all("n_divided", state.n_divided);
+          all("is_limited", state.is_limited);
+        }
       all("warned_gain", state.warned_gain);
       all("time_to_share", state.time_to_share);
     }
@@ -341,6 +347,13 @@ namespace greville
     tables.push_back({prefix + "partition", {"cell", "weight"}, {}});
     if (state.partition)
       tables.back().values = state.partition->rows;
+    if (state.partition && state.partition->refined)
+      {
+        tables.push_back({prefix + "refined_cells", {"cell"}, {}});
+        if (is_first)
+          tables.back().values.assign(state.partition->refined->begin(),
+                                      state.partition->refined->end());
+      }
     for (DistributedTable &table : make_field_tables(state, space, prefix))
       tables.push_back(std::move(table));
     for (const Body<dim> &body : state.bodies)
@@ -384,8 +397,16 @@ namespace greville
     state.estimates.last =
       content.table(prefix + "step_estimates").gather(comm);
 
+    std::shared_ptr<const std::vector<std::uint64_t>> refined;
+    if (discretization.partition()->refined)
+      {
+        const auto cells = content.table(prefix + "refined_cells").gather(comm);
+        refined =
+          std::make_shared<const std::vector<std::uint64_t>>(cells.begin(),
+                                                             cells.end());
+      }
     if (discretization.repartition(std::make_shared<const Partition>(
-          content.table(prefix + "partition").values, comm)))
+          content.table(prefix + "partition").values, comm, refined)))
       discretization.reinit();
     state.partition = discretization.partition();
     set_fields_from_tables(state, content, discretization, prefix);

@@ -30,13 +30,19 @@ namespace greville
   class Shape
   {
   public:
-    /// Throws dealii::ExcMessage if @p formula is invalid.
-    Shape(const std::string &formula, const std::string &parameter);
+    /// Throws dealii::ExcMessage if @p formula is invalid. A formula that
+    /// @p moves may contain the time t, s.
+    Shape(const std::string &formula,
+          const std::string &parameter,
+          const bool         moves = false);
 
+    /// Return whether a point is inside, of a shape that moves at the time
+    /// @p t.
     bool
-    contains(const dealii::Point<dim> &x) const;
+    contains(const dealii::Point<dim> &x, const double t = 0.) const;
 
   private:
     Expression expression;
+    bool       moves;
   };
 } // namespace greville

@@ -21,8 +21,24 @@ namespace greville
     void
     declare(dealii::ParameterHandler &prm);
 
+    /// Return whether cells are refined at a time, s.
+    bool
+    acts_at(const double time) const
+    {
+      return time >= from && (until == 0. || time < until);
+    }
+
+    bool
+    has_indicator() const
+    {
+      return indicator != "none";
+    }
+
     std::string  shape;
-    unsigned int levels = 1;
+    unsigned int levels       = 1;
+    std::string  indicator    = "none";
+    double       refine_above = 0.01;
+    double       from = 0., until = 0.;
   };
 
 
@@ -42,6 +58,8 @@ namespace greville
     std::string                geometry = "plane strain";
     bool                       per_body = false;
     std::vector<std::string>   refinement;
+    unsigned int               adapt_every = 0;
+    unsigned int               most_cells  = 0;
     /// The regions that 'refinement' names.
     std::map<std::string, RefinementParameters> regions;
 
@@ -61,11 +79,12 @@ namespace greville
       return n;
     }
 
-    /// Return the levels of a refined grid for a mesh; null for a grid without
+    /// Return the levels of a refined grid for a mesh at a time, s, which the
+    /// shapes of regions without an indicator require; null for a grid without
     /// refinement. Throws dealii::ExcMessage for invalid shapes.
     template <int dim>
     std::shared_ptr<const CellHierarchy<dim>>
-    hierarchy() const;
+    hierarchy(const double time) const;
 
     /// Return the edges of the cells of a direction; none for equal cells.
     /// Throws dealii::ExcMessage for a text that is no list of edges.

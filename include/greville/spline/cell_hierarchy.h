@@ -60,6 +60,11 @@ namespace greville
     std::shared_ptr<const CellHierarchy>
     refined_also(const std::vector<MultiIndex<dim>> &cells) const;
 
+    /// Return a hierarchy in which only these cells of levels before the last
+    /// one, and the cells that contain them, are wanted.
+    std::shared_ptr<const CellHierarchy>
+    refined_only(const std::vector<MultiIndex<dim>> &cells) const;
+
     /// Return the number of lattices, level 0 included.
     unsigned int
     n_levels() const
@@ -133,6 +138,10 @@ namespace greville
     }
 
   private:
+    /// Want these cells, and the cells that contain them.
+    void
+    want(const std::vector<MultiIndex<dim>> &cells);
+
     /// Return whether a cell, counted from offset(level), is wanted.
     bool
     is_wanted(const unsigned int level, const MultiIndex<dim> &cell) const;
@@ -145,7 +154,7 @@ namespace greville
     CellBox<dim>
     box(const unsigned int level, const MultiIndex<dim> &cell) const;
 
-    const Wanted                          wanted;
+    Wanted                                wanted;
     const unsigned int                    n_rings;
     std::vector<MultiIndex<dim>>          offsets;
     MultiIndex<dim>                       n_coarse;

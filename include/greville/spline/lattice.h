@@ -276,13 +276,18 @@ namespace greville
     const CellEdges<dim>                            &edges    = {},
     const std::shared_ptr<const CellHierarchy<dim>> &levels   = nullptr);
 
-  /// Collective. Refine a mesh of create_box_mesh() further, to other @p levels
-  /// on the same cells of level 0. All cells that are refined now must be
-  /// refined in these levels, too.
+  /// Collective. Halve and join the cells of a mesh with levels, by
+  /// create_box_mesh(), as other levels of the same cells require.
   template <int dim>
   void
-  refine_box_mesh(DistributedTriangulation<dim> &triangulation,
-                  const std::shared_ptr<const CellHierarchy<dim>> &levels);
+  adapt_box_mesh(DistributedTriangulation<dim>                   &triangulation,
+                 const std::shared_ptr<const CellHierarchy<dim>> &levels);
+
+  /// Collective. Return the positions of all refined cells of a mesh with
+  /// levels, ascending.
+  template <int dim>
+  std::vector<std::uint64_t>
+  refined_cells(const DistributedTriangulation<dim> &triangulation);
 
   /// The settings required of a triangulation for a SplineSpace, which asks
   /// p4est for the owners of points.

@@ -11,15 +11,16 @@
 
 namespace greville
 {
-  /// Collective. Make the cells of a @p grid, and return their number in each
-  /// direction. Throws dealii::ExcMessage, which names the @p parameter, if
-  /// they do not fit into memory.
+  /// Collective. Make the cells of a @p grid at the @p start of a run (s), and
+  /// return their number in each direction. Throws dealii::ExcMessage, which
+  /// names the @p parameter, if they do not fit into memory.
   template <int dim>
   MultiIndex<dim>
   create_grid_mesh(DistributedTriangulation<dim> &mesh,
                    const GridParameters          &grid,
                    const WallParameters          &walls,
-                   const std::string             &parameter);
+                   const std::string             &parameter,
+                   const double                   start);
 
 
 
@@ -38,10 +39,11 @@ namespace greville
                    StepLog                    &log,
                    const MPI_Comm              comm);
 
-    /// Collective. Distribute the cells among the processes by @p partition.
-    /// Returns whether the mesh has changed; reinit() must then make everything
-    /// anew. The mesh does not change on one process, if cells have this
-    /// distribution already, or if the partition has no rows.
+    /// Collective. Make the cells of a @p partition with refined cells, and
+    /// distribute the cells among the processes by it. Returns whether the mesh
+    /// has changed; reinit() must then make everything anew. Cells are not
+    /// distributed on one process, if they have this distribution already, or
+    /// if the partition has no rows.
     bool
     repartition(const std::shared_ptr<const Partition> &partition);
 
@@ -57,6 +59,11 @@ namespace greville
     /// still refer to the old space.
     void
     reinit();
+
+    /// Collective. Call reinit() after the cells of triangulation() have
+    /// changed, without rows of a partition.
+    void
+    reinit_adapted();
 
     MPI_Comm
     communicator() const

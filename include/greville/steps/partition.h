@@ -5,22 +5,29 @@
 #include <deal.II/base/mpi.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace greville
 {
-  /// A distribution of cells among processes. It is given by the weights of the
-  /// cells with points; other cells have the weight of a cell without points.
-  /// On the same number of processes, p4est computes the same partition from
-  /// the weights again.
+  /// The cells of a grid that changes, and their distribution among processes.
+  /// This is given by the weights of the cells with points; other cells have
+  /// the weight of a cell without points. On the same number of processes,
+  /// p4est computes the same partition from the weights again.
   struct Partition
   {
     /// Collective. @p rows contains the lexicographic position of each cell
     /// (SplineSpace::owned_cells()) followed by its weight. Each cell may be on
-    /// any one process.
-    Partition(std::vector<double> rows, const MPI_Comm comm);
+    /// any one process. @p refined is kept.
+    Partition(std::vector<double>                                      rows,
+              const MPI_Comm                                           comm,
+              const std::shared_ptr<const std::vector<std::uint64_t>> &refined =
+                nullptr);
 
     const std::vector<double> rows;
+    /// The positions of the refined cells of a CellHierarchy that changes in a
+    /// run, ascending, the same on all processes; null for other grids.
+    const std::shared_ptr<const std::vector<std::uint64_t>> refined;
     /// The number of rows on all processes, and their checksum, which does not
     /// depend on their order.
     std::uint64_t n_rows = 0, checksum = 0;
@@ -28,7 +35,15 @@ namespace greville
     bool
     is_same(const Partition &other) const
     {
-      return n_rows == other.n_rows && checksum == other.checksum;
+      return n_rows == other.n_rows && checksum == other.checksum &&
+             has_same_cells(other);
+    }
+
+    bool
+    has_same_cells(const Partition &other) const
+    {
+      return refined == other.refined ||
+             (refined && other.refined && *refined == *other.refined);
     }
   };
 } // namespace greville

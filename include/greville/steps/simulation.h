@@ -258,6 +258,11 @@ namespace greville
     bool
     balance_load();
 
+    // Call adapt_grid() if it is due before this step. Returns whether the grid
+    // has changed.
+    bool
+    adapt_cells();
+
     // Restart solvers, guard and snapshot from the current state.
     void
     begin_anew();

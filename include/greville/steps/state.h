@@ -162,6 +162,12 @@ namespace greville
     unsigned int                     n_partitions = 0;
     double                           imbalance    = 1.;
 
+    /// For grids that change: the numbers of changes and of divided points, and
+    /// whether 'Grid/Most cells' has been reached.
+    unsigned int  n_adaptations = 0;
+    std::uint64_t n_divided     = 0;
+    bool          is_limited    = false;
+
     double warned_gain   = 0.; // of energy
     double time_to_share = 0.; // since share_volume()
   };

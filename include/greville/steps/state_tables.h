@@ -16,7 +16,8 @@ namespace greville
    *
    * Points have tables `body NAME` and `surface NAME`. The names of all other
    * tables begin with the @p prefix: `state` and `step_estimates` with numbers,
-   * `partition` (see Partition), and the fields of the grid.
+   * `partition` and `refined_cells` (see Partition), and the fields of the
+   * grid.
    */
   template <int dim>
   std::vector<DistributedTable>

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+
+#include <greville/spline/level_functions.h>
+#include <greville/steps/adapt_grid.h>
+#include <greville/steps/refinement_marks.h>
+#include <greville/steps/state_tables.h>
+
+#include <cmath>
+
+namespace greville
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Cells at surfaces that are filled less may be cut before the next
+    // adaptation.
+    constexpr double well_filled = 0.97;
+
+    // A point is divided if its volume exceeds this part of a cell, in units of
+    // the cell's 2^dim-th part.
+    constexpr double largest_part = 1.5;
+
+    // Ids of initial points are smaller. A divided point has in its id the
+    // numbers of its parts, from 1, as digits of base 2^dim + 1 above it.
+    constexpr double id_of_parts = 67108864.;
+  } // namespace
+
+
+
+  template <int dim>
+  std::vector<MultiIndex<dim>>
+  cells_at_surfaces(const SplineSpace<dim>                         &space,
+                    const std::vector<const MaterialPoints<dim> *> &points)
+  {
+    PointTransfer<dim> transfer;
+    transfer.reinit(space);
+    std::vector<double> parts;
+    transfer.filling(points, parts);
+    CellFilling<dim> filling(space);
+    filling.update(parts, well_filled);
+    const Extension<dim> extension(space, filling);
+    // Empty cells need no splines.
+    std::vector<std::uint64_t> cut;
+    for (const std::uint64_t position :
+         extension.level_functions().cells_to_refine())
+      if (parts[space.find(position)] > 0.)
+        cut.push_back(position);
+    std::vector<MultiIndex<dim>> cells;
+    for (const auto &of_process :
+         Utilities::MPI::all_gather(space.communicator(), cut))
+      for (const std::uint64_t position : of_process)
+        cells.push_back(
+          multi_index<dim>(position, space.cells_per_direction()));
+    return cells;
+  }
+
+
+
+  namespace
+  {
+    /// Return the id of part @p k of a divided point.
+    template <int dim>
+    double
+    id_of_part(const double id, const unsigned int k)
+    {
+      constexpr double base  = 1. + (1u << dim);
+      double           place = id_of_parts;
+      for (double parts = std::floor(id / id_of_parts); parts > 0.;
+           parts        = std::floor(parts / base))
+        place *= base;
+      return id + (k + 1) * place;
+    }
+
+
+
+    /// Return whether a point has to be divided in a cell.
+    template <int dim>
+    bool
+    is_large(const ConstPointRef<dim> p,
+             const PointLayout<dim>  &layout,
+             const CellBox<dim>      &box)
+    {
+      // As for the filled part of a cell, spray does not count as large.
+      const double J = layout.is_total_lagrangian() ? 1. : std::min(p.J(), 1.5);
+      return p.volume0() * J * (1u << dim) >
+             largest_part * box.volume() * layout.thickness(box.center);
+    }
+
+
+
+    /// Points in the cells of another grid, and their parts.
+    template <int dim>
+    class MovedPoints
+    {
+    public:
+      MovedPoints(MaterialPoints<dim>    &points,
+                  const SplineSpace<dim> &space,
+                  const bool              may_divide)
+        : points(points)
+        , space(space)
+        , layout(points.layout())
+        , may_divide(may_divide)
+      {}
+
+      /// Collective. Returns the number of divided points of this process.
+      std::uint64_t
+      move()
+      {
+        const MaterialPoints<dim> old = std::move(points);
+        points                        = MaterialPoints<dim>();
+        points.reinit(space, layout);
+        std::vector<double> numbers(layout.size);
+        for (const unsigned int cell : old.cells())
+          for_each_as_inserted(old, cell, [&](const ConstPointRef<dim> p) {
+            for (unsigned int i = 0; i < layout.size; ++i)
+              numbers[i] = p[i];
+            insert(numbers);
+          });
+        PointTransport<dim> transport;
+        transport.reinit(space);
+        transport.insert(points, rows);
+        return n_divided;
+      }
+
+    private:
+      void
+      insert(const std::vector<double> &numbers)
+      {
+        const ConstPointRef<dim> p(numbers.data());
+        const Lattice<dim>      &lattice = space.lattice();
+        const MultiIndex<dim>    index =
+          lattice.find_cell(p.basis_position(layout));
+        const CellBox<dim> box = lattice.box(index);
+        if (may_divide && is_large(p, layout, box))
+          {
+            divide(p, numbers, box);
+            return;
+          }
+        const auto position =
+          lexicographic<dim>(index, space.cells_per_direction());
+        const unsigned int cell = space.find(position);
+        if (cell != numbers::invalid_unsigned_int)
+          points.insert(cell, make_array_view(numbers));
+        else
+          {
+            rows.push_back(double(position));
+            rows.insert(rows.end(), numbers.begin(), numbers.end());
+          }
+      }
+
+      void
+      divide(const ConstPointRef<dim>   p,
+             const std::vector<double> &numbers,
+             const CellBox<dim>        &box)
+      {
+        ++n_divided;
+        // A quarter of the edges of the point in the stress-free state.
+        Tensor<1, dim> quarter;
+        const double   volume = layout.is_axisymmetric()
+                                  ? p.volume0() / p[layout.radius0]
+                                  : p.volume0();
+        for (unsigned int d = 0; d < dim; ++d)
+          quarter[d] = 0.25 * box.size[d] *
+                       std::pow(volume / box.volume(), 1. / double(dim));
+        const Tensor<2, dim> F = p.matrix(PointLayout<dim>::F),
+                             initial_F =
+                               layout.initial_F > 0
+                                 ? p.matrix(layout.initial_F)
+                                 : Tensor<2, dim>(unit_symmetric_tensor<dim>());
+        const unsigned int n_parts = 1u << dim;
+        for (unsigned int k = 0; k < n_parts; ++k)
+          {
+            std::vector<double> part = numbers;
+            const PointRef<dim> q(part.data());
+            Tensor<1, dim>      shift;
+            for (unsigned int d = 0; d < dim; ++d)
+              shift[d] = (k >> d) % 2 == 0 ? -quarter[d] : quarter[d];
+            // Points stay in the grid.
+            while (!is_in_grid(
+              p.basis_position(layout) +
+              (layout.is_total_lagrangian() ? initial_F * shift : F * shift)))
+              shift *= 0.5;
+            const Tensor<1, dim> moved = F * shift, before = initial_F * shift;
+            double               share = 1. / n_parts;
+            if (layout.is_axisymmetric())
+              {
+                share *= (p[layout.radius0] + shift[0]) / p[layout.radius0];
+                q[layout.radius0] += shift[0];
+              }
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                q.position(d) += moved[d];
+                q.reference(d) += before[d];
+              }
+            q.mass() *= share;
+            q.volume0() *= share;
+            q.id() = id_of_part<dim>(p.id(), k);
+            insert(part);
+          }
+      }
+
+      bool
+      is_in_grid(const Point<dim> &x) const
+      {
+        bool result = true;
+        for (unsigned int d = 0; d < dim; ++d)
+          result = result && x[d] >= space.lower_corner()[d] &&
+                   x[d] <= space.upper_corner()[d];
+        return result;
+      }
+
+      MaterialPoints<dim>    &points;
+      const SplineSpace<dim> &space;
+      const PointLayout<dim>  layout;
+      const bool              may_divide;
+      std::vector<double>     rows; // of other processes
+      std::uint64_t           n_divided = 0;
+    };
+
+
+
+    /// Collective. Return whether the cells of a space are the active cells of
+    /// these levels.
+    template <int dim>
+    bool
+    has_cells_of(const SplineSpace<dim>   &space,
+                 const CellHierarchy<dim> &levels)
+    {
+      bool result = true;
+      run_on_all(space.communicator(), [&]() {
+        for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+          result = result && levels.is_active(space.box(cell).index);
+      });
+      return !Utilities::MPI::logical_or(!result, space.communicator());
+    }
+
+
+
+    /// Collective. Return whether points have to be divided.
+    template <int dim>
+    bool
+    has_large_points(const State<dim> &state, const MPI_Comm comm)
+    {
+      bool result = false;
+      for (const Body<dim> &body : state.bodies)
+        body.points.for_each(
+          [&](const unsigned int cell, const ConstPointRef<dim> p) {
+            result =
+              result ||
+              is_large(p, body.points.layout(), body.points.space().box(cell));
+          });
+      return Utilities::MPI::logical_or(result, comm);
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  Adaptation
+  adapt_grid(State<dim>                  &state,
+             Discretization<dim>         &discretization,
+             const SimulationParameters  &parameters,
+             const std::function<void()> &release)
+  {
+    Adaptation     result;
+    const MPI_Comm comm  = discretization.communicator();
+    const auto     marks = mark_cells(state, discretization, parameters);
+    result.is_limited    = marks.is_limited;
+    auto levels =
+      parameters.grid.hierarchy<dim>(state.time)->refined_also(marks.cells);
+    std::vector<const MaterialPoints<dim> *> points;
+    for (const Body<dim> &body : state.bodies)
+      points.push_back(&body.points);
+    if (has_cells_of(discretization.space(), *levels))
+      {
+        const auto cut = cells_at_surfaces(discretization.space(), points);
+        if (cut.empty() && !has_large_points(state, comm))
+          return result;
+        levels = levels->refined_also(cut);
+      }
+    result.changes = true;
+    release();
+    DistributedTriangulation<dim>    &mesh = discretization.triangulation();
+    std::unique_ptr<SplineSpace<dim>> space;
+    for (bool is_cut = true; is_cut;)
+      {
+        adapt_box_mesh(mesh, levels);
+        auto next =
+          std::make_unique<SplineSpace<dim>>(mesh, parameters.grid.degree);
+        for (Body<dim> &body : state.bodies)
+          {
+            const std::uint64_t n = Utilities::MPI::sum(
+              MovedPoints<dim>(body.points, *next, true).move(), comm);
+            result.n_divided += n;
+            body.n_points += n * ((1u << dim) - 1);
+            state.n_points += n * ((1u << dim) - 1);
+          }
+        for (Surface<dim> &surface : state.surfaces)
+          MovedPoints<dim>(surface.points, *next, false).move();
+        space          = std::move(next);
+        const auto cut = cells_at_surfaces(*space, points);
+        levels         = levels->refined_also(cut);
+        is_cut         = !cut.empty();
+      }
+    discretization.reinit_adapted();
+    for_all_points(state, [&](MaterialPoints<dim> &moved) {
+      moved.set_space(discretization.space());
+    });
+    state.partition = discretization.partition();
+    discretization.initialize_field(state);
+    state.points_have_changed();
+    return result;
+  }
+
+
+
+  GREVILLE_INSTANTIATE(cells_at_surfaces);
+  GREVILLE_INSTANTIATE(adapt_grid);
+} // namespace greville
