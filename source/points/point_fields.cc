@@ -220,7 +220,16 @@ namespace greville
           [](const Ref p, const Body<dim> &body, const unsigned int) {
             return value_of(p, body, "pore_pressure");
           }),
-        scalar("process", [process](const Ref) { return process; })};
+        scalar("process", [process](const Ref) { return process; }),
+        scalar_field<dim>(
+          "level",
+          [](const Ref p, const Body<dim> &body, const unsigned int) -> double {
+            const auto &lattice = body.points.space().lattice();
+            const auto *levels  = lattice.hierarchy();
+            return levels ? levels->level(lattice.find_cell(
+                              p.basis_position(body.points.layout())))
+                          : 0;
+          })};
     }
   } // namespace
 

@@ -163,6 +163,8 @@ namespace greville
     if (parameters.output.load)
       columns.insert(columns.end(),
                      {"largest_load", "imbalance", "partitions"});
+    if (parameters.grid.adapt_every > 0)
+      columns.insert(columns.end(), {"cells", "adaptations", "divided"});
     return columns;
   }
 

@@ -46,7 +46,7 @@ namespace greville
        "1",
        "1",
        "iterations active points fragments redone stage factor largest_load "
-       "imbalance partitions"},
+       "imbalance partitions cells adaptations divided"},
       {"probes.csv", "s", "s", "time"},
       {"probes.csv", "Pa", "Pa", "stress pore_pressure"},
       {"probes.csv", "m", "m", "x y z"},
@@ -64,7 +64,7 @@ namespace greville
       {"points",
        "1",
        "1",
-       "plastic_strain opening strain b stran F J body id process"},
+       "plastic_strain opening strain b stran F J body id process level"},
       {"grid", "m / s", "m / s", "velocity"},
       {"grid", "m / s^2", "m / s^2", "acceleration"},
       {"grid", "N", "N / m", "force"},

@@ -179,6 +179,14 @@ namespace greville
         row.more.push_back(imbalance(work, comm));
         row.more.push_back(simulations.sum(&State<dim>::n_partitions));
       }
+    if (parameters.grid.adapt_every > 0)
+      {
+        row.more.push_back(simulations.sum([](const Simulation<dim> &part) {
+          return double(part.space().triangulation().n_global_active_cells());
+        }));
+        row.more.push_back(simulations.sum(&State<dim>::n_adaptations));
+        row.more.push_back(simulations.sum(&State<dim>::n_divided));
+      }
     return row;
   }
 

@@ -74,17 +74,95 @@ namespace greville
 
 
 
-    /// Return whether a point has to be divided in a cell.
+    /// Return whether points of this layout are those of a surface.
+    template <int dim>
+    bool
+    is_of_surface(const PointLayout<dim> &layout)
+    {
+      return layout.find("normal") != nullptr;
+    }
+
+
+
+    /// Return the edge of a point of a surface, m.
+    template <int dim>
+    double
+    edge_on_surface(const ConstPointRef<dim> p, const PointLayout<dim> &layout)
+    {
+      return std::pow(p.mass() / layout.thickness(p.reference()),
+                      1. / (dim - 1.));
+    }
+
+
+
+    /// Return whether a point has to be divided in a cell. Material points in
+    /// contact are never divided: they follow from the points of their body.
     template <int dim>
     bool
     is_large(const ConstPointRef<dim> p,
              const PointLayout<dim>  &layout,
              const CellBox<dim>      &box)
     {
+      if (layout.find("radius"))
+        return false;
+      if (is_of_surface(layout))
+        return std::pow(2. * edge_on_surface(p, layout), dim) >
+               largest_part * box.volume();
       // As for the filled part of a cell, spray does not count as large.
       const double J = layout.is_total_lagrangian() ? 1. : std::min(p.J(), 1.5);
       return p.volume0() * J * (1u << dim) >
              largest_part * box.volume() * layout.thickness(box.center);
+    }
+
+
+
+    /// Return the places of the parts of a point, relative to it, in its
+    /// stress-free state.
+    template <int dim>
+    std::vector<Tensor<1, dim>>
+    places_of_parts(const ConstPointRef<dim> p,
+                    const PointLayout<dim>  &layout,
+                    const CellBox<dim>      &box)
+    {
+      std::vector<Tensor<1, dim>> quarters; // of edges
+      if (is_of_surface(layout))
+        {
+          const Tensor<1, dim> normal  = p.vector(layout.first("normal"));
+          const double         quarter = 0.25 * edge_on_surface(p, layout);
+          // A direction with a small part of the normal, made a tangent.
+          Tensor<1, dim> tangent;
+          if constexpr (dim == 2)
+            tangent = cross_product_2d(normal);
+          else
+            {
+              unsigned int d = 0;
+              for (unsigned int e = 1; e < dim; ++e)
+                d = std::abs(normal[e]) < std::abs(normal[d]) ? e : d;
+              tangent[d] = 1.;
+              tangent    = cross_product_3d(normal, tangent);
+            }
+          quarters.push_back(quarter / tangent.norm() * tangent);
+          if constexpr (dim == 3)
+            quarters.push_back(quarter / tangent.norm() / normal.norm() *
+                               cross_product_3d(normal, tangent));
+        }
+      else
+        {
+          const double volume = layout.is_axisymmetric()
+                                  ? p.volume0() / p[layout.radius0]
+                                  : p.volume0();
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              quarters.emplace_back();
+              quarters.back()[d] =
+                0.25 * box.size[d] * std::pow(volume / box.volume(), 1. / dim);
+            }
+        }
+      std::vector<Tensor<1, dim>> result(1u << quarters.size());
+      for (unsigned int k = 0; k < result.size(); ++k)
+        for (unsigned int d = 0; d < quarters.size(); ++d)
+          result[k] += (k >> d) % 2 == 0 ? -quarters[d] : quarters[d];
+      return result;
     }
 
 
@@ -94,13 +172,10 @@ namespace greville
     class MovedPoints
     {
     public:
-      MovedPoints(MaterialPoints<dim>    &points,
-                  const SplineSpace<dim> &space,
-                  const bool              may_divide)
+      MovedPoints(MaterialPoints<dim> &points, const SplineSpace<dim> &space)
         : points(points)
         , space(space)
         , layout(points.layout())
-        , may_divide(may_divide)
       {}
 
       /// Collective. Returns the number of divided points of this process.
@@ -132,7 +207,7 @@ namespace greville
         const MultiIndex<dim>    index =
           lattice.find_cell(p.basis_position(layout));
         const CellBox<dim> box = lattice.box(index);
-        if (may_divide && is_large(p, layout, box))
+        if (is_large(p, layout, box))
           {
             divide(p, numbers, box);
             return;
@@ -155,47 +230,37 @@ namespace greville
              const CellBox<dim>        &box)
       {
         ++n_divided;
-        // A quarter of the edges of the point in the stress-free state.
-        Tensor<1, dim> quarter;
-        const double   volume = layout.is_axisymmetric()
-                                  ? p.volume0() / p[layout.radius0]
-                                  : p.volume0();
-        for (unsigned int d = 0; d < dim; ++d)
-          quarter[d] = 0.25 * box.size[d] *
-                       std::pow(volume / box.volume(), 1. / double(dim));
         const Tensor<2, dim> F = p.matrix(PointLayout<dim>::F),
                              initial_F =
                                layout.initial_F > 0
                                  ? p.matrix(layout.initial_F)
                                  : Tensor<2, dim>(unit_symmetric_tensor<dim>());
-        const unsigned int n_parts = 1u << dim;
-        for (unsigned int k = 0; k < n_parts; ++k)
+        const auto   places = places_of_parts(p, layout, box);
+        unsigned int k      = 0;
+        for (Tensor<1, dim> place : places)
           {
             std::vector<double> part = numbers;
             const PointRef<dim> q(part.data());
-            Tensor<1, dim>      shift;
-            for (unsigned int d = 0; d < dim; ++d)
-              shift[d] = (k >> d) % 2 == 0 ? -quarter[d] : quarter[d];
             // Points stay in the grid.
-            while (!is_in_grid(
-              p.basis_position(layout) +
-              (layout.is_total_lagrangian() ? initial_F * shift : F * shift)))
-              shift *= 0.5;
-            const Tensor<1, dim> moved = F * shift, before = initial_F * shift;
-            double               share = 1. / n_parts;
+            while (!is_in_grid(p.basis_position(layout) +
+                               (layout.is_total_lagrangian() ? initial_F : F) *
+                                 place))
+              place *= 0.5;
+            const Tensor<1, dim> now = F * place, before = initial_F * place;
+            double               share = 1. / places.size();
             if (layout.is_axisymmetric())
               {
-                share *= (p[layout.radius0] + shift[0]) / p[layout.radius0];
-                q[layout.radius0] += shift[0];
+                share *= (p[layout.radius0] + place[0]) / p[layout.radius0];
+                q[layout.radius0] += place[0];
               }
             for (unsigned int d = 0; d < dim; ++d)
               {
-                q.position(d) += moved[d];
+                q.position(d) += now[d];
                 q.reference(d) += before[d];
               }
             q.mass() *= share;
             q.volume0() *= share;
-            q.id() = id_of_part<dim>(p.id(), k);
+            q.id() = id_of_part<dim>(p.id(), k++);
             insert(part);
           }
       }
@@ -213,7 +278,6 @@ namespace greville
       MaterialPoints<dim>    &points;
       const SplineSpace<dim> &space;
       const PointLayout<dim>  layout;
-      const bool              may_divide;
       std::vector<double>     rows; // of other processes
       std::uint64_t           n_divided = 0;
     };
@@ -243,13 +307,13 @@ namespace greville
     has_large_points(const State<dim> &state, const MPI_Comm comm)
     {
       bool result = false;
-      for (const Body<dim> &body : state.bodies)
-        body.points.for_each(
+      for_all_points(state, [&](const MaterialPoints<dim> &points) {
+        points.for_each(
           [&](const unsigned int cell, const ConstPointRef<dim> p) {
             result =
-              result ||
-              is_large(p, body.points.layout(), body.points.space().box(cell));
+              result || is_large(p, points.layout(), points.space().box(cell));
           });
+      });
       return Utilities::MPI::logical_or(result, comm);
     }
   } // namespace
@@ -290,14 +354,15 @@ namespace greville
           std::make_unique<SplineSpace<dim>>(mesh, parameters.grid.degree);
         for (Body<dim> &body : state.bodies)
           {
-            const std::uint64_t n = Utilities::MPI::sum(
-              MovedPoints<dim>(body.points, *next, true).move(), comm);
+            const std::uint64_t n =
+              Utilities::MPI::sum(MovedPoints<dim>(body.points, *next).move(),
+                                  comm);
             result.n_divided += n;
             body.n_points += n * ((1u << dim) - 1);
             state.n_points += n * ((1u << dim) - 1);
           }
         for (Surface<dim> &surface : state.surfaces)
-          MovedPoints<dim>(surface.points, *next, false).move();
+          MovedPoints<dim>(surface.points, *next).move();
         space          = std::move(next);
         const auto cut = cells_at_surfaces(*space, points);
         levels         = levels->refined_also(cut);

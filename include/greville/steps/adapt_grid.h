@@ -39,7 +39,8 @@ namespace greville
    * They share its mass and volume equally, and have its velocity, deformation,
    * stress and history: mass, momentum and energy do not change. They lie at
    * the centres of the parts of a box that has the proportions of the cell and
-   * is deformed by F.
+   * is deformed by F. Points of surfaces are divided likewise, into
+   * 2^(dim - 1) points in their plane.
    */
   template <int dim>
   Adaptation
