@@ -175,7 +175,7 @@ def draw_picture(simulation, mesh):
     for n, k in enumerate(chosen):
         row, column = divmod(n, columns)
         left, low = 0.65 + column * (width + between), bottom + (rows - 1 - row) * (height + gap)
-        axes = add_axes(figure, (left, low, width, height), simulation, mesh,
+        axes = add_axes(figure, (left, low, width, height), simulation, k if mesh else None,
                         ("x" if row == rows - 1 else "") + ("y" if column == 0 else ""))
         draw_points(axes, simulation, k)
         figure.text(left / 7.2, (low + height + 0.1) / total, f"({'abcd'[n]})  {simulation.title(k)}")

@@ -471,10 +471,18 @@ class Run:
         return self._numbers("Grid/Cells", int)
 
     def grid_edges(self, d):
-        """Return the edges of the cells in direction d."""
+        """Return the edges of the cells in direction d; of a refined grid those of level 0."""
         lower, upper = self.grid_box
         return np.array(self._numbers(f"Grid/Knots {'xyz'[d]}")) if self.parameters.get(f"Grid/Knots {'xyz'[d]}") else \
             np.linspace(lower[d], upper[d], self.grid_cells[d] + 1)
+
+    def cell_boxes(self, k):
+        """Return two corners of each cell with points of a refined grid at the kth time; none for other grids."""
+        if not self.parameters.get("Grid/Refinement") or "grid" not in names_in_series(self.folder):
+            return np.zeros((0, 2, self.dim))
+        # Cells are patches of as many nodes.
+        nodes = self.grid(k, []).x[:, :self.dim].reshape(-1, (int(self.parameters["Grid/Order"]) + 1)**self.dim, self.dim)
+        return np.stack([nodes.min(axis=1), nodes.max(axis=1)], axis=1)
 
     @property
     def walls(self):

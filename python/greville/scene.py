@@ -140,8 +140,8 @@ class Simulation:
         return sorted({0, n - 1} | {int(np.argmin(abs(way - part * way[-1] / 3))) for part in (1, 2)})
 
 
-def add_axes(figure, position, simulation, mesh=False, labels="xy"):
-    """Add axes at a position in inches, with limits and labels of the simulation."""
+def add_axes(figure, position, simulation, mesh=None, labels="xy"):
+    """Add axes at a position in inches, with limits and labels of the simulation, and the mesh of a time."""
     box = np.array(position) / np.tile(figure.get_size_inches(), 2)
     lower, upper = simulation.lower, simulation.upper
     if simulation.dim == 3:
@@ -176,11 +176,18 @@ def add_axes(figure, position, simulation, mesh=False, labels="xy"):
         if is_shown:
             keep_apart(axis)
     draw_walls(axes, simulation)
-    if mesh and simulation.domain is not None:
-        for d, draw in enumerate((axes.axvline, axes.axhline)):
-            for x in simulation.run.grid_edges(d):
-                draw(x, color="0.85", linewidth=0.4, zorder=0)
+    if mesh is not None and simulation.domain is not None:
+        draw_cells(axes, simulation.run, mesh)
     return axes
+
+
+def draw_cells(axes, run, k):
+    """Draw the cells of level 0, and all cells with points at the kth time of a refined grid."""
+    for d, draw in enumerate((axes.axvline, axes.axhline)):
+        for x in run.grid_edges(d):
+            draw(x, color="0.85", linewidth=0.4, zorder=0)
+    for (x0, y0), (x1, y1) in run.cell_boxes(k):
+        axes.add_patch(plt.Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, edgecolor="0.7", linewidth=0.4, zorder=0))
 
 
 def draw_walls(axes, simulation):
@@ -317,7 +324,7 @@ def frame(simulation, k, mesh=False):
     width = min(5.6, 6. / ratio)
     height = max(width * ratio, 1.2)
     figure = plt.figure(figsize=(width + 1.8, height + 0.9), dpi=120)
-    axes = add_axes(figure, (0.65, 0.5, width, height), simulation, mesh)
+    axes = add_axes(figure, (0.65, 0.5, width, height), simulation, k if mesh else None)
     draw_points(axes, simulation, k)
     figure.text(0.65 / (width + 1.8), 1 - 0.22 / (height + 0.9),
                 f"{simulation.title_of_run},  {simulation.title(k)}", va="center")

@@ -95,9 +95,10 @@ namespace greville
         Require(!region.shape.empty() || region.has_indicator(),
                 "The parameter " + section +
                   "Shape' is empty: it has to be the formula of a region.");
-        Require(adapts || !region.has_indicator(),
-                "The parameter " + section + "Indicator' = " +
-                  region.indicator + " needs 'Grid/Adapt every' > 0.");
+        Require(grid.has_changing_cells() || !region.has_indicator(),
+                "The parameter " + section +
+                  "Indicator' = " + region.indicator +
+                  " needs 'Grid/Adapt every' or 'Grid/Adapt at start' > 0.");
         Require(adapts || (region.from == 0. && region.until == 0.),
                 "The parameters " + section +
                   "From' and 'Until' need "

@@ -104,6 +104,10 @@ namespace greville
       "Steps between two adaptations of the cells to the regions of "
       "'Refinement'. In cells that are halved, points are divided so that two "
       "are left in each direction. 0: the cells never change. Unit: none.");
+    add_parameter(prm, "Adapt at start", adapt_at_start, Integer(0))(
+      "How often the first step is tried before the run begins. Each time the "
+      "cells are adapted to its results, and the bodies are placed anew. "
+      "Unit: none.");
     add_parameter(prm, "Most cells", most_cells, Integer(0))(
       "Indicators halve cells only as long as the grid has fewer cells. 0: no "
       "limit. Unit: none.");

@@ -93,6 +93,24 @@ namespace greville
 
 
 
+  template <int dim>
+  void
+  adapt_at_start(SimulationParameters &parameters, const MPI_Comm comm)
+  {
+    for (unsigned int k = 0; k < parameters.grid.adapt_at_start; ++k)
+      {
+        CoupledSimulations<dim> trial(parameters, comm);
+        trial.step();
+        parameters.grid.marked_at_start.clear();
+        const auto &extents = trial.first().space().cells_per_direction();
+        for (const MultiIndex<dim> &cell : trial.part(0).marked_cells())
+          parameters.grid.marked_at_start.push_back(
+            lexicographic<dim>(cell, extents));
+      }
+  }
+
+
+
   void
   refuse_sweep(const SimulationParameters &parameters, const std::string &file)
   {
@@ -110,10 +128,10 @@ namespace greville
                   const MPI_Comm     comm,
                   const RunOptions  &options)
   {
-    const SimulationParameters parameters(file, options.settings);
-    const bool    is_first = Utilities::MPI::this_mpi_process(comm) == 0;
-    std::ostream  nowhere(nullptr);
-    std::ostream &out = is_first ? std::cout : nowhere;
+    SimulationParameters parameters(file, options.settings);
+    const bool           is_first = Utilities::MPI::this_mpi_process(comm) == 0;
+    std::ostream         nowhere(nullptr);
+    std::ostream        &out = is_first ? std::cout : nowhere;
 
     refuse_sweep(parameters, file);
     const std::string directory = folder_of_run(parameters, file, options);
@@ -129,10 +147,16 @@ namespace greville
     };
     for (const std::string &note : repeated_parameters(file))
       out << "Note: " << note << std::endl;
+    const auto run = [&](const auto dimension) {
+      if (!options.resumes)
+        adapt_at_start<dimension>(parameters, comm);
+      SimulationRun<dimension>(parameters, directory, out, comm, options_of_run)
+        .run();
+    };
     if (parameters.general.dimension == 2)
-      SimulationRun<2>(parameters, directory, out, comm, options_of_run).run();
+      run(std::integral_constant<int, 2>());
     else
-      SimulationRun<3>(parameters, directory, out, comm, options_of_run).run();
+      run(std::integral_constant<int, 3>());
   }
 
 
@@ -172,4 +196,8 @@ namespace greville
     for (const std::string &note : repeated_parameters(file))
       std::cout << "Note: " << note << std::endl;
   }
+
+
+
+  GREVILLE_INSTANTIATE(adapt_at_start);
 } // namespace greville

@@ -50,8 +50,7 @@ namespace greville
     for (const auto &of_process :
          Utilities::MPI::all_gather(space.communicator(), cut))
       for (const std::uint64_t position : of_process)
-        cells.push_back(
-          multi_index<dim>(position, space.cells_per_direction()));
+        cells.push_back(space.lattice().hierarchy()->index(position));
     return cells;
   }
 

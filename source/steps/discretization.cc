@@ -100,16 +100,24 @@ namespace greville
                           dim,
                           "The parameter '" + parameter + "'",
                           get_communicator(mesh));
+    auto levels = grid.hierarchy<dim>(start);
+    if (levels)
+      {
+        std::vector<MultiIndex<dim>> marked;
+        for (const std::uint64_t position : grid.marked_at_start)
+          marked.push_back(levels->index(position));
+        levels = levels->refined_also(marked);
+      }
     create_box_mesh<dim>(mesh,
                          lower,
                          upper,
                          n_cells,
                          Walls<dim>::periodic_directions(walls),
                          edges,
-                         grid.hierarchy<dim>(start));
+                         levels);
     const unsigned int n_refinements =
       CoarseCells<dim>(n_cells).n_refinements + grid.n_levels();
-    Require(!grid.is_refined() || grid.adapt_every > 0 ||
+    Require(!grid.is_refined() || grid.has_changing_cells() ||
               mesh.n_global_levels() == n_refinements + 1,
             "The regions of 'Grid/Refinement' contain no cell of the grid that "
             "is halved " +
@@ -145,7 +153,7 @@ namespace greville
     cell_partition = std::make_shared<const Partition>(
       std::vector<double>(),
       comm,
-      parameters.grid.adapt_every > 0
+      parameters.grid.has_changing_cells()
         ? std::make_shared<const std::vector<std::uint64_t>>(
             refined_cells(mesh))
         : nullptr);
@@ -174,7 +182,7 @@ namespace greville
         const Lattice<dim>           lattice(mesh);
         std::vector<MultiIndex<dim>> cells;
         for (const std::uint64_t position : *partition->refined)
-          cells.push_back(multi_index<dim>(position, lattice.n_cells()));
+          cells.push_back(lattice.hierarchy()->index(position));
         adapt_box_mesh<dim>(mesh, lattice.hierarchy()->refined_only(cells));
       }
     const bool moves = Utilities::MPI::n_mpi_processes(comm) > 1 &&

@@ -373,8 +373,7 @@ namespace greville
     for (const auto &of_process :
          Utilities::MPI::all_gather(space.communicator(), marks))
       for (const std::uint64_t position : of_process)
-        result.cells.push_back(
-          multi_index<dim>(position, space.cells_per_direction()));
+        result.cells.push_back(space.lattice().hierarchy()->index(position));
     return result;
   }
 

@@ -4,6 +4,7 @@
 #include <greville/steps/adapt_grid.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
+#include <greville/steps/refinement_marks.h>
 #include <greville/steps/simulation.h>
 #include <greville/steps/stage_bodies.h>
 #include <greville/steps/state_tables.h>
@@ -229,6 +230,15 @@ namespace greville
       return false;
     share_cells();
     return true;
+  }
+
+
+
+  template <int dim>
+  std::vector<MultiIndex<dim>>
+  Simulation<dim>::marked_cells()
+  {
+    return mark_cells(current, discretization, parameters).cells;
   }
 
 

@@ -58,10 +58,20 @@ namespace greville
     std::string                geometry = "plane strain";
     bool                       per_body = false;
     std::vector<std::string>   refinement;
-    unsigned int               adapt_every = 0;
-    unsigned int               most_cells  = 0;
+    unsigned int               adapt_every    = 0;
+    unsigned int               adapt_at_start = 0;
+    unsigned int               most_cells     = 0;
     /// The regions that 'refinement' names.
     std::map<std::string, RefinementParameters> regions;
+    /// Not set by files: positions of cells (CellHierarchy) that are halved at
+    /// the start as well, see adapt_at_start().
+    std::vector<std::uint64_t> marked_at_start;
+
+    bool
+    has_changing_cells() const
+    {
+      return adapt_every > 0 || adapt_at_start > 0;
+    }
 
     bool
     is_refined() const

@@ -31,6 +31,12 @@ namespace greville
                      const std::string &folder,
                      const MPI_Comm     comm);
 
+  /// Collective. Try the first step as often as 'Grid/Adapt at start' says, and
+  /// set GridParameters::marked_at_start from the results.
+  template <int dim>
+  void
+  adapt_at_start(SimulationParameters &parameters, const MPI_Comm comm);
+
   /// Collective. Set the state of simulations at a checkpoint, and then call
   /// @p resume_files. Throws dealii::ExcMessage, which names the checkpoint, if
   /// this fails, or if the parameters differ in a way that prevents a run from

@@ -91,6 +91,16 @@ namespace greville
       return all_edges;
     }
 
+    /// Return the index of a cell at a position in the array of all levels.
+    MultiIndex<dim>
+    index(const std::uint64_t position) const
+    {
+      MultiIndex<dim> extents;
+      for (unsigned int d = 0; d < dim; ++d)
+        extents[d] = (*all_edges)[d].size() - 1;
+      return multi_index<dim>(position, extents);
+    }
+
     /// Return only the edges of the last level.
     CellEdges<dim>
     finest_edges() const;

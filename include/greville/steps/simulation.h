@@ -223,6 +223,11 @@ namespace greville
     void
     share_cells();
 
+    /// Collective. Return the cells that indicators of 'Grid/Refinement' want
+    /// to be halved in the current state, see mark_cells().
+    std::vector<MultiIndex<dim>>
+    marked_cells();
+
     /// Return the bytes of the points on this process and of the stored state.
     std::size_t
     points_memory() const;
