@@ -171,10 +171,12 @@ namespace greville
         for (unsigned int k = 0; k < probes.size(); ++k)
           {
             const Probe &probe = probes[k];
-            if (probe.shape ? !probe.shape->contains(p.position())
-                            : probe.body != first + b || probe.id != p.id())
+            if (probe.shape
+                  ? !probe.shape->contains(p.position())
+                  : probe.body != first + b ||
+                      probe.id != PointLayout<dim>::initial_id(p.id()))
               continue;
-            const double  volume = probe.shape ? p.volume0() : 1.;
+            const double  volume = p.volume0();
             double *const sum    = &sums[k * stride];
             double *const v      = sum + (velocities ? n + 1 : dim);
             sum[velocities ? n + 1 + dim : n] += volume;

@@ -433,7 +433,10 @@ namespace greville
   typename Extension<dim>::Counts
   Extension<dim>::counts() const
   {
-    Counts                     result;
+    Counts result;
+    // A run may end before the first sums on a new grid.
+    if (!spline_space)
+      return result;
     std::vector<std::uint64_t> n(4);
     for (unsigned int f = 0; f < spline_space->owned_functions().size(); ++f)
       ++n[classes[f]];

@@ -5,6 +5,7 @@
 #include <greville/steps/refinement_marks.h>
 #include <greville/steps/state_tables.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace greville
@@ -20,16 +21,27 @@ namespace greville
     // A point is divided if its volume exceeds this part of a cell, in units of
     // the cell's 2^dim-th part.
     constexpr double largest_part = 1.5;
+  } // namespace
 
-    // Ids of initial points are smaller. A divided point has in its id the
-    // numbers of its parts, from 1, as digits of base 2^dim + 1 above it.
-    constexpr double id_of_parts = 67108864.;
+
+
+  namespace
+  {
+    template <int dim>
+    std::vector<const MaterialPoints<dim> *>
+    points_of(const State<dim> &state)
+    {
+      std::vector<const MaterialPoints<dim> *> result;
+      for (const Body<dim> &body : state.bodies)
+        result.push_back(&body.points);
+      return result;
+    }
   } // namespace
 
 
 
   template <int dim>
-  std::vector<MultiIndex<dim>>
+  std::vector<std::uint64_t>
   cells_at_surfaces(const SplineSpace<dim>                         &space,
                     const std::vector<const MaterialPoints<dim> *> &points)
   {
@@ -46,11 +58,10 @@ namespace greville
          extension.level_functions().cells_to_refine())
       if (parts[space.find(position)] > 0.)
         cut.push_back(position);
-    std::vector<MultiIndex<dim>> cells;
+    std::vector<std::uint64_t> cells;
     for (const auto &of_process :
          Utilities::MPI::all_gather(space.communicator(), cut))
-      for (const std::uint64_t position : of_process)
-        cells.push_back(space.lattice().hierarchy()->index(position));
+      cells.insert(cells.end(), of_process.begin(), of_process.end());
     return cells;
   }
 
@@ -63,9 +74,10 @@ namespace greville
     double
     id_of_part(const double id, const unsigned int k)
     {
-      constexpr double base  = 1. + (1u << dim);
-      double           place = id_of_parts;
-      for (double parts = std::floor(id / id_of_parts); parts > 0.;
+      constexpr double first = PointLayout<dim>::id_of_parts,
+                       base  = 1. + (1u << dim);
+      double place           = first;
+      for (double parts = std::floor(id / first); parts > 0.;
            parts        = std::floor(parts / base))
         place *= base;
       return id + (k + 1) * place;
@@ -102,7 +114,10 @@ namespace greville
              const PointLayout<dim>  &layout,
              const CellBox<dim>      &box)
     {
-      if (layout.find("radius"))
+      // Doubles count to 2^53.
+      constexpr double largest_id = 9007199254740992.;
+      if (layout.find("radius") ||
+          id_of_part<dim>(p.id(), (1u << dim) - 1) > largest_id)
         return false;
       if (is_of_surface(layout))
         return std::pow(2. * edge_on_surface(p, layout), dim) >
@@ -315,6 +330,83 @@ namespace greville
       });
       return Utilities::MPI::logical_or(result, comm);
     }
+
+
+
+    /// Collective. Move all points to the cells of a space, and divide large
+    /// ones. Returns the number of divided points of bodies.
+    template <int dim>
+    std::uint64_t
+    move_points(State<dim> &state, const SplineSpace<dim> &space)
+    {
+      std::uint64_t result = 0;
+      for (Body<dim> &body : state.bodies)
+        {
+          const std::uint64_t n =
+            Utilities::MPI::sum(MovedPoints<dim>(body.points, space).move(),
+                                space.communicator());
+          result += n;
+          body.n_points += n * ((1u << dim) - 1);
+          state.n_points += n * ((1u << dim) - 1);
+        }
+      for (Surface<dim> &surface : state.surfaces)
+        MovedPoints<dim>(surface.points, space).move();
+      state.points_have_changed();
+      return result;
+    }
+
+
+
+    /// Return the levels in which these cells are refined as well.
+    template <int dim>
+    std::shared_ptr<const CellHierarchy<dim>>
+    with(const CellHierarchy<dim>         &levels,
+         const std::vector<std::uint64_t> &positions)
+    {
+      std::vector<MultiIndex<dim>> cells;
+      for (const std::uint64_t position : positions)
+        cells.push_back(levels.index(position));
+      return levels.refined_also(cells);
+    }
+
+
+
+    /// Collective. Change the cells of the mesh to @p levels, and refine cells
+    /// at surfaces until all functions have well-filled cells. Returns the
+    /// number of divided points.
+    template <int dim>
+    std::uint64_t
+    change_cells(State<dim>                               &state,
+                 Discretization<dim>                      &discretization,
+                 std::shared_ptr<const CellHierarchy<dim>> levels,
+                 std::vector<std::uint64_t>              &&at_surfaces)
+    {
+      const unsigned int degree = discretization.space().degree();
+      std::unique_ptr<SplineSpace<dim>> space;
+      std::uint64_t                     n_divided = 0;
+      while (true)
+        {
+          adapt_box_mesh(discretization.triangulation(), levels);
+          auto next =
+            std::make_unique<SplineSpace<dim>>(discretization.triangulation(),
+                                               degree);
+          n_divided += move_points(state, *next);
+          space          = std::move(next);
+          const auto cut = cells_at_surfaces(*space, points_of(state));
+          if (cut.empty())
+            break;
+          at_surfaces.insert(at_surfaces.end(), cut.begin(), cut.end());
+          levels = with(*levels, cut);
+        }
+      std::sort(at_surfaces.begin(), at_surfaces.end());
+      discretization.reinit_adapted(at_surfaces);
+      for_all_points(state, [&](MaterialPoints<dim> &points) {
+        points.set_space(discretization.space());
+      });
+      state.partition = discretization.partition();
+      discretization.initialize_field(state);
+      return n_divided;
+    }
   } // namespace
 
 
@@ -326,54 +418,36 @@ namespace greville
              const SimulationParameters  &parameters,
              const std::function<void()> &release)
   {
-    Adaptation     result;
-    const MPI_Comm comm  = discretization.communicator();
-    const auto     marks = mark_cells(state, discretization, parameters);
-    result.is_limited    = marks.is_limited;
-    auto levels =
+    Adaptation              result;
+    const SplineSpace<dim> &space = discretization.space();
+    const auto marks  = mark_cells(state, discretization, parameters);
+    result.is_limited = marks.is_limited;
+    const auto levels =
       parameters.grid.hierarchy<dim>(state.time)->refined_also(marks.cells);
-    std::vector<const MaterialPoints<dim> *> points;
-    for (const Body<dim> &body : state.bodies)
-      points.push_back(&body.points);
-    if (has_cells_of(discretization.space(), *levels))
+    std::vector<std::uint64_t> at_surfaces =
+      state.partition->cells->at_surfaces;
+    if (has_cells_of(space, *with(*levels, at_surfaces)))
       {
-        const auto cut = cells_at_surfaces(discretization.space(), points);
-        if (cut.empty() && !has_large_points(state, comm))
-          return result;
-        levels = levels->refined_also(cut);
-      }
-    result.changes = true;
-    release();
-    DistributedTriangulation<dim>    &mesh = discretization.triangulation();
-    std::unique_ptr<SplineSpace<dim>> space;
-    for (bool is_cut = true; is_cut;)
-      {
-        adapt_box_mesh(mesh, levels);
-        auto next =
-          std::make_unique<SplineSpace<dim>>(mesh, parameters.grid.degree);
-        for (Body<dim> &body : state.bodies)
+        const auto cut = cells_at_surfaces(space, points_of(state));
+        // Divided points change the mass of total Lagrangian steps.
+        if (cut.empty() && !parameters.scheme.is_total_lagrangian())
           {
-            const std::uint64_t n =
-              Utilities::MPI::sum(MovedPoints<dim>(body.points, *next).move(),
-                                  comm);
-            result.n_divided += n;
-            body.n_points += n * ((1u << dim) - 1);
-            state.n_points += n * ((1u << dim) - 1);
+            if (has_large_points(state, space.communicator()))
+              result.n_divided = move_points(state, space);
+            return result;
           }
-        for (Surface<dim> &surface : state.surfaces)
-          MovedPoints<dim>(surface.points, *next).move();
-        space          = std::move(next);
-        const auto cut = cells_at_surfaces(*space, points);
-        levels         = levels->refined_also(cut);
-        is_cut         = !cut.empty();
+        if (cut.empty() && !has_large_points(state, space.communicator()))
+          return result;
+        at_surfaces.insert(at_surfaces.end(), cut.begin(), cut.end());
       }
-    discretization.reinit_adapted();
-    for_all_points(state, [&](MaterialPoints<dim> &moved) {
-      moved.set_space(discretization.space());
-    });
-    state.partition = discretization.partition();
-    discretization.initialize_field(state);
-    state.points_have_changed();
+    else
+      at_surfaces.clear();
+    result.changes_cells = true;
+    release();
+    result.n_divided = change_cells(state,
+                                    discretization,
+                                    with(*levels, at_surfaces),
+                                    std::move(at_surfaces));
     return result;
   }
 

@@ -154,13 +154,13 @@ namespace greville
       std::vector<double>(),
       comm,
       parameters.grid.has_changing_cells()
-        ? std::make_shared<const std::vector<std::uint64_t>>(
-            refined_cells(mesh))
+        ? std::make_shared<const RefinedCells>(
+            RefinedCells{refined_cells(mesh), {}})
         : nullptr);
     repartition(std::make_shared<const Partition>(
       initial_partition(mesh, parameters, loads).rows,
       comm,
-      cell_partition->refined));
+      cell_partition->cells));
     const std::string warning =
       describe_many_coarse_cells<dim>(n_cells,
                                       Utilities::MPI::n_mpi_processes(comm));
@@ -181,7 +181,7 @@ namespace greville
       {
         const Lattice<dim>           lattice(mesh);
         std::vector<MultiIndex<dim>> cells;
-        for (const std::uint64_t position : *partition->refined)
+        for (const std::uint64_t position : partition->cells->all)
           cells.push_back(lattice.hierarchy()->index(position));
         adapt_box_mesh<dim>(mesh, lattice.hierarchy()->refined_only(cells));
       }
@@ -199,12 +199,15 @@ namespace greville
 
   template <int dim>
   void
-  Discretization<dim>::reinit_adapted()
+  Discretization<dim>::reinit_adapted(
+    const std::vector<std::uint64_t> &at_surfaces)
   {
-    cell_partition = std::make_shared<const Partition>(
-      std::vector<double>(),
-      comm,
-      std::make_shared<const std::vector<std::uint64_t>>(refined_cells(mesh)));
+    cell_partition =
+      std::make_shared<const Partition>(std::vector<double>(),
+                                        comm,
+                                        std::make_shared<const RefinedCells>(
+                                          RefinedCells{refined_cells(mesh),
+                                                       at_surfaces}));
     reinit();
   }
 

@@ -269,7 +269,9 @@ namespace greville
         std::vector<const MaterialPoints<dim> *> points;
         for (const Body<dim> &body : bodies)
           points.push_back(&body.points);
-        const auto cells = cells_at_surfaces(space, points);
+        std::vector<MultiIndex<dim>> cells;
+        for (const std::uint64_t position : cells_at_surfaces(space, points))
+          cells.push_back(space.lattice().hierarchy()->index(position));
         if (cells.empty())
           return;
         adapt_box_mesh<dim>(mesh,

@@ -10,12 +10,11 @@ namespace greville
 {
   using namespace dealii;
 
-  Partition::Partition(
-    std::vector<double>                                      rows_,
-    const MPI_Comm                                           comm,
-    const std::shared_ptr<const std::vector<std::uint64_t>> &refined)
+  Partition::Partition(std::vector<double>                        rows_,
+                       const MPI_Comm                             comm,
+                       const std::shared_ptr<const RefinedCells> &cells)
     : rows(std::move(rows_))
-    , refined(refined)
+    , cells(cells)
   {
     Require(rows.size() % 2 == 0,
             "a row of a partition has a cell and a weight");

@@ -197,7 +197,7 @@ namespace greville
     const auto partition = std::make_shared<const Partition>(
       balanced_partition(current, space()).rows,
       comm,
-      current.partition->refined);
+      current.partition->cells);
     if (Utilities::MPI::n_mpi_processes(comm) == 1 ||
         partition->is_same(*current.partition))
       return;
@@ -262,10 +262,10 @@ namespace greville
                              " is reached at t = " + text_of(current.time) +
                              " s: indicators halve no more cells.");
     current.is_limited = current.is_limited || result.is_limited;
-    if (!result.changes)
-      return false;
-    ++current.n_adaptations;
     current.n_divided += result.n_divided;
+    if (!result.changes_cells)
+      return result.n_divided > 0;
+    ++current.n_adaptations;
     share_cells();
     if (!integrator)
       integrator = make_integrator();

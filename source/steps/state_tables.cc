@@ -95,7 +95,7 @@ namespace greville
         }
       all("n_partitions", state.n_partitions);
       all("imbalance", state.imbalance);
-      if (state.partition && state.partition->refined)
+      if (state.partition && state.partition->cells)
         {
           all("n_adaptations", state.n_adaptations);
           all("n_divided", state.n_divided);
@@ -347,13 +347,16 @@ namespace greville
     tables.push_back({prefix + "partition", {"cell", "weight"}, {}});
     if (state.partition)
       tables.back().values = state.partition->rows;
-    if (state.partition && state.partition->refined)
-      {
-        tables.push_back({prefix + "refined_cells", {"cell"}, {}});
-        if (is_first)
-          tables.back().values.assign(state.partition->refined->begin(),
-                                      state.partition->refined->end());
-      }
+    if (state.partition && state.partition->cells)
+      for (const auto &[name, cells] :
+           {std::make_pair("refined_cells", &state.partition->cells->all),
+            std::make_pair("refined_at_surfaces",
+                           &state.partition->cells->at_surfaces)})
+        {
+          tables.push_back({prefix + name, {"cell"}, {}});
+          if (is_first)
+            tables.back().values.assign(cells->begin(), cells->end());
+        }
     for (DistributedTable &table : make_field_tables(state, space, prefix))
       tables.push_back(std::move(table));
     for (const Body<dim> &body : state.bodies)
@@ -397,16 +400,19 @@ namespace greville
     state.estimates.last =
       content.table(prefix + "step_estimates").gather(comm);
 
-    std::shared_ptr<const std::vector<std::uint64_t>> refined;
-    if (discretization.partition()->refined)
+    std::shared_ptr<const RefinedCells> cells;
+    if (discretization.partition()->cells)
       {
-        const auto cells = content.table(prefix + "refined_cells").gather(comm);
-        refined =
-          std::make_shared<const std::vector<std::uint64_t>>(cells.begin(),
-                                                             cells.end());
+        const auto of_table = [&](const std::string &name) {
+          const auto positions = content.table(prefix + name).gather(comm);
+          return std::vector<std::uint64_t>(positions.begin(), positions.end());
+        };
+        cells = std::make_shared<const RefinedCells>(
+          RefinedCells{of_table("refined_cells"),
+                       of_table("refined_at_surfaces")});
       }
     if (discretization.repartition(std::make_shared<const Partition>(
-          content.table(prefix + "partition").values, comm, refined)))
+          content.table(prefix + "partition").values, comm, cells)))
       discretization.reinit();
     state.partition = discretization.partition();
     set_fields_from_tables(state, content, discretization, prefix);

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -61,8 +62,19 @@ namespace greville
     static constexpr unsigned int F = wave_modulus + 1;
     /// The initial position, m.
     static constexpr unsigned int reference = F + n_F;
-    /// A number that identifies the point within its body.
-    static constexpr unsigned int id = reference + dim;
+    /// A number that identifies the point within its body. Initial points have
+    /// numbers below id_of_parts. A part of a divided point has the numbers of
+    /// its ancestors and its own among their parts, from 1, as digits of base
+    /// 2^dim + 1 above the number of the initial point.
+    static constexpr unsigned int id          = reference + dim;
+    static constexpr double       id_of_parts = 4294967296.;
+
+    /// Return the id of the initial point of which a point is a part.
+    static double
+    initial_id(const double id)
+    {
+      return id < id_of_parts ? id : std::fmod(id, id_of_parts);
+    }
     /// The number of doubles that every point has.
     static constexpr unsigned int n_fixed = id + 1;
 

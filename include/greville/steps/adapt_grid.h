@@ -6,11 +6,11 @@
 
 namespace greville
 {
-  /// Collective. Return the cells of a refined grid, anywhere in it, that have
+  /// Collective. Return the positions of cells of a refined grid that have
   /// to be halved because functions at their edges depend on the few @p points
   /// of cut cells only (LevelFunctions).
   template <int dim>
-  std::vector<MultiIndex<dim>>
+  std::vector<std::uint64_t>
   cells_at_surfaces(const SplineSpace<dim>                         &space,
                     const std::vector<const MaterialPoints<dim> *> &points);
 
@@ -19,8 +19,8 @@ namespace greville
   /// The results of adapt_grid().
   struct Adaptation
   {
-    bool          changes   = false;
-    std::uint64_t n_divided = 0; // points
+    bool          changes_cells = false;
+    std::uint64_t n_divided     = 0; // points of bodies
     /// Whether 'Grid/Most cells' kept an indicator from halving cells.
     bool is_limited = false;
   };
@@ -30,9 +30,10 @@ namespace greville
   /**
    * Collective. Halve and join the cells of the grid as the regions of
    * 'Grid/Refinement' require at the time of the @p state, and divide points
-   * that are large for their cell. If the grid changes, @p release is called
-   * first, to destroy objects that refer to the old spaces; the discretization
-   * is then made anew, its fields of the state are zero.
+   * that are large for their cell. If cells change, @p release is called first,
+   * to destroy objects that refer to the old spaces; the discretization is then
+   * made anew, and its fields of the state are zero. Cells that are refined
+   * because of surfaces remain so until other cells change.
    *
    * A point is divided into 2^dim points if its volume exceeds 1.5 times the
    * 2^dim-th part of its cell, so that two points are left in each direction.

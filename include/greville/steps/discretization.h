@@ -61,9 +61,10 @@ namespace greville
     reinit();
 
     /// Collective. Call reinit() after the cells of triangulation() have
-    /// changed, without rows of a partition.
+    /// changed, without rows of a partition. @p at_surfaces is a member of
+    /// RefinedCells.
     void
-    reinit_adapted();
+    reinit_adapted(const std::vector<std::uint64_t> &at_surfaces);
 
     MPI_Comm
     communicator() const

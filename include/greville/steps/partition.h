@@ -10,6 +10,17 @@
 
 namespace greville
 {
+  /// The refined cells of a CellHierarchy by their positions, ascending, the
+  /// same on all processes.
+  struct RefinedCells
+  {
+    std::vector<std::uint64_t> all;
+    /// The cells that are refined only because of the surfaces of bodies.
+    std::vector<std::uint64_t> at_surfaces;
+  };
+
+
+
   /// The cells of a grid that changes, and their distribution among processes.
   /// This is given by the weights of the cells with points; other cells have
   /// the weight of a cell without points. On the same number of processes,
@@ -18,16 +29,14 @@ namespace greville
   {
     /// Collective. @p rows contains the lexicographic position of each cell
     /// (SplineSpace::owned_cells()) followed by its weight. Each cell may be on
-    /// any one process. @p refined is kept.
-    Partition(std::vector<double>                                      rows,
-              const MPI_Comm                                           comm,
-              const std::shared_ptr<const std::vector<std::uint64_t>> &refined =
-                nullptr);
+    /// any one process. @p cells are kept.
+    Partition(std::vector<double>                        rows,
+              const MPI_Comm                             comm,
+              const std::shared_ptr<const RefinedCells> &cells = nullptr);
 
     const std::vector<double> rows;
-    /// The positions of the refined cells of a CellHierarchy that changes in a
-    /// run, ascending, the same on all processes; null for other grids.
-    const std::shared_ptr<const std::vector<std::uint64_t>> refined;
+    /// The refined cells of a grid that changes in a run; null for others.
+    const std::shared_ptr<const RefinedCells> cells;
     /// The number of rows on all processes, and their checksum, which does not
     /// depend on their order.
     std::uint64_t n_rows = 0, checksum = 0;
@@ -42,8 +51,9 @@ namespace greville
     bool
     has_same_cells(const Partition &other) const
     {
-      return refined == other.refined ||
-             (refined && other.refined && *refined == *other.refined);
+      return cells == other.cells ||
+             (cells && other.cells && cells->all == other.cells->all &&
+              cells->at_surfaces == other.cells->at_surfaces);
     }
   };
 } // namespace greville

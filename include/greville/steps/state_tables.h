@@ -16,8 +16,8 @@ namespace greville
    *
    * Points have tables `body NAME` and `surface NAME`. The names of all other
    * tables begin with the @p prefix: `state` and `step_estimates` with numbers,
-   * `partition` and `refined_cells` (see Partition), and the fields of the
-   * grid.
+   * `partition`, `refined_cells` and `refined_at_surfaces` (see Partition), and
+   * the fields of the grid.
    */
   template <int dim>
   std::vector<DistributedTable>
