@@ -224,6 +224,10 @@ namespace greville
     check_materials_of_bodies(*this);
     if (grid.is_refined())
       check_refinement();
+    else
+      Require(!grid.has_changing_cells() && grid.most_cells == 0,
+              "The parameters 'Adapt every', 'Adapt at start' and 'Most cells' "
+              "of 'Grid' need regions in 'Grid/Refinement'.");
     check_construction();
     check_water();
     if (stages.empty())

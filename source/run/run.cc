@@ -163,7 +163,7 @@ namespace greville
     if (parameters.output.load)
       columns.insert(columns.end(),
                      {"largest_load", "imbalance", "partitions"});
-    if (parameters.grid.adapt_every > 0)
+    if (parameters.grid.has_changing_cells())
       columns.insert(columns.end(), {"cells", "adaptations", "divided"});
     return columns;
   }

@@ -179,7 +179,7 @@ namespace greville
         row.more.push_back(imbalance(work, comm));
         row.more.push_back(simulations.sum(&State<dim>::n_partitions));
       }
-    if (parameters.grid.adapt_every > 0)
+    if (parameters.grid.has_changing_cells())
       {
         row.more.push_back(simulations.sum([](const Simulation<dim> &part) {
           return double(part.space().triangulation().n_global_active_cells());
