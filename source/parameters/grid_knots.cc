@@ -18,7 +18,7 @@ namespace greville
   namespace
   {
     /// The largest number of cells in a direction.
-    constexpr double most_cells = 1e6;
+    constexpr double largest_number = 1e6;
 
     const std::string too_many =
       "The parameters 'Grid/Knots' make more than a million cells in a "
@@ -72,7 +72,7 @@ namespace greville
         , largest(largest)
       {
         const double n = std::ceil(needed_cells(ratio) - 1e-6);
-        Require(n <= most_cells, too_many);
+        Require(n <= largest_number, too_many);
         set_cells(std::max(1., n));
       }
 
@@ -230,7 +230,7 @@ namespace greville
             const double begin = number(match[1]), end = number(match[2]),
                          h = number(match[3]);
             Require(begin >= lower && begin < end && end <= upper && h > 0. &&
-                      h <= end - begin && end - begin <= most_cells * h &&
+                      h <= end - begin && end - begin <= largest_number * h &&
                       (fine.empty() || fine.back().end <= begin),
                     problem + "a range fine(BEGIN, END, SIZE) has to lie in "
                               "the grid, behind the range before it, and hold "
@@ -319,7 +319,7 @@ namespace greville
         }
       for (const GradedRange &other : graded)
         n_cells += other.n_cells;
-      Require(n_cells <= most_cells, too_many);
+      Require(n_cells <= largest_number, too_many);
       round_cells(graded, n_cells);
       return graded;
     }
@@ -457,7 +457,7 @@ namespace greville
         const unsigned int        n_given = given.size() - 1;
         const unsigned int        n_parts = std::max(1u, cells[d] / n_given);
         Require(cells[d] == 0 ||
-                  (cells[d] == n_parts * n_given && cells[d] <= most_cells),
+                  (cells[d] == n_parts * n_given && cells[d] <= largest_number),
                 "The parameter 'Grid/Cells' has " + std::to_string(cells[d]) +
                   " cells in " + std::string(1, "xyz"[d]) + ", where '" +
                   name_of(d) + "' makes " + std::to_string(n_given) +

@@ -88,9 +88,29 @@ namespace greville
   SimulationParameters::check_refinement() const
   {
     const Refusal refuse{"'Grid/Refinement'"};
-    const bool    adapts = grid.adapt_every > 0;
+    const bool    adapts             = grid.adapt_every > 0;
+    const auto    has_plastic_strain = [&]() {
+      return std::any_of(
+        materials.begin(), materials.end(), [](const auto &material) {
+          const auto names = material.second->state_names();
+          return std::find(names.begin(), names.end(), "plastic_strain") !=
+                 names.end();
+        });
+    };
+    Require((grid.most_cells == 0 && grid.adapt_at_start == 0) ||
+              std::any_of(grid.regions.begin(),
+                          grid.regions.end(),
+                          [](const auto &region) {
+                            return region.second.has_indicator();
+                          }),
+            "The parameters 'Grid/Most cells' and 'Adapt at start' need a "
+            "region of 'Grid/Refinement' with an 'Indicator'.");
     for (const auto &[name, region] : grid.regions)
       {
+        if (general.dimension == 2)
+          RefinementRegion<2>(region, name, adapts);
+        else
+          RefinementRegion<3>(region, name, adapts);
         const std::string section = "'Refinement " + name + "/";
         Require(!region.shape.empty() || region.has_indicator(),
                 "The parameter " + section +
@@ -99,11 +119,15 @@ namespace greville
                 "The parameter " + section +
                   "Indicator' = " + region.indicator +
                   " needs 'Grid/Adapt every' or 'Grid/Adapt at start' > 0.");
-        Require(adapts || (region.from == 0. && region.until == 0.),
+        Require(region.indicator != "plastic strain" || has_plastic_strain(),
+                "The parameter " + section +
+                  "Indicator' = plastic strain: no material has the variable "
+                  "plastic_strain.");
+        Require(adapts || (region.from < -1e99 && region.until > 1e99),
                 "The parameters " + section +
                   "From' and 'Until' need "
                   "'Grid/Adapt every' > 0.");
-        Require(region.until == 0. || region.from < region.until,
+        Require(region.from < region.until,
                 "The parameter " + section + "From' = " + text_of(region.from) +
                   " s has to be less than 'Until' = " + text_of(region.until) +
                   " s.");

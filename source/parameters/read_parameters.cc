@@ -559,6 +559,7 @@ namespace greville
     parameters.surface_loads["NAME"];
     parameters.rigid_bodies["NAME"];
     parameters.contacts["NAME"];
+    parameters.grid.regions["NAME"];
     ParameterHandler prm;
     parameters.declare(prm);
     StageParameters stage;

@@ -15,15 +15,14 @@ namespace greville
   void
   ExactParameters::declare(ParameterHandler &prm)
   {
-    add_formula(prm, "Displacement", displacement)(
-      "Exact displacement: formulas of the initial positions X, Y (, Z) and t, "
-      "separated by semicolons. Empty: unknown. Unit: m.");
-    add_formula(prm, "Velocity", velocity)(
-      "Exact velocity: formulas of the same variables. Empty: unknown. Unit: m "
-      "/ s.");
-    add_formula(prm, "Stress", stress)(
-      "Exact Cauchy stress: formulas of the same variables for xx; yy; zz; xy "
-      "(; xz; yz). Empty: unknown. Unit: Pa.");
+    for (const auto &[name, formula] :
+         {std::pair<std::string, std::string *>{"Displacement", &displacement},
+          {"Velocity", &velocity},
+          {"Stress", &stress}})
+      add_formula(prm, name, *formula)(
+        "Exact displacement (m), velocity (m / s), and Cauchy stress (Pa; xx; "
+        "yy; zz; xy (; xz; yz)): formulas of the initial positions X, Y (, Z) "
+        "and t, separated by semicolons. Empty: unknown.");
   }
 
 
@@ -43,11 +42,13 @@ namespace greville
                   failure_displacement,
                   Double(0.))(
       "Displacement beyond which a point counts as failed. Unit: m.");
-    add_parameter(prm, "Series file", series_file)(
-      "CSV file beside the parameter file with a measured series: time (s) and "
-      "value, in the unit of 'Series quantity'.");
-    add_parameter(prm, "Series quantity", series_quantity)(
-      "Column of statistics.csv for the comparison with 'Series file'.");
+    for (const auto &[name, text] :
+         {std::pair<std::string, std::string *>{"Series file", &series_file},
+          {"Series quantity", &series_quantity}})
+      add_parameter(prm, name, *text)(
+        "CSV file beside the parameter file with a measured series, time (s) "
+        "and value, and the column of statistics.csv with which it is "
+        "compared.");
   }
 
 
@@ -72,12 +73,14 @@ namespace greville
       "Formulations to run. Empty: 'Scheme/Formulation'.");
     add_parameter(prm, "Masses", masses)(
       "Masses to run, each one of " + mass_names() + ". Empty: 'Scheme/Mass'.");
-    add_parameter(prm, "Parameter", parameter)(
-      "A parameter to vary, as SECTION/PARAMETER: Material clay/Cohesion, for "
-      "instance. Empty: none.");
-    add_parameter(prm, "Values", values)(
-      "The values of that parameter to run, separated by '|', each as it would "
-      "stand in its section.");
+    for (const auto &[name, text] :
+         {std::pair<std::string, std::string *>{"Parameter", &parameter},
+          {"Values", &values}})
+      add_parameter(prm, name, *text)(
+        "A parameter to vary, as SECTION/PARAMETER (Material clay/Cohesion, "
+        "for "
+        "instance), and the values to run, separated by '|', each as it would "
+        "stand in its section. Empty: none.");
     add_parameter(prm, "Processes per run", processes, Patterns::Integer(0))(
       "Number of processes of each run. Runs go side by side, one for each "
       "group of processes; output.txt in the folder of a run has its messages. "

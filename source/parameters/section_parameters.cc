@@ -18,19 +18,17 @@ namespace greville
       "Results go to output/NAME. Empty: the name of the file.");
     add_parameter(prm, "Dimension", dimension, Integer(2, 3))(
       "2 (plane strain) or 3. Unit: none.");
-    add_parameter(prm, "Bodies", bodies)(
-      "Names of bodies; each has a section 'Body NAME'.");
-    add_parameter(prm, "Materials", materials)(
-      "Names of materials; each has a section 'Material NAME'.");
-    add_parameter(prm, "Surface loads", surface_loads)(
-      "Names of surface loads on bodies with fitted points; each has a section "
-      "'Surface load NAME'.");
-    add_parameter(prm, "Rigid bodies", rigid_bodies)(
-      "Names of bodies that do not deform, for contacts; each has a section "
-      "'Rigid body NAME'.");
-    add_parameter(prm, "Contacts", contacts)(
-      "Names of contacts; each has a section 'Contact NAME'. Bodies without a "
-      "contact share a velocity field, and stick when they meet.");
+    for (const auto &[list, names] :
+         {std::pair<std::string, std::vector<std::string> *>{"Bodies", &bodies},
+          {"Materials", &materials},
+          {"Rigid bodies", &rigid_bodies},
+          {"Surface loads", &surface_loads},
+          {"Contacts", &contacts}})
+      add_parameter(prm, list, *names)(
+        "Names, each of which has a section such as 'Body NAME'. Rigid bodies "
+        "do not deform, and act by contacts; bodies without a contact share a "
+        "velocity field, and stick when they meet. Surface loads act on bodies "
+        "with fitted points.");
     add_parameter(prm, "Stages", stages)(
       "Names of consecutive stages; each has a section 'Stage NAME' with the "
       "parameters of the sections Time, Scheme, Walls, Loads, Implicit and "
@@ -100,17 +98,17 @@ namespace greville
     add_parameter(prm, "Refinement", refinement)(
       "Names of regions with smaller cells; each has a section 'Refinement "
       "NAME'. The splines are truncated hierarchical B-splines.");
-    add_parameter(prm, "Adapt every", adapt_every, Integer(0))(
-      "Steps between two adaptations of the cells to the regions of "
-      "'Refinement'. In cells that are halved, points are divided so that two "
-      "are left in each direction. 0: the cells never change. Unit: none.");
-    add_parameter(prm, "Adapt at start", adapt_at_start, Integer(0))(
-      "How often the first step is tried before the run begins. Each time the "
-      "cells are adapted to its results, and the bodies are placed anew. "
-      "Unit: none.");
-    add_parameter(prm, "Most cells", most_cells, Integer(0))(
-      "Indicators halve cells only as long as the grid has fewer cells. 0: no "
-      "limit. Unit: none.");
+    for (const auto &[name, number] :
+         {std::pair<std::string, unsigned int *>{"Adapt every", &adapt_every},
+          {"Adapt at start", &adapt_at_start},
+          {"Most cells", &most_cells}})
+      add_parameter(prm, name, *number, Integer(0))(
+        "Cells that change. Adapt every: steps between two adaptations to the "
+        "regions of 'Refinement'; points are divided so that two are left in "
+        "each direction of a cell. Adapt at start: how often the first step is "
+        "tried before the run begins; each time the cells are adapted to its "
+        "results, and the bodies are placed anew. Most cells: indicators halve "
+        "cells only as long as the grid has fewer. 0: none. Unit: none.");
     add_parameter(prm, "Order", degree, Integer(1, SplineSpace<2>::max_degree))(
       "Order p of the B-splines: the degree of their polynomials. In "
       "isogeometric analysis the order is the degree plus one; here it is the "
@@ -155,11 +153,11 @@ namespace greville
       "value that halves cells.");
     add_parameter(prm, "Refine above", refine_above, Double(0.))(
       "Plastic strain of points whose cells are halved. Unit: none.");
-    for (auto &[name, time] :
-         {std::pair<std::string, double &>{"From", from}, {"Until", until}})
-      add_parameter(prm, name, time)(
+    for (const auto &[name, time] :
+         {std::pair<std::string, double *>{"From", &from}, {"Until", &until}})
+      add_parameter(prm, name, *time)(
         "Times between which the cells of the region are halved, with "
-        "'Grid/Adapt every'. 'Until' = 0: to the end. Unit: s.");
+        "'Grid/Adapt every'. Unit: s.");
   }
 
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <set>
 
 namespace greville
 {
@@ -101,11 +102,14 @@ namespace greville
       {
         CoupledSimulations<dim> trial(parameters, comm);
         trial.step();
-        parameters.grid.marked_at_start.clear();
+        std::set<std::uint64_t> marks;
         const auto &extents = trial.first().space().cells_per_direction();
         for (const MultiIndex<dim> &cell : trial.part(0).marked_cells())
-          parameters.grid.marked_at_start.push_back(
-            lexicographic<dim>(cell, extents));
+          marks.insert(lexicographic<dim>(cell, extents));
+        std::vector<std::uint64_t> all(marks.begin(), marks.end());
+        if (all == parameters.grid.marked_at_start)
+          return;
+        parameters.grid.marked_at_start = std::move(all);
       }
   }
 
@@ -149,7 +153,12 @@ namespace greville
       out << "Note: " << note << std::endl;
     const auto run = [&](const auto dimension) {
       if (!options.resumes)
-        adapt_at_start<dimension>(parameters, comm);
+        {
+          Require(options.from.empty() || parameters.grid.adapt_at_start == 0,
+                  "--from begins with bodies for which 'Grid/Adapt at start' "
+                  "tries no step: take 'Grid/Adapt every'.");
+          adapt_at_start<dimension>(parameters, comm);
+        }
       SimulationRun<dimension>(parameters, directory, out, comm, options_of_run)
         .run();
     };

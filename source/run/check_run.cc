@@ -420,8 +420,12 @@ namespace greville
                     const RunOptions  &options,
                     const std::string &drawing)
   {
-    const SimulationParameters parameters(file, options.settings);
+    SimulationParameters parameters(file, options.settings);
     refuse_sweep(parameters, file);
+    if (parameters.general.dimension == 2)
+      adapt_at_start<2>(parameters, comm);
+    else
+      adapt_at_start<3>(parameters, comm);
     const bool        is_first = Utilities::MPI::this_mpi_process(comm) == 0;
     std::ostream      nowhere(nullptr);
     std::ostream     &out       = is_first ? std::cout : nowhere;

@@ -96,7 +96,7 @@ namespace greville
         double square = 0.;
         for (unsigned int d = 0; d < dim; ++d)
           square += std::pow(p.reference(d) - x[d], 2);
-        const double id = p.id();
+        const double id = PointLayout<dim>::initial_id(p.id());
         if (square < nearest ||
             (square == nearest && b == probe.body && id < probe.id))
           {

@@ -249,28 +249,38 @@ namespace greville
                                layout.initial_F > 0
                                  ? p.matrix(layout.initial_F)
                                  : Tensor<2, dim>(unit_symmetric_tensor<dim>());
-        const auto   places = places_of_parts(p, layout, box);
-        unsigned int k      = 0;
-        for (Tensor<1, dim> place : places)
+        auto places = places_of_parts(p, layout, box);
+        // Points stay in the grid, and parts opposite to one another.
+        while (
+          !std::all_of(places.begin(), places.end(), [&](const auto &place) {
+            return is_in_grid(p.basis_position(layout) +
+                              (layout.is_total_lagrangian() ? initial_F : F) *
+                                place);
+          }))
+          for (Tensor<1, dim> &place : places)
+            place *= 0.5;
+        const PointField *last_position = layout.find("before");
+        unsigned int      k             = 0;
+        for (const Tensor<1, dim> &place : places)
           {
-            std::vector<double> part = numbers;
-            const PointRef<dim> q(part.data());
-            // Points stay in the grid.
-            while (!is_in_grid(p.basis_position(layout) +
-                               (layout.is_total_lagrangian() ? initial_F : F) *
-                                 place))
-              place *= 0.5;
+            std::vector<double>  part = numbers;
+            const PointRef<dim>  q(part.data());
             const Tensor<1, dim> now = F * place, before = initial_F * place;
-            double               share = 1. / places.size();
-            if (layout.is_axisymmetric())
-              {
-                share *= (p[layout.radius0] + place[0]) / p[layout.radius0];
-                q[layout.radius0] += place[0];
-              }
             for (unsigned int d = 0; d < dim; ++d)
               {
                 q.position(d) += now[d];
                 q.reference(d) += before[d];
+                if (last_position)
+                  q[last_position->first + d] += now[d];
+              }
+            // A point has the volume of its part of the plane times its radius.
+            double share = 1. / places.size();
+            if (layout.is_axisymmetric())
+              {
+                share *= (p[layout.radius0] + place[0]) / p[layout.radius0];
+                // F_zz is the ratio of radii.
+                q[layout.radius0] =
+                  q.position(0) * p[layout.radius0] / p.position(0);
               }
             q.mass() *= share;
             q.volume0() *= share;

@@ -65,9 +65,8 @@ namespace greville
     contact.given     = given;
     contact.impedance = std::numeric_limits<double>::max();
 
-    double                  compliance = 0.;
-    unsigned int            n_sides    = 0;
-    const SplineSpace<dim> *space      = nullptr;
+    double       compliance = 0.;
+    unsigned int n_sides    = 0;
     for (unsigned int side = 0; side < 2; ++side)
       {
         double modulus = std::numeric_limits<double>::max();
@@ -85,11 +84,6 @@ namespace greville
                   modulus = std::min(modulus, contact_modulus(*owner.material));
                   contact.impedance =
                     std::min(contact.impedance, impedance(*owner.material));
-                  if (part->grid().cell_size() > contact.cell_size)
-                    {
-                      contact.cell_size = part->grid().cell_size();
-                      space             = &part->space();
-                    }
                 }
             }
         if (contact.sides[side].empty())
@@ -102,7 +96,7 @@ namespace greville
       contact.rigid =
         std::find(names.begin(), names.end(), sides[1][0]) - names.begin();
     contact.modulus = double(n_sides) / compliance;
-    contact.lattice = space->lattice();
+    take_cells(contact);
     set_law(contact);
     contacts.push_back(std::move(contact));
   }
@@ -154,14 +148,33 @@ namespace greville
 
 
   template <int dim>
+  bool
+  BodyContacts<dim>::take_cells(Contact &contact) const
+  {
+    const Discretization<dim> *grid = nullptr;
+    for (const auto &side : contact.sides)
+      for (const Place &place : side)
+        if (!grid || place.part->grid().cell_size() > grid->cell_size())
+          grid = &place.part->grid();
+    if (contact.cells && contact.cells->has_same_cells(*grid->partition()))
+      return false;
+    contact.cells     = grid->partition();
+    contact.cell_size = grid->cell_size();
+    contact.lattice   = grid->space().lattice();
+    return true;
+  }
+
+
+
+  template <int dim>
   void
   BodyContacts<dim>::set_laws()
   {
-    if (are_implicit == steps_are_implicit())
-      return;
-    are_implicit = steps_are_implicit();
+    const bool are_new = are_implicit != steps_are_implicit();
+    are_implicit       = steps_are_implicit();
     for (Contact &contact : contacts)
-      set_law(contact);
+      if (take_cells(contact) || are_new)
+        set_law(contact);
   }
 
 

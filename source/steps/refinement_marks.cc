@@ -224,20 +224,23 @@ namespace greville
                   const std::string          &name,
                   const SplineSpace<dim>     &space,
                   std::vector<double>       &&all_values,
-                  const double                time)
+                  const double                time,
+                  const bool                  moves)
         : space(space)
         , levels(*space.lattice().hierarchy())
         , values(std::move(all_values))
       {
-        const RefinementRegion<dim> shape(region, name, true);
-        for (unsigned int cell = 0; cell < values.size(); ++cell)
-          {
-            const CellBox<dim> box   = space.box(cell);
-            const unsigned int level = levels.level(box.index);
-            if (values[cell] > 0. && !shape.contains(level, box, time))
-              values[cell] = 0.;
-            may_halve.push_back(level < region.levels);
-          }
+        const RefinementRegion<dim> shape(region, name, moves);
+        run_on_all(space.communicator(), [&]() {
+          for (unsigned int cell = 0; cell < values.size(); ++cell)
+            {
+              const CellBox<dim> box   = space.box(cell);
+              const unsigned int level = levels.level(box.index);
+              if (values[cell] > 0. && !shape.contains(level, box, time))
+                values[cell] = 0.;
+              may_halve.push_back(level < region.levels);
+            }
+        });
       }
 
       /// Collective. Return the value above which cells have a share of the
@@ -265,8 +268,8 @@ namespace greville
         return value_at(refinable, weights, n, false, space.communicator());
       }
 
-      /// Append own cells above @p halves and the rings around them, and the
-      /// parents of own cells above @p keeps.
+      /// Append own cells above @p halves and their parents, with the rings
+      /// around them, and the parents of own cells above @p keeps.
       void
       append(std::vector<std::uint64_t> &marks,
              const double                halves,
@@ -274,11 +277,14 @@ namespace greville
       {
         for (unsigned int cell = 0; cell < values.size(); ++cell)
           {
-            const MultiIndex<dim> index = space.box(cell).index;
-            if (values[cell] > keeps && levels.level(index) > 0)
-              marks.push_back(position(levels.parent(index)));
-            if (may_halve[cell] && values[cell] > halves)
+            const MultiIndex<dim> index   = space.box(cell).index;
+            const bool            is_fine = levels.level(index) > 0;
+            if (values[cell] > halves && may_halve[cell])
               append_ring(marks, index);
+            if (values[cell] > halves && is_fine)
+              append_ring(marks, levels.parent(index));
+            else if (values[cell] > keeps && is_fine)
+              marks.push_back(position(levels.parent(index)));
           }
       }
 
@@ -355,7 +361,8 @@ namespace greville
             space,
             by_jumps ? stress_jumps(state, discretization, parameters)
                      : plastic_strains(state, space.owned_cells().size()),
-            state.time);
+            state.time,
+            parameters.grid.adapt_every > 0);
           double halves = by_jumps ? of_region.value_of_share(share_of_jumps)
                                    : region.refine_above;
           const double keeps =

@@ -257,10 +257,11 @@ namespace greville
         last_good = Snapshot<dim>();
       });
     if (result.is_limited && !current.is_limited)
-      log.warnings.push_back("The limit 'Grid/Most cells' = " +
-                             std::to_string(parameters.grid.most_cells) +
-                             " is reached at t = " + text_of(current.time) +
-                             " s: indicators halve no more cells.");
+      log.warnings.push_back(
+        "The limit 'Grid/Most cells' = " +
+        std::to_string(parameters.grid.most_cells) +
+        " is near at t = " + text_of(current.time) +
+        " s: indicators halve fewer cells than they would.");
     current.is_limited = current.is_limited || result.is_limited;
     current.n_divided += result.n_divided;
     if (!result.changes_cells)

@@ -274,7 +274,7 @@ namespace
                             std::regex("set Order *= 1")));
     accept(
       {"greville", "slope.prm", "--print-parameters", "--set", "Grid/Order=3"},
-      {"set Order        = 3"});
+      {"set Order          = 3"});
     refuse("The option --set <Grid/Odrer=3>: in the section",
            {"greville", "slope.prm", "--set", "Grid/Odrer=3"});
     refuse("The option --set <Grid/Order=9>: the parameter",

@@ -39,8 +39,8 @@ namespace
       {
         const std::string section = std::regex_replace(
           std::regex_replace(line.section, std::regex("^Stage [^/]+/"), ""),
-          std::regex(
-            "^(Body|Material|Stage|Surface load|Rigid body|Contact) [^/]+"),
+          std::regex("^(Body|Material|Stage|Surface load|Rigid body|Contact|"
+                     "Refinement) [^/]+"),
           "$1 NAME");
         result.emplace(section, section == "Formulas" ? "NAME" : line.name);
         if (section == "Surface load NAME" && variants[line.section].empty())

@@ -25,7 +25,7 @@ namespace greville
     bool
     acts_at(const double time) const
     {
-      return time >= from && (until == 0. || time < until);
+      return time >= from && time < until;
     }
 
     bool
@@ -38,7 +38,7 @@ namespace greville
     unsigned int levels       = 1;
     std::string  indicator    = "none";
     double       refine_above = 0.01;
-    double       from = 0., until = 0.;
+    double       from = -1e100, until = 1e100;
   };
 
 

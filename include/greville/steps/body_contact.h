@@ -48,6 +48,7 @@ namespace greville
     ContactParameters given;
     double            modulus = 0., impedance = 0., cell_size = 0.;
     Lattice<dim>      lattice;
+    std::shared_ptr<const Partition>      cells; // those of the lattice
     std::unique_ptr<AveragedContact<dim>> average;
     // The motion of both sides: the sum of their speeds in the last step, m /
     // s; their displacement in this step, and since the last check for

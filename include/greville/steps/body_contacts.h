@@ -134,6 +134,11 @@ namespace greville
     void
     set_law(Contact &contact) const;
 
+    /// Set the cell size and the lattice, for set_law(), from the larger cells
+    /// of both sides. Returns whether cells have changed.
+    bool
+    take_cells(Contact &contact) const;
+
     /// Set all laws if steps have changed between explicit and implicit.
     void
     set_laws();
