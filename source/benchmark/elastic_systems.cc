@@ -146,11 +146,15 @@ namespace greville
         {
           for (VectorType *vector : {&x, &b})
             system.initialize(*vector);
-          const auto &functions = system.space().owned_functions();
+          const auto &owned = system.space().owned_functions();
+          const auto &functions =
+            system.finest().extended().unknowns().unknown_functions();
           for (unsigned int i = 0; i < functions.size(); ++i)
             for (unsigned int c = 0; c < dim; ++c)
               b.local_element(i * dim + c) =
-                std::sin(12.9898 * ((functions[i] + 1) % 104729) + c);
+                std::sin(12.9898 * ((owned[functions[i]] + 1) % 104729) + c);
+          system.finest().extended().unknowns().zero_constrained_unknowns(b,
+                                                                          dim);
           system.extend(u, b);
           system.restrict(b, u, nullptr);
         }
@@ -165,7 +169,10 @@ namespace greville
         solve() override
         {
           const double tolerance = problem.parameters.tolerance;
-          return solve_and_check<dim>(system.finest(), x, b, tolerance, [&]() {
+          const auto multiply = [&](VectorType &dst, const VectorType &src) {
+            system.multiply(dst, src);
+          };
+          return solve_and_check(multiply, x, b, tolerance, [&]() {
             return system.solve(x, b, tolerance);
           });
         }

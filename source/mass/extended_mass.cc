@@ -143,7 +143,7 @@ namespace greville
 
   template <int dim>
   void
-  ExtendedMass<dim>::multiply_field(VectorField<dim>       &rows,
+  ExtendedMass<dim>::multiply_field(VectorType             &rows,
                                     const VectorField<dim> &field) const
   {
     for (const VectorType &component : field)
@@ -157,17 +157,10 @@ namespace greville
       component.zero_out_ghost_values();
     points_mass.vmult(E->place_y.data(), E->place_x.data(), dim);
     E->zero_constrained(E->place_y.data(), dim);
-    VectorType y;
-    E->initialize_vector(y, dim);
-    E->collect(y.begin(), dim, E->place_y.data());
-    y.compress(VectorOperation::add);
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        rows[c] = 0.;
-        for (unsigned int u = 0; u < E->n_owned; ++u)
-          rows[c].local_element(E->owned_unknown_functions[u]) =
-            y.local_element(u * dim + c);
-      }
+    E->initialize_vector(rows, dim);
+    E->collect(rows.begin(), dim, E->place_y.data());
+    rows.compress(VectorOperation::add);
+    E->zero_constrained_unknowns(rows, dim);
   }
 
 

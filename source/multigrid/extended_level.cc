@@ -338,8 +338,8 @@ namespace greville
 
 
   template <int dim>
-  void
-  ExtendedLevel<dim>::apply_inverse_mass(VectorType &x) const
+  const OverlappingCholesky &
+  ExtendedLevel<dim>::factors_of_mass() const
   {
     if (!mass_factors)
       {
@@ -349,7 +349,33 @@ namespace greville
                   *factors);
         mass_factors = std::move(factors);
       }
-    solve(*mass_factors, x, x, 0, components);
+    return *mass_factors;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedLevel<dim>::apply_inverse_mass(VectorType &x) const
+  {
+    solve(factors_of_mass(), x, x, 0, components);
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedLevel<dim>::apply_inverse_mass_to_unknowns(VectorType &x) const
+  {
+    const unsigned int width = factor_width(components);
+    const unsigned int n     = x.locally_owned_size() / components;
+    work.assign(std::size_t(n) * width, 0.);
+    for (unsigned int u = 0; u < n; ++u)
+      std::copy_n(x.begin() + u * components, components, &work[u * width]);
+    factors_of_mass().solve(work.data(), width);
+    for (unsigned int u = 0; u < n; ++u)
+      std::copy_n(&work[u * width], components, x.begin() + u * components);
+    extended_mass.unknowns().zero_constrained_unknowns(x, components);
   }
 
 

@@ -88,10 +88,12 @@ namespace greville
   LatticeCycle<dim>::LatticeCycle(Parts                         parts_,
                                   const LatticeCycleParameters &parameters,
                                   LatticeCoupling<dim>         *coupling,
-                                  const bool                    coarsens)
+                                  const bool                    coarsens,
+                                  const bool                    of_unknowns)
     : parts(std::move(parts_))
     , parameters(parameters)
     , coupling(coupling)
+    , of_unknowns(of_unknowns)
   {
     unit = parts[0]->unit();
     for (const auto &part : parts)
@@ -498,7 +500,7 @@ namespace greville
             for (unsigned int c = 0; c < n; ++c)
               action(part,
                      u * n + c,
-                     functions[u] * n + c,
+                     (of_unknowns ? u : functions[u]) * n + c,
                      constrained.empty() || !((constrained[u] >> c) & 1));
         }
     };

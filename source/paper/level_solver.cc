@@ -14,9 +14,8 @@ namespace greville
 {
   using namespace dealii;
 
-  template <int dim>
   SolveResult
-  solve_and_check(const LevelOperator<dim>           &A,
+  solve_and_check(const Product                      &A,
                   VectorType                         &x,
                   const VectorType                   &b,
                   const double                        tolerance,
@@ -36,7 +35,7 @@ namespace greville
     result = run();
 
     VectorType residual(b);
-    A.vmult(residual, x);
+    A(residual, x);
     residual.sadd(-1., 1., b);
     result.reduction = norm > 0. ? residual.l2_norm() / norm : 0.;
 
@@ -121,6 +120,5 @@ namespace greville
 
 
 
-  GREVILLE_INSTANTIATE(solve_and_check);
   GREVILLE_INSTANTIATE(iterate);
 } // namespace greville

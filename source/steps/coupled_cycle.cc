@@ -72,7 +72,8 @@ namespace greville
                                           parameters,
                                           coupling->is_empty() ? nullptr
                                                                : coupling.get(),
-                                          coarsens && are_levels_useful);
+                                          coarsens && are_levels_useful,
+                                          true);
   }
 
 

@@ -310,13 +310,15 @@ namespace greville
   {
     // The largest entry on all processes, and the position of its function.
     const SplineSpace<dim> &space   = system.space();
-    double                  largest = 0.;
-    unsigned int            place   = 0;
+    const auto &functions =
+      system.finest().extended().unknowns().unknown_functions();
+    double       largest = 0.;
+    unsigned int place   = 0;
     for (unsigned int i = 0; i < last_residual.locally_owned_size(); ++i)
       if (std::abs(last_residual.local_element(i)) > largest)
         {
           largest = std::abs(last_residual.local_element(i));
-          place   = i / dim;
+          place   = functions[i / dim];
         }
     const MPI_Comm comm = discretization.communicator();
     const double   all  = Utilities::MPI::max(largest, comm);

@@ -54,7 +54,6 @@ namespace greville
                         &contact_load,
                         &contact_acceleration})
       discretization.initialize(*field);
-    system.initialize(last_residual);
     if (!parameters.general.pore_water)
       return;
     water = std::make_unique<PoreWater<dim>>(system.space(),
@@ -167,6 +166,7 @@ namespace greville
       return;
     const PartTimer timer(log, "mass");
     system.set_points(bodies, state.surfaces, scheme.is_static);
+    system.initialize(last_residual);
     if (water)
       water->set_points(state.bodies, state.surfaces);
     check_support(state);
@@ -307,7 +307,7 @@ namespace greville
     discretization.walls().impose_velocity(
       work, {state.time + 0.5 * dt, state.time, state.time + dt});
     const auto &constrained = system.finest().constrained_components();
-    for (unsigned int i = 0; i < last_residual.locally_owned_size() / dim; ++i)
+    for (unsigned int i = 0; i < work[0].locally_owned_size(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
         if ((constrained[i] >> d) & 1)
           displacement[d].local_element(i) = dt * work[d].local_element(i);

@@ -153,11 +153,30 @@ namespace greville
 
   template <int dim>
   void
+  TangentLevel<dim>::multiply_of_unknowns(VectorType       &dst,
+                                          const VectorType &src) const
+  {
+    const auto &unknowns = this->extended_mass.unknowns();
+    this->source.copy_locally_owned_data_from(src);
+    unknowns.multiply(dst, this->source, dim, exact_product);
+    const auto &functions = unknowns.unknown_functions();
+    for (unsigned int u = 0; u < functions.size(); ++u)
+      for (unsigned int c = 0; c < dim; ++c)
+        if ((this->constrained[functions[u]] >> c) & 1)
+          dst.local_element(u * dim + c) =
+            this->all_diagonal.local_element(functions[u] * dim + c) *
+            src.local_element(u * dim + c);
+  }
+
+
+
+  template <int dim>
+  void
   TangentLevel<dim>::multiply_mass(VectorType &dst, const VectorType &src) const
   {
-    this->extended_mass.unknowns().read(this->source, src, dim);
-    this->extended_mass.vmult(this->result, this->source, dim);
-    this->extended_mass.unknowns().write(dst, this->result, dim);
+    this->source.copy_locally_owned_data_from(src);
+    this->extended_mass.unknowns().zero_constrained_unknowns(this->source, dim);
+    this->extended_mass.vmult(dst, this->source, dim);
   }
 
 

@@ -43,6 +43,39 @@ namespace greville
 
 
 
+  namespace
+  {
+    /// A preconditioner of a level, for vectors of unknowns.
+    template <int dim>
+    class OfUnknowns : public Preconditioner
+    {
+    public:
+      OfUnknowns(std::unique_ptr<const Preconditioner> preconditioner,
+                 const TangentLevel<dim>              &level)
+        : preconditioner(std::move(preconditioner))
+        , unknowns(level.extended().unknowns())
+      {
+        for (VectorType *vector : {&to, &from})
+          initialize_vector<dim>(*vector, level);
+      }
+
+      void
+      vmult(VectorType &dst, const VectorType &src) const override
+      {
+        unknowns.write(from, src, dim);
+        preconditioner->vmult(to, from);
+        unknowns.read(dst, to, dim);
+      }
+
+    private:
+      const std::unique_ptr<const Preconditioner> preconditioner;
+      const ExtendedUnknowns<dim>                &unknowns;
+      mutable VectorType                          to, from;
+    };
+  } // namespace
+
+
+
   template <int dim>
   void
   TangentSystem<dim>::make_multigrid()
@@ -56,7 +89,8 @@ namespace greville
         multigrid = std::make_unique<LatticeCycle<dim>>(std::move(parts),
                                                         part.parameters,
                                                         nullptr,
-                                                        part.coarsens);
+                                                        part.coarsens,
+                                                        true);
         return;
       }
     PMultigridParameters             cycle    = parameters.multigrid;
@@ -69,8 +103,10 @@ namespace greville
       for (unsigned int l = 0; l + 1 < levels.size(); ++l)
         operators.push_back(levels[l].get());
     operators.push_back(levels.back().get());
-    multigrid = std::make_unique<PMultigrid<dim>>(
-      operators, cycle, smoother, parameters.multigrid.coarse_tolerance);
+    multigrid = std::make_unique<OfUnknowns<dim>>(
+      std::make_unique<PMultigrid<dim>>(
+        operators, cycle, smoother, parameters.multigrid.coarse_tolerance),
+      finest());
   }
 
 
@@ -111,7 +147,7 @@ namespace greville
   void
   TangentSystem<dim>::multiply(VectorType &dst, const VectorType &src)
   {
-    finest().vmult(dst, src);
+    finest().multiply_of_unknowns(dst, src);
     if (!of_bodies.has_rest())
       return;
     VectorField<dim> direction, force;
@@ -218,7 +254,7 @@ namespace greville
       },
       [&](VectorType &dst, const VectorType &src) {
         dst = src;
-        finest().apply_inverse_mass(dst);
+        finest().apply_inverse_mass_to_unknowns(dst);
       },
       x,
       b);

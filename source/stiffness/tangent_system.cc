@@ -281,21 +281,12 @@ namespace greville
                                     const VectorField<dim> *field) const
   {
     const ExtendedMass<dim> &mass = finest().extended();
-    mass.unknowns().restrict_fields(unknowns, {&force}, dim);
+    mass.unknowns().restrict_fields(rows, {&force}, dim);
     if (field)
       {
-        VectorField<dim> products;
-        for (unsigned int c = 0; c < dim; ++c)
-          products[c].reinit(force[c], true);
-        mass.multiply_field(products, *field);
-        const auto &functions = mass.unknowns().unknown_functions();
-        for (unsigned int u = 0; u < functions.size(); ++u)
-          for (unsigned int c = 0; c < dim; ++c)
-            unknowns.local_element(u * dim + c) +=
-              products[c].local_element(functions[u]);
-        mass.unknowns().zero_constrained_unknowns(unknowns, dim);
+        mass.multiply_field(unknowns, *field);
+        rows += unknowns;
       }
-    finest().extended().unknowns().write(rows, unknowns, dim);
   }
 
 
@@ -304,7 +295,7 @@ namespace greville
   void
   TangentSystem<dim>::extend(VectorField<dim> &field, const VectorType &x) const
   {
-    finest().extended().unknowns().read(unknowns, x, dim);
+    unknowns.copy_locally_owned_data_from(x);
     finest().extended().unknowns().write_fields({&field}, unknowns, dim);
   }
 
@@ -314,8 +305,7 @@ namespace greville
   void
   TangentSystem<dim>::read(VectorType &x, const VectorField<dim> &field) const
   {
-    finest().extended().unknowns().read_fields(unknowns, {&field}, dim);
-    finest().extended().unknowns().write(x, unknowns, dim);
+    finest().extended().unknowns().read_fields(x, {&field}, dim);
   }
 
 
@@ -346,7 +336,7 @@ namespace greville
   void
   TangentSystem<dim>::initialize(VectorType &vector) const
   {
-    initialize_vector<dim>(vector, finest());
+    finest().extended().unknowns().initialize_vector(vector, dim);
   }
 
 

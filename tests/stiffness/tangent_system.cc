@@ -49,11 +49,13 @@ namespace
     void
     fill(VectorType &vector, const double scale) const
     {
-      const auto &functions = system.space().owned_functions();
+      const auto &owned = system.space().owned_functions();
+      const auto &functions =
+        system.finest().extended().unknowns().unknown_functions();
       for (unsigned int i = 0; i < functions.size(); ++i)
         for (unsigned int c = 0; c < dim; ++c)
           vector.local_element(i * dim + c) =
-            scale * std::sin(12.9898 * (functions[i] % 104729) + c);
+            scale * std::sin(12.9898 * (owned[functions[i]] % 104729) + c);
     }
 
     void
@@ -124,7 +126,6 @@ namespace
       const LatticeCycleParameters cycle_parameters =
         system.lattice_part().parameters;
       const InterleavedLayout &layout      = parts[0]->layout();
-      const auto               functions   = parts[0]->unknown_functions();
       const auto               constrained = parts[0]->constrained_unknowns();
       const auto               positions   = parts[0]->unknown_positions();
       Tensor<1, dim>           n;
@@ -155,7 +156,9 @@ namespace
                              std::vector<double>(keys.size(), sign));
       const LatticeCycle<dim> cycle(std::move(parts),
                                     cycle_parameters,
-                                    &coupling);
+                                    &coupling,
+                                    true,
+                                    true);
       fill(x, 1.);
       system.extend(u, x);
       system.restrict(b, u, nullptr);
@@ -166,7 +169,7 @@ namespace
           system.multiply(dst, src);
           for (unsigned int k = 0; k < keys.size(); ++k)
             {
-              const unsigned int i = functions[of_keys[k]] * dim;
+              const unsigned int i = of_keys[k] * dim;
               Tensor<1, dim>     moved;
               for (unsigned int c = 0; c < dim; ++c)
                 moved[c] = src.local_element(i + c);

@@ -109,11 +109,10 @@ namespace greville
                          const std::vector<VectorField<dim> *> &fields,
                          const unsigned int                     width) const;
 
-    /// Compute rows = E^T M~ field, component by component, at the functions of
-    /// the owned unknowns; zero elsewhere. Rows of M~ at constrained functions
-    /// do not contribute, as in A.
+    /// Compute rows = E^T M~ field, component by component, as a vector of
+    /// unknowns. Rows of M~ at constrained functions do not contribute, as in A.
     void
-    multiply_field(VectorField<dim> &rows, const VectorField<dim> &field) const;
+    multiply_field(VectorType &rows, const VectorField<dim> &field) const;
 
     /// Compute rows = M~ field at constrained functions, including extended
     /// ones; zero elsewhere.

@@ -104,6 +104,10 @@ namespace greville
     void
     apply_inverse_mass(VectorType &x) const override;
 
+    /// Collective. Do the same for a vector of unknowns.
+    void
+    apply_inverse_mass_to_unknowns(VectorType &x) const;
+
     std::unique_ptr<Preconditioner>
     petsc_preconditioner(const std::string &options) const override;
 
@@ -176,6 +180,9 @@ namespace greville
     factorize(const UpperTriangle      &matrix,
               const CholeskyParameters &parameters,
               OverlappingCholesky      &factors) const;
+
+    const OverlappingCholesky &
+    factors_of_mass() const;
 
     /// Solve for @p n components from the given one on; @p dst may be @p src.
     void

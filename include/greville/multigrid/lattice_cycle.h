@@ -41,18 +41,19 @@ namespace greville
 
     /// Collective. The @p coupling of the parts, unless null, is kept by
     /// reference; coarser levels are added to it. Without @p coarsens, the
-    /// cycle consists of smoothing steps only.
+    /// cycle consists of smoothing steps only. Vectors have coefficients of all
+    /// functions, or of the unknowns if @p of_unknowns.
     LatticeCycle(Parts                         parts,
                  const LatticeCycleParameters &parameters,
-                 LatticeCoupling<dim>         *coupling = nullptr,
-                 const bool                    coarsens = true);
+                 LatticeCoupling<dim>         *coupling    = nullptr,
+                 const bool                    coarsens    = true,
+                 const bool                    of_unknowns = false);
 
     /// The cycle of one part.
     LatticeCycle(std::unique_ptr<ExtendedLattice<dim>> finest,
                  const LatticeCycleParameters         &parameters);
 
-    /// Apply one cycle with the initial guess zero, to vectors with
-    /// coefficients of all functions.
+    /// Apply one cycle with the initial guess zero.
     void
     vmult(VectorType &dst, const VectorType &src) const override
     {
@@ -131,6 +132,7 @@ namespace greville
     const Parts                  parts;
     const LatticeCycleParameters parameters;
     LatticeCoupling<dim> *const  coupling;
+    const bool                   of_unknowns;
     double                       unit = 1.; // divisor of the finest matrices
     std::vector<std::unique_ptr<LatticeMatrix<dim>>> coarse;
     std::vector<Level>                               levels; // finest first

@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include <greville/linear_algebra/solve_result.h>
+#include <greville/linear_algebra/krylov.h>
 #include <greville/multigrid/level_operator.h>
 
 #include <functional>
@@ -23,13 +23,28 @@ namespace greville
   /// Collective. Begin with x = 0, call @p run, which finds x and returns the
   /// iterations and the reason of a failure, and compute the residual. Fails
   /// without a call if the right-hand side is not finite.
+  SolveResult
+  solve_and_check(const Product                      &A,
+                  VectorType                         &x,
+                  const VectorType                   &b,
+                  const double                        tolerance,
+                  const std::function<SolveResult()> &run);
+
   template <int dim>
   SolveResult
   solve_and_check(const LevelOperator<dim>           &A,
                   VectorType                         &x,
                   const VectorType                   &b,
                   const double                        tolerance,
-                  const std::function<SolveResult()> &run);
+                  const std::function<SolveResult()> &run)
+  {
+    return solve_and_check(
+      [&](VectorType &dst, const VectorType &src) { A.vmult(dst, src); },
+      x,
+      b,
+      tolerance,
+      run);
+  }
 
   /// Collective. Iterate from @p x = 0 until the Euclidean norm of the residual
   /// has fallen by the tolerance; for solve_and_check(). A null preconditioner

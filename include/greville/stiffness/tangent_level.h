@@ -88,7 +88,12 @@ namespace greville
       });
     }
 
-    /// Compute y = M~_e x.
+    /// Compute dst = A src for vectors of unknowns, see
+    /// ExtendedUnknowns::initialize_vector().
+    void
+    multiply_of_unknowns(VectorType &dst, const VectorType &src) const;
+
+    /// Compute y = M~_e x for vectors of unknowns.
     void
     multiply_mass(VectorType &dst, const VectorType &src) const;
 

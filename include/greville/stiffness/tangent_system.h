@@ -178,8 +178,8 @@ namespace greville
     }
 
     /// Collective. Compute rows = E^T (force + M~ field), with zeros at
-    /// constrained functions; @p field may be null. Vectors have the layout of
-    /// LevelOperator.
+    /// constrained functions; @p field may be null. Vectors are vectors of
+    /// unknowns, see initialize().
     void restrict(VectorType             &rows,
                   const VectorField<dim> &force,
                   const VectorField<dim> *field) const;
@@ -240,6 +240,7 @@ namespace greville
     SolveResult
     solve_mass(VectorField<dim> &velocity, const VectorField<dim> &momentum);
 
+    /// Initialize a vector of the unknowns of the last set_points().
     void
     initialize(VectorType &vector) const;
 
