@@ -232,7 +232,7 @@ namespace greville
       if (takes_cg())
         return 0;
       // With a projection, restarts cost more than the basis vectors they save.
-      return of_bodies.has_projection() ? parameters.max_iterations : 30;
+      return of_bodies.has_projection() ? parameters.max_iterations : 100;
     }
 
     /// Collective. Compute the velocity with M~ v = momentum; @p velocity
