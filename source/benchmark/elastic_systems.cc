@@ -169,7 +169,7 @@ namespace greville
         solve() override
         {
           const double tolerance = problem.parameters.tolerance;
-          const auto multiply = [&](VectorType &dst, const VectorType &src) {
+          const auto   multiply  = [&](VectorType &dst, const VectorType &src) {
             system.multiply(dst, src);
           };
           return solve_and_check(multiply, x, b, tolerance, [&]() {

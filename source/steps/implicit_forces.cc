@@ -309,8 +309,8 @@ namespace greville
   ImplicitSteps<dim>::describe_residual() const
   {
     // The largest entry on all processes, and the position of its function.
-    const SplineSpace<dim> &space   = system.space();
-    const auto &functions =
+    const SplineSpace<dim> &space = system.space();
+    const auto             &functions =
       system.finest().extended().unknowns().unknown_functions();
     double       largest = 0.;
     unsigned int place   = 0;

@@ -10,9 +10,13 @@ namespace greville
 
   template <int dim>
   TangentLevel<dim>::TangentLevel(const SplineSpace<dim>           &space,
-                                  const std::vector<unsigned char> &constrained)
+                                  const std::vector<unsigned char> &constrained,
+                                  const bool has_transfer)
     // The quadrature is exact for products with functions of lower order.
-    : ExtendedLevel<dim>(space, dim, constrained, 2 * space.degree())
+    : ExtendedLevel<dim>(space,
+                         dim,
+                         constrained,
+                         has_transfer ? 2 * space.degree() : 0)
   {
     block.reinit(this->extended_mass);
     blocks.reinit(this->extended_mass.matrix());

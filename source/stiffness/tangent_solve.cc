@@ -86,11 +86,8 @@ namespace greville
         LatticePart                       part = lattice_part();
         typename LatticeCycle<dim>::Parts parts;
         parts.push_back(std::move(part.finest));
-        multigrid = std::make_unique<LatticeCycle<dim>>(std::move(parts),
-                                                        part.parameters,
-                                                        nullptr,
-                                                        part.coarsens,
-                                                        true);
+        multigrid = std::make_unique<LatticeCycle<dim>>(
+          std::move(parts), part.parameters, nullptr, part.coarsens, true);
         return;
       }
     PMultigridParameters             cycle    = parameters.multigrid;

@@ -34,7 +34,8 @@ namespace greville
         tables[l].reinit(orders[l]);
         levels.push_back(std::make_unique<TangentLevel<dim>>(
           orders[l],
-          constrained ? constrained(orders[l]) : std::vector<unsigned char>()));
+          constrained ? constrained(orders[l]) : std::vector<unsigned char>(),
+          orders.n_levels() > 1));
       }
     levels.back()->set_product(
       [this](double *y, const double *x) { multiply_at_places(y, x); });
@@ -74,7 +75,8 @@ namespace greville
         levels[l]->begin(filling, changed);
         transfers[l].add_mass_matrix(points, levels[l]->mass());
         levels[l]->finish_mass(lump);
-        transfers[l].mass_weights(points, levels[l]->weights());
+        if (levels.size() > 1)
+          transfers[l].mass_weights(points, levels[l]->weights());
       }
     if (windows && changed)
       windows->update(finest().extension());

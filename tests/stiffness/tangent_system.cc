@@ -154,11 +154,8 @@ namespace
                              layout,
                              weights,
                              std::vector<double>(keys.size(), sign));
-      const LatticeCycle<dim> cycle(std::move(parts),
-                                    cycle_parameters,
-                                    &coupling,
-                                    true,
-                                    true);
+      const LatticeCycle<dim> cycle(
+        std::move(parts), cycle_parameters, &coupling, true, true);
       fill(x, 1.);
       system.extend(u, x);
       system.restrict(b, u, nullptr);

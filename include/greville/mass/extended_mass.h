@@ -110,7 +110,8 @@ namespace greville
                          const unsigned int                     width) const;
 
     /// Compute rows = E^T M~ field, component by component, as a vector of
-    /// unknowns. Rows of M~ at constrained functions do not contribute, as in A.
+    /// unknowns. Rows of M~ at constrained functions do not contribute, as in
+    /// A.
     void
     multiply_field(VectorType &rows, const VectorField<dim> &field) const;
 

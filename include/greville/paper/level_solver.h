@@ -38,12 +38,12 @@ namespace greville
                   const double                        tolerance,
                   const std::function<SolveResult()> &run)
   {
-    return solve_and_check(
-      [&](VectorType &dst, const VectorType &src) { A.vmult(dst, src); },
-      x,
-      b,
-      tolerance,
-      run);
+    return solve_and_check([&](VectorType       &dst,
+                               const VectorType &src) { A.vmult(dst, src); },
+                           x,
+                           b,
+                           tolerance,
+                           run);
   }
 
   /// Collective. Iterate from @p x = 0 until the Euclidean norm of the residual

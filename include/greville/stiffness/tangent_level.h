@@ -22,9 +22,11 @@ namespace greville
   class TangentLevel : public ExtendedLevel<dim>
   {
   public:
-    /// Collective. See ExtendedLevel.
+    /// Collective. See ExtendedLevel. Without @p has_transfer to other
+    /// orders there are no weights.
     TangentLevel(const SplineSpace<dim>           &space,
-                 const std::vector<unsigned char> &constrained = {});
+                 const std::vector<unsigned char> &constrained  = {},
+                 const bool                        has_transfer = true);
 
     /// Collective. See ExtendedLevel::begin_level(). Afterwards, fill mass()
     /// and call finish_mass().
