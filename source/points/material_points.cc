@@ -228,15 +228,18 @@ namespace greville
                 ++lane;
                 continue;
               }
+            const std::size_t begin = leaving.size();
+            leaving.resize(begin + point_layout.size);
             for (unsigned int k = 0; k < point_layout.size; ++k)
-              leaving.push_back(p[k]);
+              leaving[begin + k] = p[k];
 
             // The last point of the first group fills the hole.
             const unsigned int head = heads[cell];
             const unsigned int last = n_in_first_group(cell) - 1;
             for (unsigned int k = 0; k < point_layout.size; ++k)
               p[k] = point(head, last)[k];
-            clear_lane(cell, head, last);
+            if (last > 0)
+              clear_lane(cell, head, last);
             --counts[cell];
             --n_all_points;
             if (head == g)

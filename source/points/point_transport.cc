@@ -49,8 +49,8 @@ namespace greville
   PointTransport<dim>::move(MaterialPoints<dim>             &points,
                             const std::vector<unsigned int> &left_cells)
   {
-    Result              result;
-    std::vector<double> leaving;
+    Result result;
+    leaving.clear();
     for (const unsigned int cell : left_cells)
       points.remove_leaving(cell, leaving);
 

@@ -54,5 +54,7 @@ namespace greville
     const SplineSpace<dim>                         *spline_space = nullptr;
     MPI_Comm                                        comm = MPI_COMM_NULL;
     std::unordered_map<std::uint64_t, unsigned int> owners_of_ghost_cells;
+    // The numbers of leaving points in move(), kept for its memory.
+    std::vector<double> leaving;
   };
 } // namespace greville
