@@ -458,16 +458,17 @@ namespace greville
     kick.velocity_step = dt;
     kick.flip          = discretization.flip_share(state, dt);
     const auto pass    = [&](const PointUpdate<dim> &update) {
-      PointMotion motion = update_points(state.bodies,
-                                         discretization.transfer(),
-                                         update,
-                                         state.time + dt);
-      update_surfaces(state.surfaces,
-                      discretization.transfer(),
-                      update,
-                      motion);
-      return motion;
+      return update_points(state.bodies,
+                           discretization.transfer(),
+                           update,
+                           state.time + dt);
     };
+    PointUpdate<dim> move;
+    move.velocity    = &displacement;
+    move.deformation = &displacement;
+    move.move        = true;
+    move.step        = dt;
+    move.projection  = discretization.volume_projection();
     MomentumBalance<dim> momentum;
     if (scheme.is_static)
       stop_points(state);
@@ -477,15 +478,23 @@ namespace greville
         momentum.add(field().momentum, kick.flip);
         momentum.add(lumped, state.field.acceleration, kick.flip * dt);
         momentum.add(lumped, velocity, 1. - kick.flip);
-        pass(kick);
+        if (kick.flip != 1.)
+          pass(kick);
       }
-    PointUpdate<dim> move;
-    move.velocity            = &displacement;
-    move.deformation         = &displacement;
-    move.move                = true;
-    move.step                = dt;
-    move.projection          = discretization.volume_projection();
-    const PointMotion motion = pass(move);
+    // A kick of FLIP does not need the velocity of the grid.
+    PointUpdate<dim> last = move;
+    if (!scheme.is_static && kick.flip == 1.)
+      {
+        last.acceleration  = kick.acceleration;
+        last.velocity_step = dt;
+      }
+    PointMotion motion = pass(last);
+    for (const PointUpdate<dim> *update : {&kick, &move})
+      if (update == &move || !scheme.is_static)
+        update_surfaces(state.surfaces,
+                        discretization.transfer(),
+                        *update,
+                        motion);
     state.points_have_changed();
     discretization.transport_points(state, motion);
     guard.set(motion);
