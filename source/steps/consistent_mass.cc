@@ -81,8 +81,11 @@ namespace greville
       for (const unsigned int cell : points->cells())
         if (filled_part[cell] == 0.)
           filled_part[cell] = -1.;
+    // Mass and tangent of implicit steps have the same unknowns.
     const bool unknowns_changed =
-      filling.update(filled_part, parameters.scheme.filling_threshold());
+      filling.update(filled_part,
+                     parameters.scheme.filling_threshold(
+                       is_implicit_scheme(parameters.scheme.stress_update)));
     if (unknowns_changed)
       {
         spline_extension.reinit(this->space(), filling);
