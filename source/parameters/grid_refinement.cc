@@ -119,6 +119,11 @@ namespace greville
                 "The parameter " + section +
                   "Indicator' = " + region.indicator +
                   " needs 'Grid/Adapt every' or 'Grid/Adapt at start' > 0.");
+        Require(region.indicator == "plastic strain" ||
+                  region.refine_above == RefinementParameters().refine_above,
+                "The parameter " + section +
+                  "Refine above' needs 'Indicator' = "
+                  "plastic strain.");
         Require(region.indicator != "plastic strain" || has_plastic_strain(),
                 "The parameter " + section +
                   "Indicator' = plastic strain: no material has the variable "

@@ -21,7 +21,7 @@ namespace greville
   {
     bool          changes_cells = false;
     std::uint64_t n_divided     = 0; // points of bodies
-    /// Whether 'Grid/Most cells' kept an indicator from halving cells.
+    /// True if 'Grid/Most cells' kept an indicator from halving cells.
     bool is_limited = false;
   };
 

@@ -11,7 +11,7 @@ namespace greville
   struct RefinementMarks
   {
     std::vector<MultiIndex<dim>> cells;
-    /// Whether 'Grid/Most cells' leaves out some of them.
+    /// True if 'Grid/Most cells' leaves out some of them.
     bool is_limited = false;
   };
 
