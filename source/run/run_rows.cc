@@ -173,8 +173,9 @@ namespace greville
     if (parameters.output.load)
       {
         // The work of all parts, which take common steps.
-        const double work = simulations.sum(
-          [](const Simulation<dim> &part) { return part.work(); });
+        const double work = simulations.sum([](const Simulation<dim> &part) {
+          return work_of_process(part.state(), part.space());
+        });
         row.more.push_back(Utilities::MPI::max(work, comm));
         row.more.push_back(imbalance(work, comm));
         row.more.push_back(simulations.sum(&State<dim>::n_partitions));

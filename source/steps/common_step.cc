@@ -52,8 +52,7 @@ namespace greville
   {
     bool is_shared = false;
     for (Simulation<dim> *simulation : simulations)
-      is_shared =
-        simulation->adapt_cells() || simulation->balance_load() || is_shared;
+      is_shared = simulation->change_cells() || is_shared;
     for (Simulation<dim> *simulation : simulations)
       {
         simulation->remember();

@@ -314,6 +314,18 @@ namespace greville
 
 
   template <int dim>
+  void
+  renew_signals(State<dim> &state, const SplineSpace<dim> &space)
+  {
+    const Signals last    = state.signals;
+    state.signals         = initial_signals(state.bodies, space);
+    state.signals.wave    = std::max(last.wave, state.signals.wave);
+    state.signals.fastest = std::max(last.fastest, state.signals.fastest);
+  }
+
+
+
+  template <int dim>
   State<dim>
   make_initial_state(const SimulationParameters &parameters,
                      const Loads<dim>           &loads,
@@ -409,6 +421,7 @@ namespace greville
   GREVILLE_INSTANTIATE(initial_partition);
   GREVILLE_INSTANTIATE(refine_at_surfaces);
   GREVILLE_INSTANTIATE(initial_signals);
+  GREVILLE_INSTANTIATE(renew_signals);
   GREVILLE_INSTANTIATE(make_initial_state);
   GREVILLE_INSTANTIATE(check_closed_box);
 } // namespace greville

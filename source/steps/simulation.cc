@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/parameters/in_stage.h>
-#include <greville/steps/adapt_grid.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/refinement_marks.h>
@@ -20,12 +19,6 @@ namespace greville
 
   namespace
   {
-    // Cells are redistributed if the imbalance exceeds its value after the last
-    // redistribution by this factor.
-    constexpr double worth_it = 1.05;
-
-
-
     SimulationParameters
     first_stage_of(SimulationParameters parameters)
     {
@@ -49,6 +42,13 @@ namespace greville
     , comm(comm)
     , loads(in_stage(parameters, 0, [&]() { return Loads<dim>(parameters); }))
     , discretization(parameters, loads, log, comm)
+    , cells(parameters,
+            discretization,
+            log,
+            [this]() {
+              integrator.reset();
+              last_good = Snapshot<dim>();
+            })
     , guard(parameters, discretization, log)
     , current(make_initial_state(parameters, loads, discretization))
     , integrator(in_stage(parameters, 0, [&]() { return make_integrator(); }))
@@ -65,7 +65,7 @@ namespace greville
     if (!parameters.stages.empty())
       start_stage();
     guard.start(current);
-    current.imbalance = imbalance(work(), comm);
+    current.imbalance = imbalance(work_of_process(current, space()), comm);
     last_good.take(current);
   }
 
@@ -182,54 +182,14 @@ namespace greville
 
 
   template <int dim>
-  double
-  Simulation<dim>::work() const
-  {
-    return work_of_process(current, space());
-  }
-
-
-
-  template <int dim>
   void
   Simulation<dim>::share_cells()
   {
-    const auto partition = std::make_shared<const Partition>(
-      balanced_partition(current, space()).rows,
-      comm,
-      current.partition->cells);
-    if (Utilities::MPI::n_mpi_processes(comm) == 1 ||
-        partition->is_same(*current.partition))
+    cells.share(current);
+    if (integrator)
       return;
-    // Release objects that refer to the old spaces, and the memory of a copy.
-    integrator.reset();
-    last_good = Snapshot<dim>();
-    redistribute(current, discretization, partition);
-    ++current.n_partitions;
-    current.imbalance = imbalance(work(), comm);
-    integrator        = make_integrator();
+    integrator = make_integrator();
     last_good.take(current);
-  }
-
-
-
-  template <int dim>
-  bool
-  Simulation<dim>::balance_load()
-  {
-    const double       threshold = parameters.load_balance.threshold;
-    const unsigned int n         = current.n_steps;
-    if (Utilities::MPI::n_mpi_processes(comm) == 1 || n == 0 ||
-        threshold == 0. ||
-        n % parameters.load_balance.steps_between_comparisons() != 0)
-      return false;
-    const PartTimer timer(log, "load balance");
-    // With few cells, no partition may fall below the threshold.
-    if (threshold > 1. && imbalance(work(), comm) <=
-                            std::max(threshold, worth_it * current.imbalance))
-      return false;
-    share_cells();
-    return true;
   }
 
 
@@ -245,40 +205,12 @@ namespace greville
 
   template <int dim>
   bool
-  Simulation<dim>::adapt_cells()
+  Simulation<dim>::change_cells()
   {
-    const unsigned int every = parameters.grid.adapt_every;
-    if (every == 0 || current.n_steps == 0 || current.n_steps % every != 0)
-      return false;
-    const PartTimer  timer(log, "adaptation");
-    const Adaptation result =
-      adapt_grid(current, discretization, parameters, [&]() {
-        integrator.reset();
-        last_good = Snapshot<dim>();
-      });
-    if (result.is_limited && !current.is_limited)
-      log.warnings.push_back(
-        "The limit 'Grid/Most cells' = " +
-        std::to_string(parameters.grid.most_cells) +
-        " is near at t = " + text_of(current.time) +
-        " s: indicators halve fewer cells than they would.");
-    current.is_limited = current.is_limited || result.is_limited;
-    current.n_divided += result.n_divided;
-    if (!result.changes_cells)
-      return result.n_divided > 0;
-    ++current.n_adaptations;
-    share_cells();
+    const bool has_changed = cells.take(current);
     if (!integrator)
       integrator = make_integrator();
-    const Signals last       = current.signals;
-    const double  first_step = current.estimates.first_step;
-    current.signals          = initial_signals(current.bodies, space());
-    current.signals.wave     = std::max(last.wave, current.signals.wave);
-    current.signals.fastest  = std::max(last.fastest, current.signals.fastest);
-    current.estimates        = StepEstimates();
-    current.estimates.first_step = first_step;
-    last_good.take(current);
-    return true;
+    return has_changed;
   }
 
 
@@ -538,6 +470,17 @@ namespace greville
     run_on_all(comm,
                [&]() { loads.surfaces().set(current.surfaces, current.time); });
     return current.surfaces;
+  }
+
+
+
+  template <int dim>
+  std::vector<Body<dim>> &
+  Simulation<dim>::bodies()
+  {
+    programs_have_points = true;
+    current.points_have_changed();
+    return current.bodies;
   }
 
 

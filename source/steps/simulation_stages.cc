@@ -150,10 +150,7 @@ namespace greville
     loads.precompute(current.bodies);
     current.points_have_changed();
 
-    const Signals last      = current.signals;
-    current.signals         = initial_signals(current.bodies, space());
-    current.signals.wave    = std::max(last.wave, current.signals.wave);
-    current.signals.fastest = std::max(last.fastest, current.signals.fastest);
+    renew_signals(current, space());
   }
 
 

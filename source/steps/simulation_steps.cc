@@ -126,6 +126,18 @@ namespace greville
 
   template <int dim>
   void
+  Simulation<dim>::end_step()
+  {
+    if (current.n_points == 0)
+      log.warnings.push_back("The last point has left the grid at t = " +
+                             std::to_string(current.time) +
+                             " s: the run ends.");
+  }
+
+
+
+  template <int dim>
+  void
   Simulation<dim>::step()
   {
     Require(parameters.contacts.empty(),

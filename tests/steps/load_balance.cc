@@ -135,7 +135,10 @@ namespace
       while (!run->is_finished())
         {
           run->step();
-          result = std::max(result, imbalance(run->work(), MPI_COMM_WORLD));
+          result =
+            std::max(result,
+                     imbalance(work_of_process(run->state(), run->space()),
+                               MPI_COMM_WORLD));
         }
       return result;
     };

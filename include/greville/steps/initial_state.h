@@ -31,6 +31,12 @@ namespace greville
   initial_signals(const std::vector<Body<dim>> &bodies,
                   const SplineSpace<dim>       &space);
 
+  /// Collective. Set the signals of a state to the initial ones of its bodies,
+  /// but not below the fastest ones so far.
+  template <int dim>
+  void
+  renew_signals(State<dim> &state, const SplineSpace<dim> &space);
+
   /// Collective. Return the bodies with their points, at rest on the grid.
   /// Throws dealii::ExcMessage if two bodies overlap by half of a cell or more,
   /// or if an initial displacement moves points out of the grid. Points have

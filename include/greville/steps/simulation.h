@@ -4,6 +4,7 @@
 
 #include <greville/base/step_errors.h>
 #include <greville/base/tables.h>
+#include <greville/steps/cell_changes.h>
 #include <greville/steps/snapshot.h>
 #include <greville/steps/time_integrator.h>
 
@@ -169,12 +170,7 @@ namespace greville
     /// number and mass must not change. After the first call, sums over the
     /// points are recomputed in each step.
     std::vector<Body<dim>> &
-    bodies()
-    {
-      programs_have_points = true;
-      current.points_have_changed();
-      return current.bodies;
-    }
+    bodies();
 
     const SplineSpace<dim> &
     space() const
@@ -213,16 +209,6 @@ namespace greville
       return log;
     }
 
-    /// Return the work of this process in a step, see work_of_process().
-    double
-    work() const;
-
-    /// Collective. Redistribute the cells between two steps, so that each
-    /// process has the same share of the current work. Spaces and masses are
-    /// made anew; results change within solver tolerances.
-    void
-    share_cells();
-
     /// Collective. Return the cells that indicators of 'Grid/Refinement' want
     /// to be halved in the current state, see mark_cells().
     std::vector<MultiIndex<dim>>
@@ -259,14 +245,14 @@ namespace greville
     void
     change_bodies_from(const std::vector<const Material *> &materials,
                        const double                         energy);
-    // Call share_cells() if it is due before this step. Returns whether it was.
-    bool
-    balance_load();
-
-    // Call adapt_grid() if it is due before this step. Returns whether the grid
+    // Change the cells if it is due before this step. Returns whether the state
     // has changed.
     bool
-    adapt_cells();
+    change_cells();
+
+    // Share the cells equally among the processes, see CellChanges.
+    void
+    share_cells();
 
     // Restart solvers, guard and snapshot from the current state.
     void
@@ -287,13 +273,7 @@ namespace greville
     void
     check_energy();
     void
-    end_step()
-    {
-      if (current.n_points == 0)
-        log.warnings.push_back("The last point has left the grid at t = " +
-                               std::to_string(current.time) +
-                               " s: the run ends.");
-    }
+    end_step();
 
     // Collective. Restore the last good state and the parameters of its stage,
     // and throw StepGivenUp with the message for a step of this length.
@@ -307,6 +287,7 @@ namespace greville
     StepLog                              log;
     Loads<dim>                           loads;
     Discretization<dim>                  discretization;
+    CellChanges<dim>                     cells;
     StepGuard<dim>                       guard;
     LateRow<dim>                         requested_row;
     State<dim>                           current;
