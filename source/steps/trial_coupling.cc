@@ -31,8 +31,9 @@ namespace greville
             const InterleavedLayout  &layout =
               *system.finest().extended().unknowns().unknown_layout();
             std::vector<Weight> weights;
-            system.for_each_weight(
+            system.surfaces().for_each_weight(
               points_of(side),
+              system.finest(),
               [&](const std::size_t   s,
                   const unsigned int  u,
                   const double        N,

@@ -121,21 +121,22 @@ namespace greville
 
 
   template <int dim>
-  void
-  TangentSystem<dim>::for_each_weight(const MaterialPoints<dim> &points,
-                                      const VisitWeight         &visit) const
+  bool
+  TangentSystem<dim>::takes_cg() const
   {
-    const ExtendedMass<dim> &mass        = finest().extended();
-    const auto              &constrained = finest().constrained_components();
-    of_surfaces.for_each_value(
-      points,
-      [&](const std::size_t s, const unsigned int f, const double value) {
-        mass.unknowns().for_each_unknown(
-          mass.matrix().place(f),
-          [&](const unsigned int u, const double weight) {
-            visit(s, u, value * weight, constrained[f]);
-          });
-      });
+    return parameters.takes_cg(symmetric) && !of_bodies.has_projection();
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  TangentSystem<dim>::n_basis_vectors() const
+  {
+    if (takes_cg())
+      return 0;
+    // With a projection, restarts cost more than the basis vectors they save.
+    return of_bodies.has_projection() ? parameters.max_iterations : 100;
   }
 
 

@@ -117,25 +117,30 @@ namespace greville
 
   template <int dim>
   void
-  TangentSurfaces<dim>::for_each_value(
-    const MaterialPoints<dim>                                    &points,
-    const std::function<void(std::size_t, unsigned int, double)> &visit) const
+  TangentSurfaces<dim>::for_each_weight(const MaterialPoints<dim> &points,
+                                        const TangentLevel<dim>   &finest,
+                                        const VisitWeight         &visit) const
   {
-    std::size_t             first = 0;
-    std::vector<Point<dim>> x;
+    const ExtendedMass<dim> &mass        = finest.extended();
+    const auto              &constrained = finest.constrained_components();
+    std::size_t              first       = 0;
+    std::vector<Point<dim>>  x;
     for (const unsigned int cell : points.cells())
       {
         x.clear();
         points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
           x.push_back(p.basis_position(points.layout()));
         });
-        sums.back().for_each_value(cell,
-                                   x,
-                                   [&](const unsigned int k,
-                                       const unsigned int f,
-                                       const double       value) {
-                                     visit(first + k, f, value);
-                                   });
+        sums.back().for_each_value(
+          cell,
+          x,
+          [&](const unsigned int k, const unsigned int f, const double value) {
+            mass.unknowns().for_each_unknown(
+              mass.matrix().place(f),
+              [&](const unsigned int u, const double weight) {
+                visit(first + k, u, value * weight, constrained[f]);
+              });
+          });
         first += x.size();
       }
   }

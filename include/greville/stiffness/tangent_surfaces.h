@@ -51,13 +51,15 @@ namespace greville
            const std::vector<dealii::Tensor<1, dim>>      &forces,
            VectorField<dim>                               &result);
 
-    /// Call visit(s, f, value) for the values of local basis functions f of the
-    /// finest order at point number s of a surface.
+    /// Call visit(s, u, weight, constrained) for the weights with which the
+    /// unknowns u of the @p finest level interpolate point number s of a
+    /// surface. Constrained components (bits) have no weight.
+    using VisitWeight = std::function<
+      void(std::size_t s, unsigned int u, double weight, unsigned char)>;
     void
-    for_each_value(
-      const MaterialPoints<dim> &points,
-      const std::function<void(std::size_t s, unsigned int f, double value)>
-        &visit) const;
+    for_each_weight(const MaterialPoints<dim> &points,
+                    const TangentLevel<dim>   &finest,
+                    const VisitWeight         &visit) const;
 
     /// Collective. Set the norms, N / m (2D: N / m^2), of the stiffness of
     /// points for stiffness_scale(). This stiffness is not assembled.

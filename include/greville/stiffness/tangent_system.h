@@ -157,15 +157,6 @@ namespace greville
       return reuse.number();
     }
 
-    /// Call visit(s, u, weight, constrained) for the weights with which the
-    /// unknowns u of the mass interpolate point number s of a surface.
-    /// Constrained components (bits) have no weight.
-    using VisitWeight = std::function<
-      void(std::size_t s, unsigned int u, double weight, unsigned char)>;
-    void
-    for_each_weight(const MaterialPoints<dim> &points,
-                    const VisitWeight         &visit) const;
-
     /// Require a new set-up for the next operator.
     void
     forget();
@@ -219,21 +210,12 @@ namespace greville
 
     /// Return whether conjugate gradients solve the last system.
     bool
-    takes_cg() const
-    {
-      return parameters.takes_cg(symmetric) && !of_bodies.has_projection();
-    }
+    takes_cg() const;
 
     /// Return the number of basis vectors of FGMRES between two restarts; 0 for
     /// conjugate gradients.
     unsigned int
-    n_basis_vectors() const
-    {
-      if (takes_cg())
-        return 0;
-      // With a projection, restarts cost more than the basis vectors they save.
-      return of_bodies.has_projection() ? parameters.max_iterations : 100;
-    }
+    n_basis_vectors() const;
 
     /// Collective. Compute the velocity with M~ v = momentum; @p velocity
     /// supplies the constrained coefficients.
