@@ -199,6 +199,102 @@ namespace greville
                "no boxes around such points fill a cell; take equidistant or "
                "fitted lattice.");
     }
+
+
+
+    /// Check the motion, the regions and the friction of the walls.
+    void
+    check_walls(const WallParameters &walls, const unsigned int dim)
+    {
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        {
+          const std::string &name = WallParameters::names[w];
+          const std::string &v    = walls.velocity[w];
+          const std::string &d    = walls.displacement[w];
+          Require(v.empty() || d.empty(),
+                  "The wall '" + name + "' has both of '" + name +
+                    " velocity' (<" + v + ">) and '" + name +
+                    " displacement' (<" + d + ">): give one of them.");
+          Require(
+            walls.type[w] == "sliding" ||
+              (walls.type[w] == "moving") == !(v + d).empty(),
+            "The wall '" + name + "' is " + walls.type[w] + ", and '" + name +
+              (!d.empty() ? " displacement' is <" + d + ">"
+               : !v.empty()
+                 ? " velocity' is <" + v + ">"
+                 : " velocity' and '" + name + " displacement' are empty") +
+              ": a moving wall needs one of them, a sliding wall may have "
+              "one, other walls have none.");
+          Require(
+            walls.region[w].empty() || walls.type[w] == "fixed" ||
+              walls.type[w] == "sliding" || walls.type[w] == "moving",
+            "The wall '" + name + "' is " + walls.type[w] + ", and '" + name +
+              " region' is <" + formula_text(walls.region[w]) +
+              ">: only fixed, sliding and moving walls may have a region.");
+        }
+      for (unsigned int w = 0; w < 2 * dim; ++w)
+        Require(walls.friction[w] == 0. || walls.type[w] == "friction",
+                "The wall '" + WallParameters::names[w] + "' is " +
+                  walls.type[w] + ", but has a coefficient of friction.");
+      for (unsigned int w = 2 * dim; w < 6; ++w)
+        {
+          const std::string &name = WallParameters::names[w];
+          Require(walls.type[w] == "free",
+                  "The wall '" + name + "' is " + walls.type[w] +
+                    ", but there is no such wall in 2D.");
+          for (const auto &[what, value] :
+               {std::make_pair(" velocity", walls.velocity[w]),
+                std::make_pair(" displacement", walls.displacement[w]),
+                std::make_pair(" region", walls.region[w]),
+                std::make_pair(" friction",
+                               walls.friction[w] == 0.
+                                 ? std::string()
+                                 : text_of(walls.friction[w]))})
+            Require(value.empty(),
+                    "The parameter 'Walls/" + name + what + "' is <" + value +
+                      ">, but there is no such wall in 2D.");
+        }
+    }
+
+
+
+    void
+    check_periodic_walls(const SimulationParameters &parameters)
+    {
+      const WallParameters &walls     = parameters.walls;
+      const GridParameters &grid      = parameters.grid;
+      const unsigned int    dim       = parameters.general.dimension;
+      const bool            has_water = parameters.general.pore_water;
+      for (unsigned int w = 0; w < 2 * dim; w += 2)
+        {
+          const bool is_periodic = walls.is_periodic(w);
+          Require(is_periodic == walls.is_periodic(w + 1),
+                  "The wall '" + WallParameters::names[w] + "' is " +
+                    walls.type[w] + " and '" + WallParameters::names[w + 1] +
+                    "' is " + walls.type[w + 1] +
+                    ": both or none have to be periodic.");
+          // Cells of the pore pressure are twice as large.
+          const unsigned int n =
+                               grid.cells.size() == dim ? grid.cells[w / 2] : 0,
+                             needed = (has_water ? 2 : 1) * (grid.degree + 1);
+          Require(!is_periodic || grid.knots[w / 2].empty(),
+                  "The walls '" + WallParameters::names[w] + "' and '" +
+                    WallParameters::names[w + 1] +
+                    "' are periodic, and there are 'Grid/Knots " +
+                    std::string(1, "xyz"[w / 2]) +
+                    "' between them: cells in a periodic direction are equal.");
+          Require(!is_periodic || n == 0 || n >= needed,
+                  "The parameter 'Grid/Cells' has " + std::to_string(n) +
+                    " cells from '" + WallParameters::names[w] + "' to '" +
+                    WallParameters::names[w + 1] + "', which are periodic: " +
+                    (has_water
+                       ? "the pressure of pore water has half as many, and "
+                       : "") +
+                    "B-splines of 'Grid/Order' " + std::to_string(grid.degree) +
+                    " need " + std::to_string(needed) +
+                    " cells or more, so that none overlaps itself.");
+        }
+    }
   } // namespace
 
 
@@ -332,61 +428,8 @@ namespace greville
   void
   SimulationParameters::check_stage() const
   {
-    const unsigned int dim = general.dimension;
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      {
-        const std::string &name = WallParameters::names[w];
-        const std::string &v    = walls.velocity[w];
-        const std::string &d    = walls.displacement[w];
-        Require(v.empty() || d.empty(),
-                "The wall '" + name + "' has both of '" + name +
-                  " velocity' (<" + v + ">) and '" + name +
-                  " displacement' (<" + d + ">): give one of them.");
-        Require(walls.type[w] == "sliding" ||
-                  (walls.type[w] == "moving") == !(v + d).empty(),
-                "The wall '" + name + "' is " + walls.type[w] + ", and '" +
-                  name +
-                  (!d.empty() ? " displacement' is <" + d + ">"
-                   : !v.empty()
-                     ? " velocity' is <" + v + ">"
-                     : " velocity' and '" + name + " displacement' are empty") +
-                  ": a moving wall needs one of them, a sliding wall may have "
-                  "one, other walls have none.");
-        Require(walls.region[w].empty() || walls.type[w] == "fixed" ||
-                  walls.type[w] == "sliding" || walls.type[w] == "moving",
-                "The wall '" + name + "' is " + walls.type[w] + ", and '" +
-                  name + " region' is <" + formula_text(walls.region[w]) +
-                  ">: only fixed, sliding and moving walls may have a region.");
-      }
-    for (unsigned int w = 0; w < 2 * dim; w += 2)
-      {
-        const bool is_periodic = walls.is_periodic(w);
-        Require(is_periodic == walls.is_periodic(w + 1),
-                "The wall '" + WallParameters::names[w] + "' is " +
-                  walls.type[w] + " and '" + WallParameters::names[w + 1] +
-                  "' is " + walls.type[w + 1] +
-                  ": both or none have to be periodic.");
-        // Cells of the pore pressure are twice as large.
-        const unsigned int n = grid.cells.size() == dim ? grid.cells[w / 2] : 0,
-                           needed =
-                             (general.pore_water ? 2 : 1) * (grid.degree + 1);
-        Require(!is_periodic || grid.knots[w / 2].empty(),
-                "The walls '" + WallParameters::names[w] + "' and '" +
-                  WallParameters::names[w + 1] +
-                  "' are periodic, and there are 'Grid/Knots " +
-                  std::string(1, "xyz"[w / 2]) +
-                  "' between them: cells in a periodic direction are equal.");
-        Require(!is_periodic || n == 0 || n >= needed,
-                "The parameter 'Grid/Cells' has " + std::to_string(n) +
-                  " cells from '" + WallParameters::names[w] + "' to '" +
-                  WallParameters::names[w + 1] + "', which are periodic: " +
-                  (general.pore_water
-                     ? "the pressure of pore water has half as many, and "
-                     : "") +
-                  "B-splines of 'Grid/Order' " + std::to_string(grid.degree) +
-                  " need " + std::to_string(needed) +
-                  " cells or more, so that none overlaps itself.");
-      }
+    check_walls(walls, general.dimension);
+    check_periodic_walls(*this);
     check_mass_name(scheme.mass, "Scheme/Mass");
     if (grid.is_axisymmetric())
       check_axisymmetry_of_stage();
@@ -409,27 +452,5 @@ namespace greville
             "Without a 'Time/Step', the parameters 'Time/CFL number' and "
             "'Time/Safety' have to be above zero; they are " +
               text_of(time.cfl) + " and " + text_of(time.safety) + ".");
-    for (unsigned int w = 0; w < 2 * dim; ++w)
-      Require(walls.friction[w] == 0. || walls.type[w] == "friction",
-              "The wall '" + WallParameters::names[w] + "' is " +
-                walls.type[w] + ", but has a coefficient of friction.");
-    for (unsigned int w = 2 * dim; w < 6; ++w)
-      {
-        const std::string &name = WallParameters::names[w];
-        Require(walls.type[w] == "free",
-                "The wall '" + name + "' is " + walls.type[w] +
-                  ", but there is no such wall in 2D.");
-        for (const auto &[what, value] :
-             {std::make_pair(" velocity", walls.velocity[w]),
-              std::make_pair(" displacement", walls.displacement[w]),
-              std::make_pair(" region", walls.region[w]),
-              std::make_pair(" friction",
-                             walls.friction[w] == 0.
-                               ? std::string()
-                               : text_of(walls.friction[w]))})
-          Require(value.empty(),
-                  "The parameter 'Walls/" + name + what + "' is <" + value +
-                    ">, but there is no such wall in 2D.");
-      }
   }
 } // namespace greville

@@ -7,6 +7,7 @@
 #include <greville/points/point_material.h>
 #include <greville/run/check_materials.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <limits>
@@ -286,6 +287,118 @@ namespace greville
 
 
 
+  namespace
+  {
+    using Notes = std::vector<std::string>;
+
+    /// Note a density or a friction that looks like a number of another unit.
+    void
+    note_units(Notes             &notes,
+               const Material    &material,
+               const std::string &name,
+               const bool         is_real)
+    {
+      if (is_real && material.density < smallest_likely_density)
+        notes.push_back(
+          "'Material " + name + "' has a density of " +
+          rounded(material.density) +
+          " kg / m^3, and water has 1000. Is it a weight in kN / m^3? "
+          "Divide it by 0.00981.");
+      const double friction = friction_of(material);
+      if (friction > smallest_unlikely_friction &&
+          friction < largest_unlikely_friction)
+        notes.push_back(
+          "'Material " + name + "' has a shear strength that grows by " +
+          rounded(friction) + " of the pressure, as by a friction angle of " +
+          rounded(std::asin(friction) * 180. / numbers::PI) +
+          " degrees. Is the angle in radians? It is given in "
+          "degrees.");
+    }
+
+
+
+    /// Collective. Note an initial velocity that has no effect.
+    template <int dim>
+    void
+    note_velocity(Notes &notes, const Body<dim> &body, const MPI_Comm comm)
+    {
+      bool moves = false;
+      body.points.for_each([&](ConstPointRef<dim> p) {
+        for (unsigned int d = 0; d < dim; ++d)
+          moves = moves || p.velocity(d) != 0.;
+      });
+      if (Utilities::MPI::max<unsigned int>(moves, comm) > 0)
+        notes.push_back("'Body " + body.name + "/Velocity' is <" +
+                        formula_text(body.parameters->velocity) +
+                        ">, which quasi-static steps ignore: the body "
+                        "is at rest after the first step.");
+    }
+
+
+
+    /// Collective. Note bodies on the surface of a body with 'K0' whose weight
+    /// its initial stress ignores.
+    template <int dim>
+    void
+    note_bodies_above(Notes                &notes,
+                      const Body<dim>      &body,
+                      const BodyList<dim>  &bodies,
+                      const Tensor<1, dim> &gravity,
+                      const GridParameters &grid,
+                      const MPI_Comm        comm)
+    {
+      for (const Body<dim> &other : bodies)
+        if (&other != &body &&
+            !(other.parameters->K0 >= 0. && !other.parameters->shape.empty()))
+          {
+            const auto above = mass_above(body, other, gravity, comm);
+            if (above.second > negligible_load * above.first)
+              notes.push_back(
+                "'Body " + other.name + "' lies on the 'Surface' of '" +
+                "Body " + body.name +
+                "', whose initial stress by 'K0' "
+                "counts bodies with a 'K0' and a 'Shape' only: " +
+                rounded(above.second * gravity.norm()) + ' ' +
+                unit_of_sums("N", dim, grid) +
+                " are not in balance. A quasi-static stage finds the "
+                "equilibrium, or 'Stress' gives the stress of both.");
+          }
+    }
+
+
+
+    /// Collective. Note a stiffness or strength that is small for the weight.
+    template <int dim>
+    void
+    note_weight(Notes                &notes,
+                const Body<dim>      &body,
+                const Tensor<1, dim> &gravity,
+                const MPI_Comm        comm)
+    {
+      const Material &material = *body.material;
+      const Moduli    moduli   = material.moduli();
+      const double    weight =
+        material.density * gravity.norm() * height_of(body, gravity, comm);
+      const double      stiffness = moduli.bulk + 4. / 3. * moduli.shear;
+      const double      strength  = shear_strength(material);
+      const std::string name = "'Material " + body.parameters->material + "' ";
+      if (weight > largest_weight_over_stiffness * stiffness)
+        notes.push_back(name + "is soft: its weight over the height of 'Body " +
+                        body.name + "', rho g H = " + rounded(weight) +
+                        " Pa, is more than a fifth of K + 4 G / 3 = " +
+                        rounded(stiffness) + " Pa. Is the stiffness in Pa?");
+      if (strength > 0. && strength < smallest_strength_over_weight * weight)
+        notes.push_back(
+          name +
+          "is weak: its shear strength without pressure is less than a "
+          "thousandth of its weight over the height of 'Body " +
+          body.name + "', rho g H = " + rounded(weight) +
+          " Pa. Is the strength in Pa?");
+    }
+  } // namespace
+
+
+
   template <int dim>
   std::vector<std::string>
   input_notes(const BodyList<dim>        &bodies,
@@ -305,13 +418,13 @@ namespace greville
       }
     catch (const ExceptionBase &)
       {}
-    const double             g       = gravity.norm();
-    const bool               is_real = g > 9. && g < 11.;
-    std::vector<std::string> notes;
-    double                   smallest_component = 0.;
-    for (unsigned int d = 0; d < dim; ++d)
-      smallest_component = std::min(smallest_component, gravity[d]);
-    if (is_real && smallest_component == 0.)
+    const double g       = gravity.norm();
+    const bool   is_real = g > 9. && g < 11.;
+    Notes        notes;
+    if (is_real &&
+        std::all_of(gravity.begin_raw(),
+                    gravity.end_raw(),
+                    [](const double component) { return component >= 0.; }))
       notes.push_back("'Loads/Gravity' is (" + text_of(gravity) +
                       ") m / s^2, without a negative component: bodies fall "
                       "towards larger coordinates.");
@@ -319,75 +432,17 @@ namespace greville
     std::set<std::string> names;
     for (const Body<dim> &body : bodies)
       {
-        const Material    &material = *body.material;
-        const Moduli       moduli   = material.moduli();
-        const std::string &name     = body.parameters->material;
-        const auto         note     = [&](const std::string &what) {
-          notes.push_back("'Material " + name + "' " + what);
-        };
-        if (names.insert(name).second)
-          {
-            if (is_real && material.density < smallest_likely_density)
-              note("has a density of " + rounded(material.density) +
-                   " kg / m^3, and water has 1000. Is it a weight in kN / m^3? "
-                   "Divide it by 0.00981.");
-            const double friction = friction_of(material);
-            if (friction > smallest_unlikely_friction &&
-                friction < largest_unlikely_friction)
-              note("has a shear strength that grows by " + rounded(friction) +
-                   " of the pressure, as by a friction angle of " +
-                   rounded(std::asin(friction) * 180. / numbers::PI) +
-                   " degrees. Is the angle in radians? It is given in "
-                   "degrees.");
-          }
+        const std::string &material = body.parameters->material;
+        if (names.insert(material).second)
+          note_units(notes, *body.material, material, is_real);
         if (!body.parameters->velocity.empty() &&
             parameters.scheme.is_quasi_static())
-          {
-            bool moves = false;
-            body.points.for_each([&](ConstPointRef<dim> p) {
-              for (unsigned int d = 0; d < dim; ++d)
-                moves = moves || p.velocity(d) != 0.;
-            });
-            if (Utilities::MPI::max<unsigned int>(moves, comm) > 0)
-              notes.push_back("'Body " + body.name + "/Velocity' is <" +
-                              formula_text(body.parameters->velocity) +
-                              ">, which quasi-static steps ignore: the body "
-                              "is at rest after the first step.");
-          }
+          note_velocity(notes, body, comm);
         if (body.parameters->K0 >= 0.)
-          for (const Body<dim> &other : bodies)
-            if (&other != &body && !(other.parameters->K0 >= 0. &&
-                                     !other.parameters->shape.empty()))
-              {
-                const auto above = mass_above(body, other, first_gravity, comm);
-                if (above.second > negligible_load * above.first)
-                  notes.push_back(
-                    "'Body " + other.name + "' lies on the 'Surface' of '" +
-                    "Body " + body.name +
-                    "', whose initial stress by 'K0' "
-                    "counts bodies with a 'K0' and a 'Shape' only: " +
-                    rounded(above.second * first_gravity.norm()) + ' ' +
-                    unit_of_sums("N", dim, parameters.grid) +
-                    " are not in balance. A quasi-static stage finds the "
-                    "equilibrium, or 'Stress' gives the stress of both.");
-              }
-        if (g == 0.)
-          continue;
-        // The call is collective.
-        const double weight =
-          material.density * g * height_of(body, gravity, comm);
-        const double stiffness = moduli.bulk + 4. / 3. * moduli.shear;
-        const double strength  = shear_strength(material);
-        if (weight > largest_weight_over_stiffness * stiffness)
-          note("is soft: its weight over the height of 'Body " + body.name +
-               "', rho g H = " + rounded(weight) +
-               " Pa, is more than a fifth of K + 4 G / 3 = " +
-               rounded(stiffness) + " Pa. Is the stiffness in Pa?");
-        if (strength > 0. && strength < smallest_strength_over_weight * weight)
-          note("is weak: its shear strength without pressure is less than a "
-               "thousandth of its weight over the height of 'Body " +
-               body.name + "', rho g H = " + rounded(weight) +
-               " Pa. Is the strength in Pa?");
+          note_bodies_above(
+            notes, body, bodies, first_gravity, parameters.grid, comm);
+        if (g > 0.)
+          note_weight(notes, body, gravity, comm);
       }
     return notes;
   }
