@@ -6,6 +6,7 @@
 #include <greville/geometry/points_file.h>
 #include <greville/geometry/shape.h>
 #include <greville/points/body.h>
+#include <greville/points/point_fields.h>
 #include <greville/points/point_material.h>
 
 #include "formula_gradient.h"
@@ -226,25 +227,11 @@ namespace greville
     std::vector<std::vector<std::string>>
     groups_of_file(const Material &material)
     {
-      const auto               axes = coordinate_names<dim>();
-      std::vector<std::string> velocity, stress(PointLayout<dim>::n_stress),
-        F(PointLayout<dim>::n_F);
-      for (const std::string &axis : axes)
+      std::vector<std::string> velocity;
+      for (const std::string &axis : coordinate_names<dim>())
         velocity.push_back("velocity_" + axis);
-      static const std::string all[] = {"x", "y", "z"};
-      for (unsigned int i = 0; i < 3; ++i)
-        for (unsigned int j = 0; j < 3; ++j)
-          {
-            if (i <= j && (dim == 3 || i == j || j < 2))
-              stress[PointLayout<dim>::stress_index(i, j)] =
-                "stress_" + all[i] + all[j];
-            if (dim == 3 || (i < 2 && j < 2) || (i == 2 && j == 2))
-              F[PointLayout<dim>::F_index(i, j)] = "F_" + all[i] + all[j];
-          }
-      std::vector<std::vector<std::string>> groups = {velocity,
-                                                      stress,
-                                                      F,
-                                                      {"J"}};
+      std::vector<std::vector<std::string>> groups = {
+        velocity, symmetric_entries<dim>("stress"), entries_of_F<dim>(), {"J"}};
       if (!material.state_names().empty())
         groups.push_back(material.state_names());
       return groups;
@@ -269,12 +256,14 @@ namespace greville
       const int  J = file.find("J");
       const int  history =
         state_list.empty() ? -1 : file.find(state_list.front());
-      const bool            has_history = state_list.empty() || history >= 0;
-      SymmetricTensor<2, 3> sigma;
-      for (unsigned int i = 0; stress >= 0 && i < 3; ++i)
-        for (unsigned int j = i; j < 3; ++j)
-          if (dim == 3 || i == j || j < 2)
-            sigma[i][j] = file.value(k, stress + Layout::stress_index(i, j));
+      const bool has_history = state_list.empty() || history >= 0;
+      std::array<double, Layout::n_fixed> numbers{};
+      for (unsigned int i = 0; stress >= 0 && i < Layout::n_stress; ++i)
+        numbers[Layout::stress + i] = file.value(k, stress + i);
+      for (unsigned int i = 0; F >= 0 && i < Layout::n_F; ++i)
+        numbers[Layout::F + i] = file.value(k, F + i);
+      const ConstPointRef<dim>    given(numbers.data());
+      const SymmetricTensor<2, 3> sigma = given.stress();
       // Fluids use only J.
       const bool is_deformed =
         (F >= 0 && has_history) || (J >= 0 && material.shares_volume());
@@ -283,11 +272,7 @@ namespace greville
         state.state[i] = file.value(k, history + i);
       if (!is_deformed)
         return;
-      state.F = unit_symmetric_tensor<3>();
-      for (unsigned int i = 0; F >= 0 && i < 3; ++i)
-        for (unsigned int j = 0; j < 3; ++j)
-          if (dim == 3 || (i < 2 && j < 2) || (i == 2 && j == 2))
-            state.F[i][j] = file.value(k, F + Layout::F_index(i, j));
+      state.F = F >= 0 ? given.F() : Tensor<2, 3>(unit_symmetric_tensor<3>());
       state.J = J >= 0 ? file.value(k, J) : determinant(state.F);
       Require(state.J > 0.,
               "the deformation in the points file has J = " + text_of(state.J) +

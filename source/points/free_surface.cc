@@ -75,9 +75,7 @@ namespace greville
     time = new_time;
     terms.clear();
     const SplineSpace<dim> &space = *displacement_tables.space;
-    force_buffer.assign(dim * (space.owned_functions().size() +
-                               space.ghost_functions().size()),
-                        0.);
+    force_buffer.assign(dim * n_local_functions(space), 0.);
   }
 
 
@@ -173,9 +171,8 @@ namespace greville
                         VectorType       &rows,
                         const bool        with_outside) const
   {
-    const SplineSpace<dim> &space = *pressure_tables.space;
-    const std::size_t       n_functions =
-      space.owned_functions().size() + space.ghost_functions().size();
+    const SplineSpace<dim> &space       = *pressure_tables.space;
+    const std::size_t       n_functions = n_local_functions(space);
     p_buffer.resize(n_functions);
     put_into_buffer(p, 1, 0, p_buffer);
     row_sums.assign(n_functions, 0.);

@@ -11,42 +11,6 @@ namespace greville
 
   namespace
   {
-    constexpr const char *axes[] = {"x", "y", "z"};
-
-
-
-    /// Return the components of a symmetric tensor, in the order of
-    /// PointLayout.
-    template <int dim>
-    std::vector<std::string>
-    symmetric(const std::string &name)
-    {
-      std::vector<std::string> result(PointLayout<dim>::n_stress);
-      for (unsigned int i = 0; i < 3; ++i)
-        for (unsigned int j = i; j < 3; ++j)
-          if (dim == 3 || i == j || j < 2)
-            result[PointLayout<dim>::stress_index(i, j)] =
-              name + "_" + axes[i] + axes[j];
-      return result;
-    }
-
-
-
-    template <int dim>
-    std::vector<std::string>
-    components_of_F()
-    {
-      std::vector<std::string> result(PointLayout<dim>::n_F);
-      for (unsigned int i = 0; i < 3; ++i)
-        for (unsigned int j = 0; j < 3; ++j)
-          if (dim == 3 || (i < 2 && j < 2) || (i == 2 && j == 2))
-            result[PointLayout<dim>::F_index(i, j)] =
-              std::string("F_") + axes[i] + axes[j];
-      return result;
-    }
-
-
-
     double
     mean_pressure(const SymmetricTensor<2, 3> &stress)
     {
@@ -180,7 +144,7 @@ namespace greville
                             return p.position() - p.reference();
                           }),
         tensor_field<dim>("stress",
-                          symmetric<dim>("stress"),
+                          symmetric_entries<dim>("stress"),
                           [](const Ref p, double *values) {
                             for (unsigned int k = 0; k < Layout::n_stress; ++k)
                               values[k] = p.stress(k);
@@ -200,13 +164,13 @@ namespace greville
         vector_field<dim>("reference",
                           [](const Ref p) { return p.reference(); }),
         tensor_field<dim>("F",
-                          components_of_F<dim>(),
+                          entries_of_F<dim>(),
                           [](const Ref p, double *values) {
                             for (unsigned int k = 0; k < Layout::n_F; ++k)
                               values[k] = p[Layout::F + k];
                           }),
         tensor_field<dim>("strain",
-                          symmetric<dim>("strain"),
+                          symmetric_entries<dim>("strain"),
                           write_strain<dim>),
         scalar("mass", [](const Ref p) { return p.mass(); }),
         scalar("volume", [](const Ref p) { return p.volume(); }),
@@ -232,6 +196,31 @@ namespace greville
           })};
     }
   } // namespace
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  symmetric_entries(const std::string &name)
+  {
+    std::vector<std::string> result;
+    for (const std::string entry : {"_xx", "_yy", "_zz", "_xy", "_xz", "_yz"})
+      result.push_back(name + entry);
+    result.resize(PointLayout<dim>::n_stress);
+    return result;
+  }
+
+
+
+  template <int dim>
+  std::vector<std::string>
+  entries_of_F()
+  {
+    if (dim == 2)
+      return {"F_xx", "F_xy", "F_yx", "F_yy", "F_zz"};
+    return {
+      "F_xx", "F_xy", "F_xz", "F_yx", "F_yy", "F_yz", "F_zx", "F_zy", "F_zz"};
+  }
 
 
 
@@ -263,5 +252,7 @@ namespace greville
 
 
 
+  GREVILLE_INSTANTIATE(symmetric_entries);
+  GREVILLE_INSTANTIATE(entries_of_F);
   GREVILLE_INSTANTIATE(point_fields);
 } // namespace greville

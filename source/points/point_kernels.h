@@ -135,6 +135,16 @@ namespace greville
 
 
 
+    /// Return the number of owned functions and ghosts, the length of buffers.
+    template <int dim>
+    std::size_t
+    n_local_functions(const SplineSpace<dim> &space)
+    {
+      return space.owned_functions().size() + space.ghost_functions().size();
+    }
+
+
+
     /// Copy a vector with its ghost entries into a buffer of @p n_fields
     /// numbers per function.
     template <typename Buffer>
@@ -341,6 +351,24 @@ namespace greville
 #pragma GCC unroll 9
       for (int k = 0; k < count; ++k)
         store(values[k], group + (first + k) * simd_width);
+    }
+
+
+
+    /// Call action(order, hoop) like with_order(), with std::true_type as the
+    /// second argument for axisymmetric points.
+    template <int dim, typename Action>
+    void
+    with_order_and_hoop(const unsigned int degree,
+                        const bool         is_axisymmetric,
+                        const Action      &action)
+    {
+      with_order(degree, [&](const auto order) {
+        if constexpr (dim == 2)
+          if (is_axisymmetric)
+            return action(order, std::true_type());
+        action(order, std::false_type());
+      });
     }
   } // namespace internal
 } // namespace greville

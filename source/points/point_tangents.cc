@@ -180,16 +180,13 @@ namespace greville
                                   const double             *x,
                                   const StencilMatrix<dim> &stencil) const
   {
-    with_order(tables.space->degree(), [&](const auto size) {
-      constexpr int n = decltype(size)::value;
-      if constexpr (dim == 2)
-        if (axisymmetric)
-          {
-            add_product_of_order<n, true>(y, x, stencil);
-            return;
-          }
-      add_product_of_order<n, false>(y, x, stencil);
-    });
+    with_order_and_hoop<dim>(
+      tables.space->degree(),
+      axisymmetric,
+      [&](const auto order, const auto hoop) {
+        add_product_of_order<decltype(order)::value, decltype(hoop)::value>(
+          y, x, stencil);
+      });
   }
 
 
@@ -407,45 +404,39 @@ namespace greville
   PointTangents<dim>::for_each_cell(const SpacePolynomials<dim> &of_space,
                                     const CellAction<Number>    &action) const
   {
-    const std::size_t size  = group_size();
-    const auto        visit = [&](const auto order, const auto hoop) {
-      using Stiffness   = CellStiffness<dim,
-                                      decltype(order)::value,
-                                      Number,
-                                      decltype(hoop)::value>;
-      const auto matrix = std::make_unique<Number[]>(Stiffness::size);
-      const auto sums   = std::make_unique<Stiffness>();
-      for (const CellPoints &points : cells)
-        {
-          const CellGeometry<dim, decltype(order)::value> geometry(of_space,
-                                                                   points.cell);
-          const double *group = numbers.data() + points.first;
-          if constexpr (Stiffness::has_moments)
-            if (points.n_points >= Stiffness::many)
-              {
-                sums->sum_moments(geometry,
-                                  group,
-                                  points.n_points,
-                                  size,
-                                  symmetric,
-                                  matrix.get());
-                action(points.cell, matrix.get(), Stiffness::stride);
-                continue;
-              }
-          sums->sum_up(
-            geometry, group, points.n_points, size, symmetric, matrix.get());
-          action(points.cell, matrix.get(), Stiffness::stride);
-        }
-    };
-    with_order(of_space.space->degree(), [&](const auto order) {
-      if constexpr (dim == 2)
-        if (axisymmetric)
+    const std::size_t size = group_size();
+    with_order_and_hoop<dim>(
+      of_space.space->degree(),
+      axisymmetric,
+      [&](const auto order, const auto hoop) {
+        using Stiffness   = CellStiffness<dim,
+                                        decltype(order)::value,
+                                        Number,
+                                        decltype(hoop)::value>;
+        const auto matrix = std::make_unique<Number[]>(Stiffness::size);
+        const auto sums   = std::make_unique<Stiffness>();
+        for (const CellPoints &points : cells)
           {
-            visit(order, std::true_type());
-            return;
+            const CellGeometry<dim, decltype(order)::value> geometry(
+              of_space, points.cell);
+            const double *group = numbers.data() + points.first;
+            if constexpr (Stiffness::has_moments)
+              if (points.n_points >= Stiffness::many)
+                {
+                  sums->sum_moments(geometry,
+                                    group,
+                                    points.n_points,
+                                    size,
+                                    symmetric,
+                                    matrix.get());
+                  action(points.cell, matrix.get(), Stiffness::stride);
+                  continue;
+                }
+            sums->sum_up(
+              geometry, group, points.n_points, size, symmetric, matrix.get());
+            action(points.cell, matrix.get(), Stiffness::stride);
           }
-      visit(order, std::false_type());
-    });
+      });
   }
 
 

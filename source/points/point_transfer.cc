@@ -47,10 +47,8 @@ namespace greville
   {
     const SplineSpace<dim> &space = *tables.space;
     numbers_stride                = stride;
-    numbers.resize_fast((windows ? windows->n_places()
-                                 : space.owned_functions().size() +
-                                     space.ghost_functions().size()) *
-                        stride);
+    numbers.resize_fast(
+      (windows ? windows->n_places() : n_local_functions(space)) * stride);
   }
 
 

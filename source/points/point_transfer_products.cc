@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include "domains.h"
+#include "group_gradients.h"
 
 namespace greville
 {
@@ -22,6 +23,13 @@ namespace greville
       load_domains(points, group, geometry, s);
       shape.evaluate(geometry, x, s);
     }
+
+
+
+    /// The functions of a cell at a group of points, with values for the hoop
+    /// strain in 2D.
+    template <int dim, int n>
+    using CellShape = GroupGradients<dim, n, dim, dim == 2>;
 
 
 
@@ -64,7 +72,7 @@ namespace greville
               const double *group = points.group(g);
               Simd          x[dim];
               load_basis_positions(points, group, x);
-              ShapeValues<dim, n> shape;
+              CellShape<dim, n> shape;
               shape.template evaluate<derivatives>(geometry, x);
               product(group, shape, u, sums);
             }
@@ -208,31 +216,6 @@ namespace greville
 
 
 
-    /// Call action(first value of a row of functions along x, factors of the
-    /// row for derivatives in each direction) for all rows of a cell.
-    template <int dim, int n, typename Action>
-    inline __attribute__((always_inline)) void
-    for_each_row(const ShapeValues<dim, n> &shape, const Action &action)
-    {
-      int first = 0;
-      for (int a_z = 0; a_z < (dim == 3 ? n : 1); ++a_z)
-        for (int a_y = 0; a_y < n; ++a_y, first += n * dim)
-          {
-            Simd factors[dim];
-            factors[0] = shape.N[1][a_y];
-            factors[1] = shape.dN[1][a_y];
-            if constexpr (dim == 3)
-              {
-                factors[2] = factors[0] * shape.dN[2][a_z];
-                factors[0] *= shape.N[2][a_z];
-                factors[1] *= shape.N[2][a_z];
-              }
-            action(first, factors);
-          }
-    }
-
-
-
     /// The product of a stiffness with the values of a cell at a group.
     template <int dim, int n>
     class StiffnessProduct
@@ -245,15 +228,20 @@ namespace greville
       {}
 
       inline __attribute__((always_inline)) void
-      operator()(const double              *group,
-                 const ShapeValues<dim, n> &shape,
-                 const double              *u,
-                 Simd                      *sums) const
+      operator()(const double            *group,
+                 const CellShape<dim, n> &shape,
+                 const double            *u,
+                 Simd                    *sums) const
       {
-        Simd H[dim][dim], stress[dim][dim], hoop;
-        gradient(shape, u, H, hoop);
+        Simd pairs[CellShape<dim, n>::n_pairs], H[dim][dim], stress[dim][dim];
+        shape.gradient(u, pairs);
+        std::copy_n(pairs, dim * dim, H[0]);
+        Simd hoop = dim == 2 ? pairs[CellShape<dim, n>::n_pairs - 1] : Simd(0.);
         stress_of.evaluate(group, H, hoop, stress);
-        add_force(shape, stress, hoop, sums);
+        std::copy_n(stress[0], dim * dim, pairs);
+        if constexpr (dim == 2)
+          pairs[dim * dim] = layout.is_axisymmetric() ? hoop : Simd(0.);
+        shape.add_divergence(pairs, sums);
       }
 
       void
@@ -272,64 +260,6 @@ namespace greville
       }
 
     private:
-      /// Compute the gradient, and u_r of axisymmetric points.
-      inline __attribute__((always_inline)) void
-      gradient(const ShapeValues<dim, n> &shape,
-               const double              *u,
-               Simd (&H)[dim][dim],
-               Simd &u_r) const
-      {
-        u_r = 0.;
-        for (auto &row : H)
-          for (Simd &entry : row)
-            entry = 0.;
-        for_each_row(shape, [&](const int first, const Simd *factors) {
-          Simd values[dim], slopes[dim];
-          for (int i = 0; i < dim; ++i)
-            {
-              values[i] = shape.N[0][0] * u[first + i];
-              slopes[i] = shape.dN[0][0] * u[first + i];
-            }
-          for (int a = 1; a < n; ++a)
-            for (int i = 0; i < dim; ++i)
-              {
-                values[i] += shape.N[0][a] * u[first + a * dim + i];
-                slopes[i] += shape.dN[0][a] * u[first + a * dim + i];
-              }
-          for (int i = 0; i < dim; ++i)
-            {
-              H[i][0] += factors[0] * slopes[i];
-              for (int j = 1; j < dim; ++j)
-                H[i][j] += factors[j] * values[i];
-            }
-          if (layout.is_axisymmetric())
-            u_r += factors[0] * values[0];
-        });
-      }
-
-      /// Add the force of the stress and, for axisymmetric points, of @p hoop.
-      inline __attribute__((always_inline)) void
-      add_force(const ShapeValues<dim, n> &shape,
-                const Simd (&stress)[dim][dim],
-                const Simd hoop,
-                Simd      *sums) const
-      {
-        for_each_row(shape, [&](const int first, const Simd *factors) {
-          for (int i = 0; i < dim; ++i)
-            {
-              const Simd along  = factors[0] * stress[i][0];
-              Simd       across = factors[1] * stress[i][1];
-              if constexpr (dim == 3)
-                across += factors[2] * stress[i][2];
-              if (layout.is_axisymmetric() && i == 0)
-                across += factors[0] * hoop;
-              for (int a = 0; a < n; ++a)
-                sums[first + a * dim + i] +=
-                  shape.dN[0][a] * along + shape.N[0][a] * across;
-            }
-        });
-      }
-
       const PointLayout<dim>    &layout;
       const StiffnessStress<dim> stress_of;
     };
@@ -367,8 +297,7 @@ namespace greville
                     const bool              overwrite,
                     const Multiply         &multiply)
     {
-      const std::size_t n_functions =
-        space.owned_functions().size() + space.ghost_functions().size();
+      const std::size_t   n_functions = n_local_functions(space);
       std::vector<double> target(n_functions * dim);
       source.resize_fast(n_functions * dim);
       for (unsigned int d = 0; d < dim; ++d)

@@ -55,8 +55,7 @@ namespace greville
                      const std::vector<const MaterialPoints<dim> *> &surfaces)
   {
     const SplineSpace<dim> &space = *tables.space;
-    std::vector<double>     buffer(space.owned_functions().size() +
-                               space.ghost_functions().size());
+    std::vector<double>     buffer(n_local_functions(space));
     put_into_buffer(coefficients, 1, 0, buffer);
     std::vector<std::vector<double>> result(surfaces.size());
     with_order(space.degree(), [&](const auto size) {

@@ -499,8 +499,7 @@ namespace greville
                            const Action              &action)
   {
     const SplineSpace<dim> &space = *tables.space;
-    buffer.resize(
-      (space.owned_functions().size() + space.ghost_functions().size()) * dim);
+    buffer.resize(n_local_functions(space) * dim);
     for (unsigned int d = 0; d < dim; ++d)
       put_into_buffer(u[d], dim, d, buffer);
     const CellWindows<dim> *used_windows = windows_of(points, windows);

@@ -29,10 +29,7 @@ namespace greville
   TrialSums<dim>::clear()
   {
     square = 0.;
-    sums.assign((tables.space->owned_functions().size() +
-                 tables.space->ghost_functions().size()) *
-                  dim,
-                0.);
+    sums.assign(n_local_functions(*tables.space) * dim, 0.);
     if (windows)
       window_sums.assign(windows->n_places() * dim, 0.);
   }

@@ -162,9 +162,7 @@ namespace greville
   {
     const SplineSpace<dim> &space    = *tables.space;
     const unsigned int      n_fields = motion.v ? 2 * dim : dim;
-    buffer.resize(
-      (space.owned_functions().size() + space.ghost_functions().size()) *
-      n_fields);
+    buffer.resize(n_local_functions(space) * n_fields);
     for (unsigned int d = 0; d < dim; ++d)
       {
         put_into_buffer(u[d], n_fields, d, buffer);

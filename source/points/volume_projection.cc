@@ -165,9 +165,7 @@ namespace greville
     AssertThrow(points.layout().projected_J != 0, ExcInternalError());
     const SplineSpace<dim> &space    = *tables.space;
     const unsigned int      n_fields = direction ? 2 : 1;
-    buffer.resize(
-      (space.owned_functions().size() + space.ghost_functions().size()) * dim *
-      n_fields);
+    buffer.resize(n_local_functions(space) * dim * n_fields);
     for (unsigned int d = 0; d < dim; ++d)
       {
         put_into_buffer(w[d], dim * n_fields, d, buffer);

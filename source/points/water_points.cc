@@ -133,8 +133,7 @@ namespace greville
                                const bool              with_rows) const
   {
     const auto n_functions = [](const SpacePolynomials<dim> &tables) {
-      return tables.space->owned_functions().size() +
-             tables.space->ghost_functions().size();
+      return n_local_functions(*tables.space);
     };
     const std::size_t n_u = n_functions(displacement_tables);
     const std::size_t n_p = n_functions(pressure_tables);
@@ -378,9 +377,8 @@ namespace greville
   WaterPoints<dim>::average_old_pressure(VectorType &p) const
   {
     const SplineSpace<dim> &space = *pressure_tables.space;
-    const std::size_t       n =
-      space.owned_functions().size() + space.ghost_functions().size();
-    std::vector<double> sums(n, 0.), volumes(n, 0.);
+    const std::size_t       n     = n_local_functions(space);
+    std::vector<double>     sums(n, 0.), volumes(n, 0.);
     with_order(space.degree(), [&](const auto size) {
       constexpr int m = decltype(size)::value, n_q = power(m, dim);
       for (const PointTerm &term : points)

@@ -252,16 +252,12 @@ namespace greville
   void
   WaterTangents<dim>::add_product(const Fields &fields) const
   {
-    with_order(fields.displacements.space->degree(), [&](const auto size) {
-      constexpr int n = decltype(size)::value;
-      if constexpr (dim == 2)
-        if (is_axisymmetric)
-          {
-            multiply<n, true>(fields);
-            return;
-          }
-      multiply<n, false>(fields);
-    });
+    with_order_and_hoop<dim>(
+      fields.displacements.space->degree(),
+      is_axisymmetric,
+      [&](const auto order, const auto hoop) {
+        multiply<decltype(order)::value, decltype(hoop)::value>(fields);
+      });
   }
 
 

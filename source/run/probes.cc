@@ -137,9 +137,8 @@ namespace greville
         for (const char *what : {"", "v"})
           for (unsigned int d = 0; d < dim; ++d)
             names.push_back(std::string(what) + axes[d] + probe);
-        const char *components[] = {"xx", "yy", "zz", "xy", "xz", "yz"};
-        for (unsigned int c = 0; c < PointLayout<dim>::n_stress; ++c)
-          names.push_back(std::string("stress_") + components[c] + probe);
+        for (const std::string &name : symmetric_entries<dim>("stress"))
+          names.push_back(name + probe);
         for (const OutputField<dim> &field : fields)
           for (unsigned int c = 0; c < field.components.size(); ++c)
             names.push_back(

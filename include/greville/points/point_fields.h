@@ -39,7 +39,18 @@ namespace greville
                const BodyList<dim>            &bodies,
                const unsigned int              process);
 
-  /// Return all names, separated by '|'.
+  /// Return the names of the entries of the stress, or of another symmetric
+  /// tensor, in the order of PointLayout: NAME_xx, ...
+  template <int dim>
+  std::vector<std::string>
+  symmetric_entries(const std::string &name);
+
+  /// Return the names of the entries of the deformation gradient: F_xx, ...
+  template <int dim>
+  std::vector<std::string>
+  entries_of_F();
+
+  /// Return all names of fields, separated by '|'.
   std::string
   output_field_names();
 } // namespace greville
