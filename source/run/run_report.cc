@@ -50,11 +50,9 @@ namespace greville
         remedy += ", or 'Scheme/Stress update' = implicit-midpoint";
       else if (is_explicit_scheme(scheme.stress_update))
         {
-          std::ostringstream share;
-          share << scheme.flip;
           remedy = "smaller cells";
           if (scheme.is_flip() && scheme.flip < 1.)
-            remedy += ", a 'Scheme/FLIP share' (" + share.str() +
+            remedy += ", a 'Scheme/FLIP share' (" + text_of(scheme.flip) +
                       ") closer to 1, or 'Scheme/Transfer' = APIC";
           else if (scheme.is_pic())
             remedy += ", or 'Scheme/Transfer' = APIC or FLIP";

@@ -5,7 +5,6 @@
 #include <greville/steps/trial_contacts.h>
 
 #include <algorithm>
-#include <sstream>
 
 namespace greville
 {
@@ -119,12 +118,11 @@ namespace greville
                        rejection.what());
     ++state.n_rejections;
     propose();
-    std::ostringstream cut;
-    cut << "step " << state.n_steps + 1 << " from t = " << state.time
-        << " s is cut from " << dt << " to "
-        << *std::min_element(proposed.begin(), proposed.end())
-        << " s: " << rejection.what();
-    simulations[current_simulation]->log.cuts.push_back(cut.str());
+    simulations[current_simulation]->log.cuts.push_back(
+      "step " + std::to_string(state.n_steps + 1) +
+      " from t = " + text_of(state.time) + " s is cut from " + text_of(dt) +
+      " to " + text_of(*std::min_element(proposed.begin(), proposed.end())) +
+      " s: " + rejection.what());
   }
 
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace greville
 {
@@ -154,12 +153,11 @@ namespace greville
       std::string
       describe_slowness() const
       {
-        std::ostringstream text;
-        text << "Newton's method did not converge in "
-             << parameters.max_iterations << " iterations: the residual is "
-             << now.relative() << " of the forces, and 'Newton/Tolerance' is "
-             << parameters.tolerance;
-        return text.str();
+        return "Newton's method did not converge in " +
+               std::to_string(parameters.max_iterations) +
+               " iterations: the residual is " + text_of(now.relative()) +
+               " of the forces, and 'Newton/Tolerance' is " +
+               text_of(parameters.tolerance);
       }
 
       /// Return an empty text, or the reason why no direction was found.

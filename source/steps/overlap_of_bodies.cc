@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 namespace greville
 {
@@ -103,10 +102,8 @@ namespace greville
               const Point<dim>  &x,
               const std::string &other)
   {
-    std::ostringstream text;
-    text << "a point of 'Body " << body.name << "' at (" << x
-         << ") m is inside of " << other;
-    return text.str();
+    return "a point of 'Body " + body.name + "' at (" + text_of(x) +
+           ") m is inside of " + other;
   }
 
 

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 namespace greville
 {
@@ -250,12 +249,11 @@ namespace greville
       }
     catch (const StepFailed &failure)
       {
-        std::ostringstream message;
-        message << "Velocities at t = " << current.time
-                << " s are those of t = " << current.velocity_time
-                << " s, since the kick to the end of the step has failed: "
-                << without_stop(failure.what()) << ".";
-        log.warnings.push_back(message.str());
+        log.warnings.push_back(
+          "Velocities at t = " + text_of(current.time) +
+          " s are those of t = " + text_of(current.velocity_time) +
+          " s, since the kick to the end of the step has failed: " +
+          without_stop(failure.what()) + ".");
       }
   }
 

@@ -3,7 +3,6 @@
 #include <greville/steps/common_step.h>
 #include <greville/steps/step_size.h>
 
-#include <sstream>
 
 // The steps of a simulation, and its return to a good state.
 namespace greville
@@ -164,22 +163,23 @@ namespace greville
   void
   Simulation<dim>::go_back(const StepFailed &failure, const double dt)
   {
-    std::ostringstream message;
-    message << parameters.stage_text(current.stage) << "Step "
-            << current.n_steps + 1 << log.of << " at t = " << current.time
-            << " s, dt = " << dt << " s: " << without_stop(failure.what())
-            << ". ";
+    std::string message = parameters.stage_text(current.stage) + "Step " +
+                          std::to_string(current.n_steps + 1) + log.of +
+                          " at t = " + text_of(current.time) +
+                          " s, dt = " + text_of(dt) +
+                          " s: " + without_stop(failure.what()) + ". ";
     if (failure.by_materials)
-      message << describe_materials(current.bodies) << " "
-              << loads.describe_large_loads(current.time,
+      message += describe_materials(current.bodies) + " " +
+                 loads.describe_large_loads(current.time,
                                             dt,
                                             discretization.cell_size(),
                                             comm);
     restore();
-    message << "The state of step " << current.n_steps
-            << ", t = " << current.time
-            << " s, is the last good state that was kept.";
-    AssertThrow(false, StepGivenUp(message.str()));
+    AssertThrow(false,
+                StepGivenUp(message + "The state of step " +
+                            std::to_string(current.n_steps) +
+                            ", t = " + text_of(current.time) +
+                            " s, is the last good state that was kept."));
     // Not reached.
     throw failure;
   }

@@ -178,16 +178,17 @@ namespace greville
   std::string
   StepSize<dim>::describe_step(const State<dim> &state) const
   {
-    std::ostringstream text;
-    if (!formula)
-      text << "The step is the smaller of 'Time/CFL number' (" << parameters.cfl
-           << ") times h / (c + |v|), with the largest c + |v| = "
-           << state.signals.fastest << " m / s, and 'Time/Safety' ("
-           << parameters.safety << ") times the critical step of "
-           << state.estimates.critical
-           << " s; with consistent mass points cross at most "
-           << largest_crossing << " / p cells. ";
-    return text.str() + describe_materials(state.bodies);
+    const std::string materials = describe_materials(state.bodies);
+    if (formula)
+      return materials;
+    return "The step is the smaller of 'Time/CFL number' (" +
+           text_of(parameters.cfl) +
+           ") times h / (c + |v|), with the largest c + |v| = " +
+           text_of(state.signals.fastest) + " m / s, and 'Time/Safety' (" +
+           text_of(parameters.safety) + ") times the critical step of " +
+           text_of(state.estimates.critical) +
+           " s; with consistent mass points cross at most " +
+           text_of(largest_crossing) + " / p cells. " + materials;
   }
 
 
@@ -202,18 +203,18 @@ namespace greville
                                       discretization.space().degree());
     if (has_estimate && step > state.estimates.critical)
       {
-        std::ostringstream message;
-        message << "The parameter 'Time/Step' is <" << parameters.step
-                << ">: the step of " << step
-                << " s is above the critical step of "
-                << state.estimates.critical << " s at t = " << state.time
-                << " s";
+        const std::string message = "The parameter 'Time/Step' is <" +
+                                    parameters.step + ">: the step of " +
+                                    text_of(step) +
+                                    " s is above the critical step of " +
+                                    text_of(state.estimates.critical) +
+                                    " s at t = " + text_of(state.time) + " s";
         Require(!parameters.refuses_too_large_steps(),
-                message.str() +
+                message +
                   " ('Time/Too large step' = warn continues; an implicit "
                   "'Scheme/Stress update' has no such limit). " +
                   describe_step(state));
-        log.warnings.push_back(message.str() + ".");
+        log.warnings.push_back(message + ".");
       }
     return step;
   }

@@ -195,13 +195,11 @@ namespace greville
                              .norm();
         if (way <= BodyContacts<dim>::longest_trial_motion * contact.cell_size)
           continue;
-        std::ostringstream message;
-        message << "'Rigid body " << contacts.rigid_bodies[contact.rigid].name()
-                << "' would move by " << way
-                << " m, more than half of a cell, so that it might pass "
-                   "through the other side of 'Contact "
-                << contact.name << "'";
-        return message.str();
+        return "'Rigid body " + contacts.rigid_bodies[contact.rigid].name() +
+               "' would move by " + text_of(way) +
+               " m, more than half of a cell, so that it might pass "
+               "through the other side of 'Contact " +
+               contact.name + "'";
       }
     return "";
   }
@@ -493,15 +491,11 @@ namespace greville
           BodyContacts<dim>::longest_trial_motion * contact.cell_size;
         for (const ContactPoint<dim> &point : points[c])
           if (point.motion.norm() > share * longest && problem.empty())
-            {
-              std::ostringstream message;
-              message << "a point of the surface at (" << point.x << ") m in "
-                      << "'Contact " << contact.name << "' would move by "
-                      << point.motion.norm() / share
-                      << " m, more than half of a cell, so that surfaces "
-                         "might pass through one another";
-              problem = message.str();
-            }
+            problem = "a point of the surface at (" + text_of(point.x) +
+                      ") m in 'Contact " + contact.name + "' would move by " +
+                      text_of(point.motion.norm() / share) +
+                      " m, more than half of a cell, so that surfaces "
+                      "might pass through one another";
       }
     return first_of_all(problem, contacts.comm);
   }
