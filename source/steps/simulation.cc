@@ -370,33 +370,31 @@ namespace greville
     result.active    = discretization.field().mass->n_active();
     result.fragments = discretization.field().mass->n_fragments();
     // Send all sums over processes in one message.
-    std::vector<std::string> names;
-    std::vector<double>      values;
-    const auto add = [&](const std::string &name, const double own) {
-      names.push_back(name);
-      values.push_back(own);
-    };
+    EnergyBalance         energy = late.energy;
+    std::vector<double *> sums;
     EnergyBalance::visit_numbers(
-      late.energy,
+      energy,
       EnergyBalance::surfaces + current.surfaces.size(),
       [](const std::string &, const double) {},
-      add);
-    for (const Tensor<1, dim> &reaction : late.row.reactions)
+      [&](const std::string &, double &sum) { sums.push_back(&sum); });
+    for (Tensor<1, dim> &reaction : result.reactions)
       for (unsigned int d = 0; d < dim; ++d)
-        add("reaction", reaction[d]);
+        sums.push_back(&reaction[d]);
+    std::vector<double> values;
+    for (const double *sum : sums)
+      values.push_back(*sum);
     Utilities::MPI::sum(values, comm, values);
-    const auto sum_of = [&](const std::string &name) {
-      return values.at(std::find(names.begin(), names.end(), name) -
-                       names.begin());
-    };
+    for (unsigned int i = 0; i < sums.size(); ++i)
+      *sums[i] = values[i];
     const auto work = [&](const unsigned int source) {
-      return sum_of("work_" + std::to_string(source));
+      return energy.work(source, MPI_COMM_SELF);
     };
-    result.work.gravity  = work(EnergyBalance::gravity);
-    result.work.loads    = work(EnergyBalance::loads);
-    result.work.walls    = work(EnergyBalance::walls);
-    result.work.friction = sum_of("friction");
-    result.work.damping  = sum_of("damping");
+    const EnergyTotals totals = energy.totals(0., MPI_COMM_SELF);
+    result.work.gravity       = work(EnergyBalance::gravity);
+    result.work.loads         = work(EnergyBalance::loads);
+    result.work.walls         = work(EnergyBalance::walls);
+    result.work.friction      = totals.friction;
+    result.work.damping       = totals.damping;
     for (unsigned int k = 0; k < current.surfaces.size(); ++k)
       {
         const double of_surface = work(EnergyBalance::surfaces + k);
@@ -405,10 +403,6 @@ namespace greville
         else
           result.work.surfaces.push_back(of_surface);
       }
-    auto value = values.end() - 2 * dim * dim;
-    for (Tensor<1, dim> &reaction : result.reactions)
-      for (unsigned int d = 0; d < dim; ++d)
-        reaction[d] = *value++;
     return result;
   }
 

@@ -20,11 +20,14 @@ namespace greville
       for (unsigned int d = 0; d < vector.dimension; ++d)
         result.emplace_back(name + "_" + "xyz"[d], vector[d]);
     };
+    const auto add_moment = [&](const std::string &name, const auto &vector) {
+      if (dim == 2)
+        result.emplace_back(name, vector[0]);
+      else
+        add(name, vector);
+    };
     add("momentum", momentum);
-    if (dim == 2)
-      result.emplace_back("angular_momentum", angular_momentum[0]);
-    else
-      add("angular_momentum", angular_momentum);
+    add_moment("angular_momentum", angular_momentum);
     result.emplace_back("kinetic", kinetic);
     result.emplace_back("strain", strain);
     result.emplace_back("dissipation", dissipation);
@@ -53,11 +56,8 @@ namespace greville
     for (const auto &[name, contact] : contacts)
       {
         const std::string begin = "contact_" + name;
-        add("contact_" + name, contact.force);
-        if (dim == 2)
-          result.emplace_back(begin + "_moment", contact.moment[0]);
-        else
-          add(begin + "_moment", contact.moment);
+        add(begin, contact.force);
+        add_moment(begin + "_moment", contact.moment);
         result.emplace_back(begin + "_gap", contact.gap);
         result.emplace_back(begin + "_area", contact.area);
         const auto found = work.contacts.find(name);
