@@ -12,15 +12,22 @@ namespace greville
   namespace
   {
     template <int dim>
-    using Entry = std::pair<std::string, MakeTimeIntegrator<dim>>;
+    struct Entry
+    {
+      std::string             name;
+      MakeTimeIntegrator<dim> make;
+      bool                    is_explicit = false;
+    };
 
     template <int dim, typename Scheme>
     Entry<dim>
     explicit_steps(const std::string &name)
     {
-      return {name, [](const IntegratorParts<dim> &parts) {
+      return {name,
+              [](const IntegratorParts<dim> &parts) {
                 return std::make_unique<Scheme>(parts);
-              }};
+              },
+              true};
     }
 
     template <int dim>
@@ -32,29 +39,19 @@ namespace greville
               }};
     }
 
-    // All integrators, one line each: the explicit ones, and then all.
-    template <int dim>
-    std::vector<Entry<dim>>
-    explicit_integrators()
-    {
-      return {explicit_steps<dim, USL<dim>>("USL"),
-              explicit_steps<dim, MUSL<dim>>("MUSL")};
-    }
-
+    // All integrators, one line each.
     template <int dim>
     std::vector<Entry<dim>> &
     integrators()
     {
-      static std::vector<Entry<dim>> list = []() {
-        auto result = explicit_integrators<dim>();
-        result.insert(result.end(),
-                      {implicit_steps<dim>("quasi-static"),
-                       implicit_steps<dim>("backward-euler"),
-                       implicit_steps<dim>("newmark"),
-                       implicit_steps<dim>("generalized-alpha"),
-                       implicit_steps<dim>("implicit-midpoint")});
-        return result;
-      }();
+      static std::vector<Entry<dim>> list = {
+        explicit_steps<dim, USL<dim>>("USL"),
+        explicit_steps<dim, MUSL<dim>>("MUSL"),
+        implicit_steps<dim>("quasi-static"),
+        implicit_steps<dim>("backward-euler"),
+        implicit_steps<dim>("newmark"),
+        implicit_steps<dim>("generalized-alpha"),
+        implicit_steps<dim>("implicit-midpoint")};
       return list;
     }
   } // namespace
@@ -70,9 +67,9 @@ namespace greville
         names += (names.empty() ? "" : "|") + name;
     };
     for (const auto &entry : integrators<2>())
-      add(entry.first);
+      add(entry.name);
     for (const auto &entry : integrators<3>())
-      add(entry.first);
+      add(entry.name);
     return names;
   }
 
@@ -81,9 +78,9 @@ namespace greville
   bool
   is_explicit_scheme(const std::string &name)
   {
-    for (const auto &entry : explicit_integrators<2>())
-      if (entry.first == name)
-        return true;
+    for (const auto &entry : integrators<2>())
+      if (entry.name == name)
+        return entry.is_explicit;
     return false;
   }
 
@@ -94,7 +91,7 @@ namespace greville
   add_time_integrator(const std::string             &name,
                       const MakeTimeIntegrator<dim> &make)
   {
-    integrators<dim>().emplace_back(name, make);
+    integrators<dim>().push_back({name, make});
   }
 
 
@@ -105,8 +102,8 @@ namespace greville
                        const IntegratorParts<dim> &parts)
   {
     for (const Entry<dim> &entry : integrators<dim>())
-      if (entry.first == name)
-        return entry.second(parts);
+      if (entry.name == name)
+        return entry.make(parts);
     Require(false,
             "'Scheme/Stress update' = <" + name + "> is none of " +
               time_integrator_names() + ".");
