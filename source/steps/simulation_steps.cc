@@ -3,7 +3,6 @@
 #include <greville/steps/common_step.h>
 #include <greville/steps/step_size.h>
 
-
 // The steps of a simulation, and its return to a good state.
 namespace greville
 {
