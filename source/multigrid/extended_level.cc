@@ -364,23 +364,6 @@ namespace greville
 
 
   template <int dim>
-  void
-  ExtendedLevel<dim>::apply_inverse_mass_to_unknowns(VectorType &x) const
-  {
-    const unsigned int width = factor_width(components);
-    const unsigned int n     = x.locally_owned_size() / components;
-    work.assign(std::size_t(n) * width, 0.);
-    for (unsigned int u = 0; u < n; ++u)
-      std::copy_n(x.begin() + u * components, components, &work[u * width]);
-    factors_of_mass().solve(work.data(), width);
-    for (unsigned int u = 0; u < n; ++u)
-      std::copy_n(&work[u * width], components, x.begin() + u * components);
-    extended_mass.unknowns().zero_constrained_unknowns(x, components);
-  }
-
-
-
-  template <int dim>
   std::unique_ptr<Preconditioner>
   ExtendedLevel<dim>::petsc_preconditioner(const std::string &options) const
   {

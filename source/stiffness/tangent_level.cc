@@ -175,17 +175,6 @@ namespace greville
 
 
   template <int dim>
-  void
-  TangentLevel<dim>::multiply_mass(VectorType &dst, const VectorType &src) const
-  {
-    this->source.copy_locally_owned_data_from(src);
-    this->extended_mass.unknowns().zero_constrained_unknowns(this->source, dim);
-    this->extended_mass.vmult(dst, this->source, dim);
-  }
-
-
-
-  template <int dim>
   const ExtendedMass<dim> &
   TangentLevel<dim>::diagonal_block(const unsigned int components) const
   {

@@ -214,9 +214,8 @@ namespace greville
             used.clear();
           }
         else
-          // The assembly costs about as much as dim - 1 iterations.
           for (TangentSystem *system : used)
-            system->wants_entries = system->reuse.count(result) > dim - 1.;
+            system->reuse.count(result);
       }
     if (used.empty())
       result = run(parameters.max_iterations);
@@ -234,32 +233,18 @@ namespace greville
   TangentSystem<dim>::solve_mass(VectorField<dim>       &velocity,
                                  const VectorField<dim> &momentum)
   {
-    VectorType x, b;
-    initialize(x);
-    initialize(b);
-    // Move the contribution of constrained coefficients to the right-hand side.
-    VectorField<dim> constrained;
-    for (unsigned int c = 0; c < dim; ++c)
-      constrained[c] = velocity[c];
-    extend(constrained, x);
-    for (unsigned int c = 0; c < dim; ++c)
-      constrained[c] *= -1.;
-    restrict(b, momentum, &constrained);
-    SolveResult result = solve_krylov(
-      {1e-12, 200},
-      [&](VectorType &dst, const VectorType &src) {
-        finest().multiply_mass(dst, src);
-      },
-      [&](VectorType &dst, const VectorType &src) {
-        dst = src;
-        finest().apply_inverse_mass_to_unknowns(dst);
-      },
-      x,
-      b);
+    static const SolverParameters accurate{1e-12, 200};
+    if (!mass_solver)
+      mass_solver =
+        std::make_unique<ExtendedMassSolver<dim>>(levels.back()->extended(),
+                                                  accurate);
+    if (mass_is_new)
+      mass_solver->update(total_mass);
+    mass_is_new        = false;
+    SolveResult result = mass_solver->solve({&velocity}, {&momentum});
     // If few points are spread widely, round-off may exceed the tolerance.
     constexpr double negligible = 1e-9;
     result.converged = result.converged || result.reduction < negligible;
-    extend(velocity, x);
     return result;
   }
 

@@ -80,6 +80,12 @@ namespace greville
       }
     if (windows && changed)
       windows->update(finest().extension());
+    total_mass = 0.;
+    for (const MaterialPoints<dim> *of_body : points)
+      of_body->for_each(
+        [&](const ConstPointRef<dim> p) { total_mass += p.mass(); });
+    total_mass  = Utilities::MPI::sum(total_mass, space().communicator());
+    mass_is_new = true;
     finest().extended().unknowns().initialize_vector(unknowns, dim);
   }
 
@@ -224,12 +230,6 @@ namespace greville
     assemble_entries();
     if (!reuse.is_possible(mass_factor, parameters.reuse))
       set_up();
-    else if (wants_entries)
-      for (unsigned int l = has_levels ? 0 : levels.size() - 1;
-           l < levels.size();
-           ++l)
-        assemble(l);
-    wants_entries = false;
   }
 
 

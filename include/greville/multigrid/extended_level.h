@@ -104,10 +104,6 @@ namespace greville
     void
     apply_inverse_mass(VectorType &x) const override;
 
-    /// Collective. Do the same for a vector of unknowns.
-    void
-    apply_inverse_mass_to_unknowns(VectorType &x) const;
-
     std::unique_ptr<Preconditioner>
     petsc_preconditioner(const std::string &options) const override;
 

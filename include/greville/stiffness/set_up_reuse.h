@@ -12,7 +12,8 @@ namespace greville
 {
   /// The reuse of the set-up of a preconditioner for subsequent systems, as
   /// long as it pays: until the additional iterations due to its age exceed a
-  /// limit, or the mass factor changes by more than a factor of two.
+  /// limit, or the cost of a set-up in one system, or the mass factor changes
+  /// by more than a factor of two.
   class SetUpReuse
   {
   public:
@@ -22,6 +23,7 @@ namespace greville
     {
       constexpr double largest_change = 2.;
       return exists && largest_excess > 0. && excess <= largest_excess &&
+             last_excess <= iterations_of_set_up &&
              mass_factor <= largest_change * mass_factor_of_set_up &&
              mass_factor_of_set_up <= largest_change * mass_factor;
     }
@@ -43,6 +45,7 @@ namespace greville
       unique_number                    = ++last_number;
       mass_factor_of_set_up            = mass_factor;
       excess                           = 0.;
+      last_excess                      = 0.;
       ++n;
     }
 
@@ -53,14 +56,13 @@ namespace greville
       return fresh;
     }
 
-    /// Count the iterations of a solve, and return the additional ones.
-    double
+    /// Count the iterations of a solve.
+    void
     count(const SolveResult &result)
     {
-      const double more =
+      last_excess =
         std::max(0., *result.iterations - digits(result) * iterations_of_digit);
-      excess += more;
-      return more;
+      excess += last_excess;
     }
 
     /// Take the iterations of the first solve for comparison with later ones.
@@ -101,9 +103,13 @@ namespace greville
       return std::max(0.5, -std::log10(std::max(result.reduction, 1e-16)));
     }
 
+    /// The cost of a set-up in 3D, in iterations.
+    static constexpr double iterations_of_set_up = 4.;
+
     bool          exists = false, fresh = false;
     double        mass_factor_of_set_up = 0.;
-    double        iterations_of_digit = 0., excess = 0.;
+    double        iterations_of_digit   = 0.;
+    double        excess = 0., last_excess = 0.; // iterations
     unsigned int  n             = 0;
     std::uint64_t unique_number = 0;
   };

@@ -33,6 +33,13 @@ namespace greville
     void
     begin(const CellFilling<dim> &filling, const bool changed);
 
+    using ExtendedLevel<dim>::extended;
+    ExtendedMass<dim> &
+    extended()
+    {
+      return this->extended_mass;
+    }
+
     StencilMatrix<dim> &
     mass()
     {
@@ -94,10 +101,6 @@ namespace greville
     /// ExtendedUnknowns::initialize_vector().
     void
     multiply_of_unknowns(VectorType &dst, const VectorType &src) const;
-
-    /// Compute y = M~_e x for vectors of unknowns.
-    void
-    multiply_mass(VectorType &dst, const VectorType &src) const;
 
     std::unique_ptr<ExtendedLattice<dim>>
     make_lattice() const override;

@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include <greville/linear_algebra/solve_result.h>
+#include <greville/multigrid/extended_mass_solver.h>
 #include <greville/stiffness/set_up_reuse.h>
 #include <greville/stiffness/tangent_bodies.h>
 #include <greville/stiffness/tangent_level.h>
@@ -21,8 +21,7 @@ namespace greville
    * 'Levels' = orders, by PMultigrid on one TangentLevel for each order. Both
    * are assembled in single precision from the same points. The set-up of a
    * preconditioner (entries, factorizations, eigenvalues, coarse levels) is
-   * reused for subsequent systems as long as it pays. After a system with more
-   * iterations than expected, the entries are assembled anew.
+   * reused for subsequent systems as long as it pays.
    *
    * Fields have a coefficient for each function of the space. The coefficients
    * of constrained functions are given, and the coefficients of extended
@@ -218,7 +217,7 @@ namespace greville
     n_basis_vectors() const;
 
     /// Collective. Compute the velocity with M~ v = momentum; @p velocity
-    /// supplies the constrained coefficients.
+    /// supplies the constrained coefficients and a guess of the others.
     SolveResult
     solve_mass(VectorField<dim> &velocity, const VectorField<dim> &momentum);
 
@@ -275,17 +274,19 @@ namespace greville
     TangentBodies<dim>                              of_bodies;
     BlockStencil<dim, double>                       entries; // of order 1
     TangentSurfaces<dim>                            of_surfaces;
+    std::unique_ptr<ExtendedMassSolver<dim>>        mass_solver;
+    double                                          total_mass  = 0.;
+    bool                                            mass_is_new = true;
     std::unique_ptr<Preconditioner>                 multigrid;
     CellWindows<dim>                               *windows;
     bool                                            symmetric     = true;
     bool                                            by_components = false;
 
     SetUpReuse reuse;
-    bool       has_levels    = false; // in the last set-up
-    bool       wants_entries = false; // the next system needs new entries
-    bool       levels_fail   = false; // coarse levels fail for these unknowns
-    bool       is_coupled    = false;
-    double     mass_factor   = 0.; // of the operator
+    bool       has_levels  = false; // in the last set-up
+    bool       levels_fail = false; // coarse levels fail for these unknowns
+    bool       is_coupled  = false;
+    double     mass_factor = 0.; // of the operator
 
     std::vector<double> filled_part;
     mutable VectorType  unknowns;
