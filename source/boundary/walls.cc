@@ -131,7 +131,7 @@ namespace greville
               x[c] = (corner >> c) & 1 ? space.upper_corner()[c]
                                        : space.lower_corner()[c];
             const double h =
-              space.lattice().hierarchy()
+              space.hierarchy()
                 ? space.cell_size(d)
                 : space.lattice().cell_size(
                     d, w % 2 == 0 ? 0 : space.cells_per_direction()[d] - 1);

@@ -56,7 +56,7 @@ namespace greville
               "The parameter '" + section +
                 "/K0' needs a gravity along an axis, but 'Loads/Gravity' is (" +
                 text_of(gravity) + ") m / s^2 at t = 0.");
-            cell_size = space.lattice().largest_cell_size(axis);
+            cell_size = space.largest_cell_size(axis);
             grid_height =
               space.upper_corner()[axis] - space.lower_corner()[axis];
             upwards = gravity[axis] < 0. ? 1. : -1.;

@@ -188,9 +188,8 @@ namespace greville
         scalar_field<dim>(
           "level",
           [](const Ref p, const Body<dim> &body, const unsigned int) -> double {
-            const auto &lattice = body.points.space().lattice();
-            const auto *levels  = lattice.hierarchy();
-            return levels ? levels->level(lattice.find_cell(
+            const auto *levels = body.points.space().hierarchy();
+            return levels ? levels->level(levels->find(
                               p.basis_position(body.points.layout())))
                           : 0;
           })};

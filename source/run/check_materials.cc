@@ -141,7 +141,7 @@ namespace greville
           }
       });
       const bool is_on = Utilities::MPI::min(gap, comm) <=
-                         body.points.space().lattice().largest_cell_size(axis);
+                         body.points.space().largest_cell_size(axis);
       return {Utilities::MPI::sum(own, comm),
               is_on ? Utilities::MPI::sum(above, comm) : 0.};
     }

@@ -109,8 +109,7 @@ namespace greville
     double       size = 0.;
     for (const Body<dim> &body : bodies)
       for (unsigned int d = 0; d < dim; ++d)
-        size =
-          std::max(size, body.points.space().lattice().largest_cell_size(d));
+        size = std::max(size, body.points.space().largest_cell_size(d));
     Require(best <= size * size,
             "The parameter 'Output/Probes' has the position <" + position +
               ">, but no point of a body is within a cell length of it.");

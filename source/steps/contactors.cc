@@ -419,7 +419,7 @@ namespace greville
 
     Tensor<1, dim> size;
     for (unsigned int d = 0; d < dim; ++d)
-      size[d] = space.lattice().largest_cell_size(d);
+      size[d] = space.largest_cell_size(d);
     const double              slack = 0.25 * size.norm();
     const RigidPosition<dim> &now =
       parts.front()->current.rigid_bodies[contact.rigid].now;

@@ -142,8 +142,7 @@ namespace greville
                      const unsigned int      d)
     {
       const double h = space.smallest_cell_of(i, d);
-      return space.lattice().hierarchy() ? std::max(0.5 * h, space.cell_size(d))
-                                         : h;
+      return space.hierarchy() ? std::max(0.5 * h, space.cell_size(d)) : h;
     }
   } // namespace
 

@@ -271,11 +271,10 @@ namespace greville
           points.push_back(&body.points);
         std::vector<MultiIndex<dim>> cells;
         for (const std::uint64_t position : cells_at_surfaces(space, points))
-          cells.push_back(space.lattice().hierarchy()->index(position));
+          cells.push_back(space.hierarchy()->index(position));
         if (cells.empty())
           return;
-        adapt_box_mesh<dim>(mesh,
-                            space.lattice().hierarchy()->refined_also(cells));
+        adapt_box_mesh<dim>(mesh, space.hierarchy()->refined_also(cells));
       }
   }
 

@@ -128,9 +128,7 @@ namespace greville
         Tensor<1, dim>   h;
         for (const Motion *motion : {&first, second})
           for (unsigned int d = 0; d < dim; ++d)
-            h[d] =
-              std::max(h[d],
-                       motion->part->space().lattice().largest_cell_size(d));
+            h[d] = std::max(h[d], motion->part->space().largest_cell_size(d));
         const Overlap<dim> overlap = overlap_of_bodies(sides, h, comm);
         return overlap.excess > 2. * half_of_cell_as_excess
                  ? overlap_text(sides, overlap)

@@ -195,7 +195,7 @@ namespace greville
                     "a point of the " + name_of(owner) + " is in the cell " +
                       text_of(cell) + ", but the grid has " + text_of(n_cells) +
                       " cells");
-            const auto *levels = space.lattice().hierarchy();
+            const auto *levels = space.hierarchy();
             Require(!levels || levels->is_active(
                                  multi_index<dim>(std::uint64_t(cell),
                                                   space.cells_per_direction())),

@@ -138,8 +138,7 @@ namespace greville
     double graded = 1.;
     for (unsigned int d = 0; d < dim; ++d)
       graded =
-        std::min(graded,
-                 space().cell_size(d) / space().lattice().largest_cell_size(d));
+        std::min(graded, space().cell_size(d) / space().largest_cell_size(d));
     sums[1] = graded * graded * mass_factor * mass;
     Utilities::MPI::max(sums, space().communicator(), sums);
     return sums[0] > (1. + stiff) * sums[1];

@@ -48,6 +48,13 @@ namespace greville
       return mesh_lattice;
     }
 
+    /// Return the levels of a refined grid; null for other grids.
+    const CellHierarchy<dim> *
+    hierarchy() const
+    {
+      return mesh_lattice.hierarchy();
+    }
+
     const MultiIndex<dim> &
     cells_per_direction() const
     {
@@ -86,6 +93,13 @@ namespace greville
     cell_size(const unsigned int d) const
     {
       return mesh_lattice.cell_size(d);
+    }
+
+    /// Return the size of the largest cells in a direction.
+    double
+    largest_cell_size(const unsigned int d) const
+    {
+      return mesh_lattice.largest_cell_size(d);
     }
 
     double
