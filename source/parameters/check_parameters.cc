@@ -145,7 +145,7 @@ namespace greville
       const Refusal refuse{"'Scheme/Formulation' = total Lagrangian"};
       refuse(parameters.scheme.transfer == "APIC",
              "'Scheme/Transfer' = APIC",
-             "take FLIP or PIC.");
+             "take FLIP, PIC or Taylor.");
       for (unsigned int w = 0; w < 2 * parameters.general.dimension; ++w)
         refuse(parameters.walls.type[w] == "friction",
                "'Walls/" + WallParameters::names[w] + "' = friction",
@@ -187,8 +187,8 @@ namespace greville
                !support_of_mass(parameters.scheme.mass).domains,
              "'Scheme/Mass' = " + parameters.scheme.mass,
              "take " + masses_with(&MassSupport::domains) + ".");
-      refuse(parameters.scheme.is_apic(),
-             "'Scheme/Transfer' = APIC",
+      refuse(parameters.scheme.has_affine(),
+             "'Scheme/Transfer' = " + parameters.scheme.transfer,
              "take FLIP or PIC.");
       for (const auto &body : parameters.bodies)
         refuse(body.second.points_file.empty() &&
@@ -441,10 +441,10 @@ namespace greville
     check_water_of_stage();
     if (grid.is_refined())
       check_refinement_of_stage();
-    Require(scheme.transfer == "FLIP" || scheme.flip == 1.,
+    Require(scheme.is_flip() || scheme.flip == 1.,
             "The parameter 'Scheme/FLIP share' is " + text_of(scheme.flip) +
               ", but 'Scheme/Transfer' is " + scheme.transfer +
-              ": only FLIP has a share.");
+              ": only FLIP and Taylor have a share.");
     Require(time.start <= time.end,
             "'Time/Start' is " + text_of(time.start) +
               " s, after 'Time/End', " + text_of(time.end) + " s.");

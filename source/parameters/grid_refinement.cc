@@ -177,9 +177,18 @@ namespace greville
   SimulationParameters::check_refinement_of_stage() const
   {
     const Refusal refuse{"'Grid/Refinement'"};
-    refuse(!scheme.has_consistent_mass(),
+    const bool    is_explicit = is_explicit_scheme(scheme.stress_update);
+    refuse(!scheme.has_consistent_mass() &&
+             !(is_explicit && scheme.has_lumped_mass()),
            "'Scheme/Mass' = " + scheme.mass,
-           "take consistent.");
+           is_explicit ? "take consistent, or lumped with 'Scheme/Transfer' = "
+                         "Taylor."
+                       : "take consistent.");
+    refuse(
+      scheme.has_lumped_mass() && !scheme.has_affine(),
+      "'Scheme/Mass' = lumped with 'Scheme/Transfer' = " + scheme.transfer,
+      "a linear velocity would change between cells of two sizes. Take "
+      "'Scheme/Transfer' = Taylor or APIC, or 'Scheme/Mass' = consistent.");
     refuse(scheme.is_total_lagrangian() && bodies.size() > 1,
            "several bodies with 'Scheme/Formulation' = total Lagrangian",
            "take one body.");
@@ -194,7 +203,7 @@ namespace greville
         refuse(walls.type[w] == type,
                "'Walls/" + WallParameters::names[w] + "' = " + type,
                "take another type.");
-    if (is_explicit_scheme(scheme.stress_update))
+    if (is_explicit)
       refuse(solver.has_cycle(),
              "'Solver/Preconditioner' = p-multigrid",
              "take auto.");

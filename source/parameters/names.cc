@@ -14,7 +14,8 @@ namespace greville
   {
     // All masses; fmpm-K stands for the names of n_fmpm_terms().
     const std::vector<std::pair<std::string, MassSupport>> known_masses = {
-      // Friction walls, APIC, domains, implicit steps, water in explicit steps.
+      // Friction walls, APIC and Taylor, domains, implicit steps, water in
+      // explicit steps.
       {"consistent", {false, false, true, true, false}},
       {"lumped", {true, true, true, true, true}},
       {"fmpm-K", {true, false, false, false, false}}};

@@ -322,9 +322,9 @@ namespace greville
 
 
 
-    /// Return the mass for "auto": lumped with APIC, and in updated Lagrangian
-    /// steps also if bodies spread into thin layers or with friction walls;
-    /// otherwise consistent.
+    /// Return the mass for "auto": lumped with APIC and Taylor, and in updated
+    /// Lagrangian steps also if bodies spread into thin layers or with friction
+    /// walls; otherwise consistent.
     std::string
     default_mass(
       const StageSections                                          &stage,
@@ -335,7 +335,7 @@ namespace greville
           return law.second->spreads();
         });
       const bool is_lumped =
-        stage.scheme.transfer == "APIC" ||
+        stage.scheme.has_affine() ||
         (!stage.scheme.is_total_lagrangian() &&
          (spreads || contains(stage.walls.type, "friction")));
       return is_lumped ? "lumped" : "consistent";

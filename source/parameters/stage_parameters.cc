@@ -80,8 +80,8 @@ namespace greville
       "The mass M of M a = F: consistent (the exact mass matrix on extended "
       "B-splines), lumped, or fmpm-K (K terms of a series for the inverse of "
       "the consistent mass). auto: lumped for fluids, Drucker-Prager and "
-      "Mohr-Coulomb materials, with friction walls and with APIC, otherwise "
-      "and in total Lagrangian steps consistent. Values: " +
+      "Mohr-Coulomb materials, with friction walls, with APIC and with Taylor, "
+      "otherwise and in total Lagrangian steps consistent. Values: " +
       mass_names() + ".");
     add_parameter(prm, "Filling threshold", filling, Double(-1., 2.))(
       "Smallest fraction of a well-filled cell that points fill, for the "
@@ -101,8 +101,12 @@ namespace greville
                   Selection(time_integrator_names()))(
       "When stresses are updated: last (USL), or last with velocities of the "
       "grid made anew from the points (MUSL).");
-    add_parameter(prm, "Transfer", transfer, Selection("FLIP|PIC|APIC"))(
-      "Transfer of velocities from the grid to the points.");
+    add_parameter(prm, "Transfer", transfer, Selection("FLIP|PIC|APIC|Taylor"))(
+      "Transfer of velocities between points and grid. Taylor: FLIP with the "
+      "velocity gradients of the points. With lumped mass, APIC and Taylor "
+      "keep "
+      "linear velocities at the edges of the grid and in refined grids, which "
+      "need one of them.");
     add_parameter(prm, "FLIP share", flip, Double(0., 1.))(
       "Fraction of FLIP in the velocity of points over the time in which the "
       "fastest initial wave crosses a cell; the rest is PIC. 1: FLIP, 0: PIC. "

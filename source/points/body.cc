@@ -460,7 +460,7 @@ namespace greville
         return J_of_shape;
       }
 
-      /// Write positions, velocity, and APIC's matrix.
+      /// Write positions, velocity, and the affine matrix of APIC and Taylor.
       void
       write_motion(const PointRef<dim>     p,
                    const Point<dim>       &x,
@@ -479,17 +479,17 @@ namespace greville
                                : point.x[d];
             p.velocity(d)  = v[d];
           }
-        // APIC's matrix is the gradient of the velocity at the displaced
-        // position of the point.
+        // The matrix is the gradient of the velocity at the position at which
+        // basis functions are evaluated.
         if (affine && !velocity.is_zero())
           {
             // Avoid steep gradients if the velocity jumps.
             std::array<double, dim> steps;
             for (unsigned int d = 0; d < dim; ++d)
               steps[d] = 0.1 * space.cell_size(d);
-            const Tensor<2, 3> C =
-              gradient_of<dim>(velocity, point.image, steps) *
-              invert(state.increment);
+            Tensor<2, 3> C = gradient_of<dim>(velocity, point.image, steps);
+            if (!layout.is_total_lagrangian())
+              C = C * invert(state.increment);
             for (unsigned int d = 0; d < dim; ++d)
               for (unsigned int e = 0; e < dim; ++e)
                 p[affine->first + d * dim + e] = C[d][e];

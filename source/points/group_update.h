@@ -17,14 +17,21 @@ namespace greville
   {
     /// A pass over points. Kick changes velocities; deform changes F, J, stress
     /// and state, and positions if PointUpdate::move. Two fields are v and a of
-    /// a kick; or w, which deforms points, and v, which moves them.
-    template <bool kick_, bool deform_, bool two_fields_, bool apic_>
+    /// a kick; or w, which deforms points, and v, which moves them. The
+    /// gradient of the first field is evaluated to deform points, and in kicks
+    /// of Taylor.
+    template <bool kick_,
+              bool deform_,
+              bool two_fields_,
+              bool apic_,
+              bool gradient_ = deform_>
     struct Pass
     {
       static constexpr bool kick       = kick_;
       static constexpr bool deform     = deform_;
       static constexpr bool two_fields = two_fields_;
       static constexpr bool apic       = apic_;
+      static constexpr bool gradient   = gradient_;
 
       /// Number of the vector field that moves points, and number of fields.
       static constexpr int velocity = !kick && two_fields ? 1 : 0;
@@ -43,7 +50,8 @@ namespace greville
       /// The gradient of the first field.
       Simd gradient[dim][dim];
       /// For APIC: sum_i N_i v_i (x_i - x)^T with the Greville points x_i, and
-      /// the diagonal of sum_i N_i (x_i - x) (x_i - x)^T.
+      /// the diagonal of sum_i N_i (x_i - x) (x_i - x)^T, which rows of Taylor
+      /// need, too.
       Simd moments[dim][dim];
       Simd inertia[dim];
     };
@@ -129,9 +137,10 @@ namespace greville
 
 
 
-    /// Add the velocities of a group to a row, and with APIC also the affine
-    /// matrices C and the diagonals D. Velocities are interpolated between
-    /// their old and new values.
+    /// Add the velocities of a group to a row, with APIC and Taylor also the
+    /// affine matrices C and the diagonals D, and in total Lagrangian steps the
+    /// deformation F. Velocities are interpolated between their old and new
+    /// values.
     template <int dim>
     __attribute__((noinline)) void
     add_motion(const PointUpdate<dim> &update,
@@ -139,7 +148,8 @@ namespace greville
                const Simd (&v)[dim],
                const unsigned int first_affine,
                const Simd (*C)[dim],
-               const Simd *D)
+               const Simd *D,
+               const Simd (*F)[dim] = nullptr)
     {
       const auto interpolate =
         [&](const Simd &after, const unsigned int number, double *result) {
@@ -156,17 +166,85 @@ namespace greville
           update.row->add_motion(group.numbers, group.count, velocities);
           return;
         }
-      double matrices[dim * dim * simd_width], diagonals[dim * simd_width];
+      double matrices[dim * dim * simd_width], diagonals[dim * simd_width],
+        deformations[dim * dim * simd_width];
       for (int i = 0; i < dim; ++i)
         {
           for (int j = 0; j < dim; ++j)
-            interpolate(C[i][j],
-                        first_affine + i * dim + j,
-                        matrices + (i * dim + j) * simd_width);
+            {
+              const int k = (i * dim + j) * simd_width;
+              interpolate(C[i][j], first_affine + i * dim + j, matrices + k);
+              if (F)
+                store(F[i][j], deformations + k);
+            }
           store(D[i], diagonals + i * simd_width);
         }
-      update.row->add_motion(
-        group.numbers, group.count, velocities, matrices, diagonals);
+      update.row->add_motion(group.numbers,
+                             group.count,
+                             velocities,
+                             matrices,
+                             diagonals,
+                             F ? deformations : nullptr);
+    }
+
+
+
+    /// Add the velocities and velocity gradients of a group to a row.
+    template <int dim, typename Pass>
+    __attribute__((noinline)) void
+    add_motion_of_taylor(const PointLayout<dim>      &layout,
+                         const PointUpdate<dim>      &update,
+                         const Group<dim>            &group,
+                         const GridValues<dim, Pass> &grid,
+                         const unsigned int           first_affine,
+                         const Simd (&v)[dim])
+    {
+      Simd inverse[dim][dim], F[dim][dim], G[dim][dim];
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          G[i][j] = group.is_used * grid.gradient[i][j];
+      const bool is_total = layout.is_total_lagrangian();
+      if (is_total)
+        {
+          load_inverse_F<dim>(group.numbers, layout.initial_F, inverse);
+          invert<dim>(inverse, F);
+        }
+      add_motion<dim>(update,
+                      group,
+                      v,
+                      first_affine,
+                      G,
+                      grid.inertia,
+                      is_total ? F : nullptr);
+    }
+
+
+
+    /// Store the velocity gradient G of points at positions x + step v, for the
+    /// gradient at x: G (1 + step G)^-1.
+    template <int dim>
+    __attribute__((noinline)) void
+    store_gradient(const Group<dim> &group,
+                   const Simd (&gradient)[dim][dim],
+                   const double       step,
+                   const unsigned int first_affine)
+    {
+      Simd G[dim][dim], increment[dim][dim], inverse[dim][dim];
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          {
+            G[i][j]         = group.is_used * gradient[i][j];
+            increment[i][j] = step * G[i][j] + (i == j ? 1. : 0.);
+          }
+      if (step != 0.)
+        {
+          Simd before[dim][dim];
+          std::copy_n(G[0], dim * dim, before[0]);
+          invert<dim>(increment, inverse);
+          multiply<dim>(before, inverse, G);
+        }
+      for (int i = 0; i < dim; ++i)
+        store_numbers<dim>(G[i], first_affine + i * dim, group.numbers);
     }
 
 
@@ -174,9 +252,11 @@ namespace greville
     /// v = flip (v + dt' a) + (1 - flip) v_grid
     template <int dim, typename Pass>
     inline __attribute__((always_inline)) void
-    kick(const PointUpdate<dim>      &update,
+    kick(const PointLayout<dim>      &layout,
+         const PointUpdate<dim>      &update,
          const Group<dim>            &group,
          const GridValues<dim, Pass> &grid,
+         const unsigned int           first_gradient,
          Simd (&v)[dim])
     {
       load_numbers<dim>(group.numbers, PointLayout<dim>::velocity, v);
@@ -186,7 +266,13 @@ namespace greville
           (update.flip * (v[i] + update.velocity_step * grid.fields[dim + i]) +
            (1. - update.flip) * grid.fields[i]);
       if (update.row)
-        add_motion<dim>(update, group, v, 0, nullptr, nullptr);
+        {
+          if (first_gradient != 0)
+            add_motion_of_taylor<dim>(
+              layout, update, group, grid, first_gradient, v);
+          else
+            add_motion<dim>(update, group, v, 0, nullptr, nullptr);
+        }
       store_numbers<dim>(v, PointLayout<dim>::velocity, group.numbers);
     }
 

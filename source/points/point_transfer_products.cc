@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/errors.h>
+
 #include "domains.h"
 #include "group_gradients.h"
 
@@ -450,6 +452,81 @@ namespace greville
                          });
     if (used_windows)
       used_windows->add_to(y, window_target);
+  }
+
+
+
+  namespace
+  {
+    /// Add m N c with the numbers c at @p first to the functions of a cell.
+    template <int dim, int n>
+    void
+    add_momentum_of_cell(const MaterialPoints<dim>  &points,
+                         const CellGeometry<dim, n> &geometry,
+                         const unsigned int          cell,
+                         const std::array<int, dim> &first,
+                         double                     *target)
+    {
+      for (unsigned int g = points.first_group(cell);
+           g != MaterialPoints<dim>::none;
+           g = points.next_group(g))
+        {
+          const double *group = points.group(g);
+          const Simd mass = load(group + PointLayout<dim>::mass * simd_width);
+          Simd       x[dim], momentum[dim];
+          load_basis_positions(points, group, x);
+          for (unsigned int d = 0; d < dim; ++d)
+            momentum[d] = mass * load(group + first[d] * simd_width);
+          ShapeValues<dim, n> shape;
+          shape.template evaluate<false>(geometry, x);
+          for (int k = 0; k < power(n, dim); ++k)
+            {
+              Simd N = shape.N[0][k % n] * shape.N[1][k / n % n];
+              if constexpr (dim == 3)
+                N *= shape.N[2][k / (n * n)];
+              for (unsigned int d = 0; d < dim; ++d)
+                target[std::size_t(geometry.functions[k]) * dim + d] +=
+                  reduce(N * momentum[d]);
+            }
+        }
+    }
+  } // namespace
+
+
+
+  template <int dim>
+  void
+  PointTransfer<dim>::affine_momentum(
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    const unsigned int                              column,
+    const std::vector<bool>                        &is_used,
+    VectorField<dim>                               &y)
+  {
+    Require(!windows, "APIC and Taylor do not support domains.");
+    resize_numbers(dim);
+    std::fill(numbers.begin(), numbers.end(), 0.);
+    for (const MaterialPoints<dim> *points : bodies)
+      {
+        const PointField *affine = points->layout().find("affine");
+        if (!affine)
+          continue;
+        std::array<int, dim> first;
+        for (unsigned int d = 0; d < dim; ++d)
+          first[d] = affine->first + d * dim + column;
+        with_order(tables.space->degree(), [&](const auto size) {
+          constexpr int n = decltype(size)::value;
+          for (const unsigned int cell : points->cells())
+            if (is_used[cell])
+              add_momentum_of_cell<dim, n>(*points,
+                                           CellGeometry<dim, n>(tables, cell),
+                                           cell,
+                                           first,
+                                           numbers.data());
+        });
+      }
+    for (unsigned int d = 0; d < dim; ++d)
+      write_number(d, y[d]);
+    numbers.clear();
   }
 
 

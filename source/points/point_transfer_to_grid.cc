@@ -156,7 +156,8 @@ namespace greville
     VectorType                                     *mass,
     VectorField<dim>                               *momentum,
     VectorField<dim>                               *force,
-    std::vector<double>                            *filled_parts)
+    std::vector<double>                            *filled_parts,
+    const bool                                      with_affine)
   {
     Require((mass == nullptr) == (momentum == nullptr),
             "Mass and momentum go together.");
@@ -174,8 +175,8 @@ namespace greville
     for (const MaterialPoints<dim> *points : bodies)
       with_order(tables.space->degree(), [&](const auto size) {
         constexpr int n      = decltype(size)::value;
-        const bool    affine = points->layout().find("affine");
-        Require(!affine || !windows, "APIC does not support domains.");
+        const bool    affine = with_affine && points->layout().find("affine");
+        Require(!affine || !windows, "APIC and Taylor do not support domains.");
         double *const parts = filled_parts ? filled_parts->data() : nullptr;
         const auto    run   = [&](auto with_mass, auto with_force, auto apic) {
           using Fields = AddedFields<dim, with_mass, with_force, apic>;

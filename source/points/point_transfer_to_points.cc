@@ -14,6 +14,39 @@ namespace greville
 
   namespace
   {
+    /// Set the diagonals of the second moments of the functions at points.
+    template <int dim, int n, typename Pass>
+    inline __attribute__((always_inline)) void
+    set_inertia(const CellGeometry<dim, n> &geometry,
+                const ShapeValues<dim, n>  &shape,
+                GridValues<dim, Pass>      &grid)
+    {
+      for (int j = 0; j < dim; ++j)
+        {
+          const Simd t    = grid.x[j] - geometry.center[j];
+          grid.inertia[j] = 0.;
+          for (int a = 0; a < n; ++a)
+            {
+              const Simd distance = geometry.offsets[j][a] - t;
+              grid.inertia[j] += shape.N[j][a] * distance * distance;
+            }
+        }
+    }
+
+
+
+    template <int dim, int n, typename Pass>
+    __attribute__((noinline)) void
+    set_inertia(const CellGeometry<dim, n> &geometry,
+                GridValues<dim, Pass>      &grid)
+    {
+      ShapeValues<dim, n> shape;
+      shape.template evaluate<false>(geometry, grid.x);
+      set_inertia(geometry, shape, grid);
+    }
+
+
+
     /// Fields, and their gradients and moments, at groups of points.
     template <int dim, int n, typename Pass>
     class PointGather
@@ -50,7 +83,7 @@ namespace greville
       {
         load_basis_positions(points, group.numbers, grid.x);
         ShapeValues<dim, n> shape;
-        shape.template evaluate<Pass::deform>(geometry, grid.x);
+        shape.template evaluate<Pass::gradient>(geometry, grid.x);
         for (int k = 0; k < n_fields; ++k)
           grid.fields[k] = 0.;
         for (int i = 0; i < dim; ++i)
@@ -100,7 +133,7 @@ namespace greville
             const double *c = columns[a] + (a_z * n + a_y) * n_fields;
             for (int k = 0; k < n_fields; ++k)
               rows[k] += shape.N[0][a] * c[k];
-            if constexpr (Pass::deform)
+            if constexpr (Pass::gradient)
               for (int i = 0; i < dim; ++i)
                 slopes[i] += shape.dN[0][a] * c[i];
             if constexpr (Pass::apic)
@@ -113,7 +146,7 @@ namespace greville
           N_yz *= shape.N[dim - 1][a_z];
         for (int k = 0; k < n_fields; ++k)
           grid.fields[k] += N_yz * rows[k];
-        if constexpr (Pass::deform)
+        if constexpr (Pass::gradient)
           {
             Simd dy = shape.dN[1][a_y], dz = 0.;
             if constexpr (dim == 3)
@@ -147,15 +180,10 @@ namespace greville
                      const ShapeValues<dim, n>  &shape,
                      GridValues<dim, Pass>      &grid)
       {
+        set_inertia(geometry, shape, grid);
         for (int j = 0; j < dim; ++j)
           {
-            const Simd t    = grid.x[j] - geometry.center[j];
-            grid.inertia[j] = 0.;
-            for (int a = 0; a < n; ++a)
-              {
-                const Simd distance = geometry.offsets[j][a] - t;
-                grid.inertia[j] += shape.N[j][a] * distance * distance;
-              }
+            const Simd t = grid.x[j] - geometry.center[j];
             for (int i = 0; i < dim; ++i)
               grid.moments[i][j] -= t * grid.fields[i];
           }
@@ -229,7 +257,8 @@ namespace greville
     {
       const PointLayout<dim> &layout   = points.layout();
       const bool              is_total = layout.is_total_lagrangian();
-      const unsigned int first_affine = Pass::apic ? layout.first("affine") : 0;
+      const unsigned int      first_affine =
+        Pass::apic || update.taylor ? layout.first("affine") : 0;
       // Without deformation, numbers after the mass are not read; without
       // additional fields, numbers after F are not read.
       const unsigned int n_read =
@@ -272,9 +301,20 @@ namespace greville
               if constexpr (Pass::apic)
                 kick_affine<dim>(update, group, grid, first_affine, v);
               else if constexpr (Pass::kick)
-                kick<dim>(update, group, grid, v);
+                {
+                  if (update.row && first_affine != 0)
+                    set_inertia<dim, n>(geometry, grid);
+                  kick<dim>(layout, update, group, grid, first_affine, v);
+                }
               else
                 load_numbers<dim>(group.numbers, PointLayout<dim>::velocity, v);
+              if constexpr (Pass::gradient && !Pass::apic)
+                if (first_affine != 0)
+                  store_gradient<dim>(group,
+                                      grid.gradient,
+                                      update.move && !is_total ? update.step
+                                                               : 0.,
+                                      first_affine);
               if constexpr (Pass::deform)
                 {
                   if (Pass::kick || update.move)
@@ -307,13 +347,15 @@ namespace greville
     const bool kick   = update.acceleration != nullptr;
     const bool deform = update.deformation != nullptr;
     const bool same = !update.velocity || update.deformation == update.velocity;
-    [[maybe_unused]] const bool is_flip = !update.apic && update.flip == 1.;
+    [[maybe_unused]] const bool is_flip =
+      !update.apic && !update.taylor && update.flip == 1.;
     Require(update.velocity || !(update.move || (kick && !is_flip)),
-            "Points that move, and kicks of PIC and APIC, need a velocity of "
-            "the grid.");
-    AssertThrow(!update.apic || points.layout().find("affine"),
+            "Points that move, and kicks of PIC, APIC and Taylor, need a "
+            "velocity of the grid.");
+    const bool is_affine = update.apic || update.taylor;
+    AssertThrow(!is_affine || points.layout().find("affine"),
                 ExcInternalError());
-    Require(!update.apic || !windows, "APIC does not support domains.");
+    Require(!is_affine || !windows, "APIC and Taylor do not support domains.");
     Require(kick ? (deform ? same && update.move : !update.move) : deform,
             "No pass over points has this combination of updates.");
 
@@ -354,7 +396,7 @@ namespace greville
           update_points<dim, n, Kind>(
             points, tables, gather, update, projected, report);
         };
-        if constexpr (!Kind::apic)
+        if constexpr (!Kind::apic && Kind::gradient == Kind::deform)
           if (windows)
             return with(DomainGather<dim, n, Kind>(
               points, tables, windows, numbers.data()));
@@ -365,8 +407,14 @@ namespace greville
         update.apic ? run(Pass<true, true, false, true>())
                     : run(Pass<true, true, true, false>());
       else if (kick)
-        update.apic ? run(Pass<true, false, false, true>())
-                    : run(Pass<true, false, true, false>());
+        {
+          if (update.apic)
+            run(Pass<true, false, false, true>());
+          else if (update.taylor)
+            run(Pass<true, false, true, false, true>());
+          else
+            run(Pass<true, false, true, false>());
+        }
       else
         same ? run(Pass<false, true, false, false>())
              : run(Pass<false, true, true, false>());

@@ -47,6 +47,17 @@ namespace greville
         result[lane] = lane < count ? 1. : 0.;
       return result;
     }
+
+
+
+    template <int dim>
+    Tensor<2, dim>
+    deformation_since_reference(const ConstPointRef<dim> p,
+                                const PointLayout<dim>  &layout)
+    {
+      const Tensor<2, dim> F = p.matrix(PointLayout<dim>::F);
+      return layout.initial_F > 0 ? F * invert(p.matrix(layout.initial_F)) : F;
+    }
   } // namespace
 
 
@@ -145,7 +156,8 @@ namespace greville
                            const unsigned int count,
                            const double      *velocities,
                            const double      *affine,
-                           const double      *spread)
+                           const double      *spread,
+                           const double      *deformation)
   {
     using Layout = PointLayout<dim>;
     const Lanes m =
@@ -173,7 +185,7 @@ namespace greville
           x[(i + 1) % 3] * v[(i + 2) % 3] - x[(i + 2) % 3] * v[(i + 1) % 3];
     if (affine)
       {
-        // Compute C : (C D), and the skew part of C D.
+        // Compute C : (C D), and the skew part of F D C^T.
         Lanes B[dim][dim];
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
@@ -182,6 +194,19 @@ namespace greville
               B[i][j]       = c * lanes_at(spread + j * n_lanes);
               square += c * B[i][j];
             }
+        if (deformation)
+          {
+            Lanes FB[dim][dim]; // F B^T, transposed
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int j = 0; j < dim; ++j)
+                {
+                  FB[i][j] = 0.;
+                  for (unsigned int k = 0; k < dim; ++k)
+                    FB[i][j] +=
+                      B[i][k] * lanes_at(deformation + (j * dim + k) * n_lanes);
+                }
+            std::copy_n(FB[0], dim * dim, B[0]);
+          }
         if constexpr (dim == 2)
           spins[0] += B[1][0] - B[0][1];
         else
@@ -202,7 +227,8 @@ namespace greville
                     const PointTransfer<dim>  *transfer)
   {
     const PointField *field            = points.layout().find("affine");
-    double            D[dim * n_lanes] = {};
+    const bool        is_total         = points.layout().is_total_lagrangian();
+    double            D[dim * n_lanes] = {}, F[dim * dim * n_lanes] = {};
     for (const unsigned int cell : points.cells())
       {
         unsigned int count = points.n_in_first_group(cell);
@@ -227,8 +253,20 @@ namespace greville
                   cell, points.point(g, lane).basis_position(points.layout()));
                 for (unsigned int d = 0; d < dim; ++d)
                   D[d * n_lanes + lane] = diagonal[d];
+                if (!is_total)
+                  continue;
+                const auto deformation =
+                  deformation_since_reference(points.point(g, lane),
+                                              points.layout());
+                for (unsigned int k = 0; k < dim * dim; ++k)
+                  F[k * n_lanes + lane] = deformation[k / dim][k % dim];
               }
-            add_motion(group, count, v, group + field->first * n_lanes, D);
+            add_motion(group,
+                       count,
+                       v,
+                       group + field->first * n_lanes,
+                       D,
+                       is_total ? F : nullptr);
           }
       }
   }

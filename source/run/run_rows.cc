@@ -92,7 +92,12 @@ namespace greville
   {
     GridFields<dim> grid;
     grid.velocity = part.state().field.velocity;
-    grid.mass     = part.mass().lumped();
+    // In refined grids, tied functions have the mass of their cells, too.
+    VectorField<dim> mass;
+    part.grid().initialize(mass);
+    mass[0] = part.mass().lumped();
+    part.mass().distribute_levels(mass);
+    grid.mass = mass[0];
     if (wants("acceleration"))
       grid.acceleration = part.state().field.acceleration;
     if (wants("force"))

@@ -24,6 +24,30 @@ namespace greville
     template <int dim>
     constexpr double distance_power = dim == 2 ? -6. : -50.;
     constexpr double smallest_share = 0.01;
+
+
+
+    /// Return which of the p + 1 functions of a cell, which begin with its
+    /// index, is nearest to the Greville point of function i, of any level.
+    int
+    nearest_function(const KnotVector  &knots,
+                     const unsigned int cell,
+                     const unsigned int i)
+    {
+      int    result   = 0;
+      double shortest = 0.;
+      for (unsigned int a = 0; a <= knots.degree(); ++a)
+        {
+          const double distance = std::abs(knots.greville_abscissa(cell + a) -
+                                           knots.greville_abscissa(i));
+          if (a == 0 || distance < shortest * (1. - 1e-12))
+            {
+              result   = int(a);
+              shortest = distance;
+            }
+        }
+      return result;
+    }
   } // namespace
 
 
@@ -65,9 +89,9 @@ namespace greville
     const bool has_levels = space.lattice().hierarchy();
     if (has_levels)
       {
-        Require(!constant, "Constant extensions need a grid without levels.");
+        // A constant extension is no reason to release functions.
         levels.reinit(space, [&](const unsigned int f) {
-          return support_weights.local_element(f) >= with_full;
+          return constant || support_weights.local_element(f) >= with_full;
         });
       }
     find_hosts();
@@ -387,8 +411,10 @@ namespace greville
             if (is_constant)
               {
                 const int nearest =
-                  int(i[d]) - int(host[d]) +
-                  int(lattice.n_cells()[d]) * periods(host[d], d);
+                  lattice.hierarchy()
+                    ? nearest_function(space.knots(d), host[d], i[d])
+                    : int(i[d]) - int(host[d]) +
+                        int(lattice.n_cells()[d]) * periods(host[d], d);
                 for (int j = 0; j <= int(p); ++j)
                   factors[d][j] = j == std::clamp(nearest, 0, int(p));
                 continue;

@@ -33,6 +33,7 @@ namespace greville
     , guard(parts.guard)
     , late_row(parts.late_row)
     , apic(parameters.scheme.is_apic())
+    , taylor(parameters.scheme.is_taylor())
     , half_steps(parameters.time.has_half_steps())
     , contacts(make_contacts(parts))
     , damping(parameters.loads)
@@ -59,7 +60,7 @@ namespace greville
   {
     StepScheme scheme;
     scheme.deforms_by_mapped_velocity = deforms_by_mapped_velocity();
-    scheme.apic                       = apic;
+    scheme.has_affine                 = apic || taylor;
     // A smaller FLIP share has a shorter critical step. As dt is not known yet,
     // use the smallest share.
     scheme.flip =
@@ -288,6 +289,10 @@ namespace greville
     ContactStep<dim> step = contact_step(state);
     for (const auto &contact : contacts)
       contact->apply(step);
+    if (contacts.empty())
+      return;
+    field.mass->distribute_levels(field.new_velocity);
+    field.mass->distribute_levels(field.acceleration);
   }
 
 

@@ -123,9 +123,17 @@ namespace greville
         space.initialize_vector(component);
 
     // Constrained coefficients stay zero.
-    const double        smallest_mass = !mass.is_exact() && space.degree() == 1
-                                          ? 0.01 * lumped.linfty_norm()
-                                          : 0.;
+    const double smallest_mass       = !mass.is_exact() && space.degree() == 1
+                                         ? 0.01 * lumped.linfty_norm()
+                                         : 0.;
+    const CellHierarchy<dim> *levels = space.lattice().hierarchy();
+    const auto                size_of_cells = [&](const unsigned int i) {
+      return levels ? std::ldexp(1.,
+                                 -int(dim * levels->level_of_function(
+                                              space.owned_functions()[i] %
+                                              space.n_functions()[0])))
+                                   : 1.;
+    };
     std::vector<double> random;
     start.clear();
     std::vector<double> squares(2, 0.); // of noise and of the last vector
@@ -135,7 +143,7 @@ namespace greville
         for (unsigned int i = 0; i < lumped.locally_owned_size(); ++i)
           {
             const double m = lumped.local_element(i);
-            if (!mass.has_points(i) || m < smallest_mass ||
+            if (!mass.has_points(i) || m < smallest_mass * size_of_cells(i) ||
                 ((mass.constrained_by_walls(i) >> d) & 1))
               continue;
             unknowns[d].push_back(i);
@@ -202,7 +210,7 @@ namespace greville
       {
         if (!scheme.deforms_by_mapped_velocity)
           c = {{2., -1., 0.}};
-        else if (!scheme.apic)
+        else if (!scheme.has_affine)
           c = {{0.,
                 2. / (1. + scheme.flip),
                 -(1. - scheme.flip) / (1. + scheme.flip)}};
@@ -222,7 +230,9 @@ namespace greville
     for (unsigned int k = 1; k < 3 && (c[k] != 0. || c[2] != 0.); ++k)
       {
         write_field(target, part);
+        mass.distribute_levels(target);
         transfer.multiply_mass(mass_points, target, product);
+        mass.condense_levels(product);
         solve(product);
         read_field(part, target);
         for (std::size_t u = 0; u < x.size(); ++u)
@@ -246,6 +256,7 @@ namespace greville
     const std::vector<Surface<dim>>      &surfaces)
   {
     write_field(source, x);
+    mass.distribute_levels(source);
     for (const Body<dim> *body : bodies)
       {
         const Moduli m = body->material->moduli();
@@ -274,6 +285,7 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           target[d].add(k, product[d]);
       }
+    mass.condense_levels(target);
     read_field(y, target);
   }
 

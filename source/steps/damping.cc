@@ -48,6 +48,7 @@ namespace greville
         for (unsigned int d = 0; d < dim; ++d)
           field.acceleration[d].local_element(i) -= change[d];
       }
+    field.mass->distribute_levels(field.acceleration);
   }
 
 

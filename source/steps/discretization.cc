@@ -25,14 +25,18 @@ namespace greville
     void
     check_parameters(const SimulationParameters &parameters)
     {
-      Require(!parameters.scheme.is_apic() ||
-                support_of_mass(parameters.scheme.mass).apic,
-              "'Scheme/Transfer' = APIC needs 'Scheme/Mass' = " +
-                masses_with(&MassSupport::apic) + ", not <" +
-                parameters.scheme.mass +
-                ">: the momentum of APIC is the right-hand side of a lumped "
-                "solve. With the exact mass, PIC already is a projection that "
-                "keeps linear fields.");
+      const bool taylor = parameters.scheme.is_taylor();
+      Require(!parameters.scheme.has_affine() ||
+                support_of_mass(parameters.scheme.mass).affine,
+              "'Scheme/Transfer' = " + parameters.scheme.transfer +
+                " needs 'Scheme/Mass' = " + masses_with(&MassSupport::affine) +
+                ", not <" + parameters.scheme.mass + ">: the momentum of " +
+                parameters.scheme.transfer +
+                " is the right-hand side of a lumped solve. With the exact "
+                "mass, " +
+                (taylor ? "FLIP" : "PIC") + " already " +
+                (taylor ? "keeps" : "is a projection that keeps") +
+                " linear fields.");
       const std::string &name = parameters.scheme.stress_update;
       Require(
         parameters.grid.adapt_every == 0 ||
@@ -320,6 +324,13 @@ namespace greville
         is_current ? nullptr : &field.momentum,
         with_force && !force_waits ? &field.force : nullptr,
         is_current || mass_is_known ? nullptr : field.mass->filled_parts());
+      if (!is_current)
+        field.mass->condense_levels(field.lumped_mass,
+                                    field.momentum,
+                                    field.points,
+                                    point_transfer);
+      if (with_force && !force_waits)
+        field.mass->condense_levels(field.force);
     }
     // The mass of total Lagrangian steps never changes.
     if (!is_current && !mass_is_known)
@@ -369,6 +380,7 @@ namespace greville
                                       nullptr,
                                       &of_surfaces[k]);
         grid_field.mass->condense(of_surfaces[k]);
+        grid_field.mass->condense_levels(of_surfaces[k]);
         for (unsigned int d = 0; d < dim; ++d)
           force[d] += of_surfaces[k][d];
       }
@@ -388,6 +400,8 @@ namespace greville
     initialize(momentum);
     set_points(state);
     point_transfer.points_to_grid(grid_field.points, &mass, &momentum, &force);
+    grid_field.mass->condense_levels(mass, momentum, {}, point_transfer);
+    grid_field.mass->condense_levels(force);
     std::vector<VectorField<dim>> of_surfaces;
     add_surface_forces(state, of_surfaces, force);
     for (unsigned int d = 0; d < dim; ++d)
@@ -430,6 +444,10 @@ namespace greville
                                   &grid_field.lumped_mass,
                                   &grid_field.momentum,
                                   nullptr);
+    grid_field.mass->condense_levels(grid_field.lumped_mass,
+                                     grid_field.momentum,
+                                     grid_field.points,
+                                     point_transfer);
   }
 
 

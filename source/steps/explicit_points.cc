@@ -26,6 +26,7 @@ namespace greville
     update.step          = trial.step;
     update.flip       = discretization.flip_share(state, trial.velocity_step);
     update.apic       = apic;
+    update.taylor     = taylor;
     update.projection = discretization.volume_projection();
 
     const bool watches = row && kick && row->watch;
@@ -277,10 +278,11 @@ namespace greville
       return;
     const PartTimer timer(log, "energy");
 
-    // The momenta P' of the points, or with APIC of the grid.
+    // The momenta P' of the points, or with APIC and Taylor of the grid.
     const double      dt   = trial.velocity_step;
     const double      flip = kept_share(state);
     VectorField<dim> &sum = surface_velocity, &momenta = work_field;
+    const bool        is_of_grid = apic || taylor;
     if (!apic)
       discretization.sum(state);
     for (unsigned int d = 0; d < dim; ++d)
@@ -288,13 +290,13 @@ namespace greville
         sum[d] = field.new_velocity[d];
         sum[d] *= 1. - flip;
         sum[d].add(flip * dt, field.acceleration[d]);
-        if (apic)
+        if (is_of_grid)
           {
             momenta[d] = sum[d];
             momenta[d].scale(field.lumped_mass);
           }
       }
-    if (!apic)
+    if (!is_of_grid)
       discretization.transfer().multiply_mass(field.points, sum, momenta);
     for (unsigned int d = 0; d < dim; ++d)
       momenta[d].add(flip, field.momentum[d]);

@@ -143,6 +143,7 @@ namespace greville
           if (!((constrained[i] >> c) & 1))
             residual[c].local_element(i) = part[c];
       }
+    distribute_levels(residual);
   }
 
 

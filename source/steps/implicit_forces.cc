@@ -197,7 +197,7 @@ namespace greville
            "= " +
              parameters.scheme.volumetric_projection,
            "the projection makes tangents nonsymmetric; take auto or fgmres.");
-    refuse(parameters.scheme.is_apic(),
+    refuse(parameters.scheme.has_affine(),
            "'Scheme/Transfer' = APIC",
            "take FLIP or PIC.");
     refuse(!support_of_mass(parameters.scheme.mass).implicit_steps,

@@ -29,6 +29,101 @@ namespace greville
       friction_walls[w] = walls.is_friction(w);
     for (VectorType &component : inverse)
       this->space().initialize_vector(component);
+    if (this->space().lattice().hierarchy())
+      levels = std::make_unique<Levels>(this->space());
+  }
+
+
+
+  template <int dim>
+  LumpedMass<dim>::Levels::Levels(const SplineSpace<dim> &space)
+  {
+    const unsigned int n_cells = space.owned_cells().size();
+    filling.reinit(space);
+    filling.update(std::vector<double>(n_cells, 1.), 0.);
+    extension.reinit(space, filling);
+    places.reinit(space);
+    unknowns.reinit(places);
+    unknowns.update(extension, true);
+    for (unsigned int f = 0; f < space.owned_functions().size(); ++f)
+      is_tied.push_back(extension[f] == Extension<dim>::extended);
+    for (unsigned int cell = 0; cell < n_cells; ++cell)
+      {
+        const auto functions = space.cell_functions(cell);
+        has_tied.push_back(std::any_of(
+          functions.begin(), functions.end(), [&](const unsigned int f) {
+            return extension[f] == Extension<dim>::extended;
+          }));
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::condense_levels(VectorField<dim> &rows) const
+  {
+    for (unsigned int c = 0; c < dim && levels; ++c)
+      levels->unknowns.condense(rows[c], c);
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::condense_levels(
+    VectorType                                     &lumped,
+    VectorField<dim>                               &momentum,
+    const std::vector<const MaterialPoints<dim> *> &bodies,
+    PointTransfer<dim>                             &transfer) const
+  {
+    if (!levels)
+      return;
+    levels->unknowns.condense(lumped, 0);
+    condense_levels(momentum);
+    if (std::none_of(bodies.begin(), bodies.end(), [](const auto *points) {
+          return points->layout().find("affine");
+        }))
+      return;
+    // Affine velocities of a tied function k with the sum Q_k of m N_k C refer
+    // to its Greville point. For another function i, E_ki Q_k (xi_i - xi_k) is
+    // missing.
+    VectorField<dim> sums, moments;
+    for (auto *field : {&sums, &moments})
+      for (VectorType &component : *field)
+        this->space().initialize_vector(component);
+    const unsigned int      n_owned = levels->is_tied.size();
+    std::vector<Point<dim>> places;
+    for (unsigned int i = 0; i < n_owned; ++i)
+      places.push_back(this->space().greville_point(i));
+    for (unsigned int column = 0; column < dim; ++column)
+      {
+        transfer.affine_momentum(bodies, column, levels->has_tied, sums);
+        for (unsigned int c = 0; c < dim; ++c)
+          for (unsigned int i = 0; i < n_owned; ++i)
+            {
+              double &sum                 = sums[c].local_element(i);
+              sum                         = levels->is_tied[i] ? sum : 0.;
+              moments[c].local_element(i) = places[i][column] * sum;
+            }
+        condense_levels(sums);
+        condense_levels(moments);
+        for (unsigned int c = 0; c < dim; ++c)
+          for (unsigned int i = 0; i < n_owned; ++i)
+            momentum[c].local_element(i) +=
+              places[i][column] * sums[c].local_element(i) -
+              moments[c].local_element(i);
+      }
+  }
+
+
+
+  template <int dim>
+  void
+  LumpedMass<dim>::distribute_levels(VectorField<dim> &x) const
+  {
+    for (unsigned int c = 0; c < dim && levels; ++c)
+      levels->unknowns.distribute(x[c], c);
   }
 
 
@@ -201,6 +296,7 @@ namespace greville
             for (unsigned int c = 0; c < dim; ++c)
               (*x[k])[c].local_element(at.function) += change[c];
           }
+        distribute_levels(*x[k]);
       }
   }
 

@@ -107,6 +107,7 @@ namespace greville
     update.material   = nullptr;
     update.projection = nullptr;
     update.apic       = false;
+    update.taylor     = false;
     update.flip       = 0.;
     motion.left_surface_cells.resize(surfaces.size());
     for (unsigned int s = 0; s < surfaces.size(); ++s)

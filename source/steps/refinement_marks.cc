@@ -131,7 +131,8 @@ namespace greville
                                 &lumped,
                                 &sums,
                                 nullptr,
-                                is_assembled ? nullptr : mass->filled_parts());
+                                is_assembled ? nullptr : mass->filled_parts(),
+                                false);
         if (!is_assembled)
           mass->update(lumped, points, {}, transfer);
         is_assembled = true;

@@ -136,13 +136,13 @@ namespace greville
     loads.surfaces().clear(current.surfaces);
     const bool reset = !parameters.stages.empty() &&
                        parameters.stages[current.stage].reset_displacements;
-    const bool apic = parameters.scheme.is_apic();
+    const bool has_affine = parameters.scheme.has_affine();
     for_all_points(current, [&](MaterialPoints<dim> &points) {
       const PointField *affine = points.layout().find("affine");
       points.for_each([&](PointRef<dim> p) {
         for (unsigned int d = 0; reset && d < dim; ++d)
           p.reference(d) = p.position(d);
-        for (unsigned int k = 0; affine && !apic && k < dim * dim; ++k)
+        for (unsigned int k = 0; affine && !has_affine && k < dim * dim; ++k)
           p[affine->first + k] = 0.;
       });
     });

@@ -36,7 +36,7 @@ namespace greville
       for (unsigned int k = 0; k < parameters.n_stages(); ++k)
         {
           parameters.enter_stage(k);
-          if (parameters.scheme.is_apic())
+          if (parameters.scheme.has_affine())
             layout.add("affine", dim * dim);
           const std::string &name = parameters.scheme.stress_update;
           if (is_implicit_scheme(name) &&

@@ -437,7 +437,7 @@ namespace greville
   {
     /// Return the rows of a table with the columns of another layout. Numbers
     /// of loads and schemes that the table does not have are zero: loads find
-    /// their points again, APIC begins without an affine velocity, and
+    /// their points again, APIC and Taylor begin without affine velocities, and
     /// generalized-alpha computes its first acceleration. Without a projected
     /// J, J takes its place.
     template <int dim>

@@ -556,6 +556,30 @@ test_exactness(const SplineSpace<dim> &space, const Material &material)
   }
   check("    APIC: C of a linear velocity", max_all(affine), 1e-11);
 
+  // Taylor has the gradient at the new position.
+  double taylor = 0.;
+  for (const bool move : {false, true})
+    {
+      MaterialPoints<dim> points(start);
+      PointUpdate<dim>    update;
+      update.acceleration = &a;
+      update.velocity     = &v;
+      update.deformation  = move ? &v : nullptr;
+      update.move         = move;
+      update.step         = T;
+      update.taylor       = true;
+      update.material     = &material;
+      transfer.grid_to_points(points, update);
+      const Tensor<2, dim> one = unit_symmetric_tensor<dim>();
+      const Tensor<2, dim> C   = move ? A * invert(one + T * A) : A;
+      points.for_each([&](const unsigned int, const auto q) {
+        taylor =
+          std::max(taylor,
+                   (q.matrix(points.layout().first("affine")) - C).norm());
+      });
+    }
+  check("    Taylor: C of a linear velocity", max_all(taylor), 1e-11);
+
   // v_c = (c + 1) (x y z)^p: its coefficients are products of inner knots.
   VectorField<dim> monomial = make_field(space);
   for (unsigned int i = 0; i < space.owned_functions().size(); ++i)

@@ -420,7 +420,7 @@ test_main()
       // Steps of two lengths.
       .with("Time", {"End = 0.21", "Step = 0.02", "Too large step = ignore"});
   for (const std::string scheme : {"USL", "MUSL"})
-    for (const std::string transfer : {"FLIP", "PIC", "APIC"})
+    for (const std::string transfer : {"FLIP", "PIC", "APIC", "Taylor"})
       {
         const Text text =
           falling.with("Scheme",
@@ -476,7 +476,9 @@ test_main()
     }
   check_runout(falling);
   check_probe_3d();
-  check_trajectory("ball, APIC", ball.with("Scheme", {"Transfer = APIC"}));
+  for (const std::string transfer : {"APIC", "Taylor"})
+    check_trajectory("ball, " + transfer,
+                     ball.with("Scheme", {"Transfer = " + transfer}));
   check_trajectory(
     "ball, p-multigrid",
     with_mass(ball, "consistent").with("Solver", {"Method = cg-p-multigrid"}));

@@ -79,6 +79,11 @@ test_main()
       test<2>("order " + std::to_string(p) + ", FLIP, MUSL",
               order.with("Scheme", {"Stress update = MUSL"}),
               false);
+      for (const std::string scheme : {"USL", "MUSL"})
+        test<2>("order " + std::to_string(p) + ", Taylor, " + scheme,
+                order.with("Scheme",
+                           {"Transfer = Taylor", "Stress update = " + scheme}),
+                false);
       test<2>("order " + std::to_string(p) + ", APIC, MUSL",
               order.with("Scheme", {"Transfer = APIC", "Stress update = MUSL"}),
               true);

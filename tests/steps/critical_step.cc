@@ -163,7 +163,7 @@ test_main()
     test_stability(mass, full_box(2, mass), 1.3);
   for (const unsigned int p : {1, 2, 3})
     for (const std::string update : {"USL", "MUSL"})
-      for (const std::string transfer : {"FLIP", "PIC", "APIC"})
+      for (const std::string transfer : {"FLIP", "PIC", "APIC", "Taylor"})
         test_stability(
           "p = " + std::to_string(p) + ", " + update + ", " + transfer,
           full_box(p, "lumped")

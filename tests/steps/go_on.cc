@@ -227,7 +227,8 @@ test_main()
   for (const std::string order : {"USL", "MUSL"})
     test(order, text.with("Scheme", {"Stress update = " + order}), false);
   test("FMPM", text.with("Scheme", {"Mass = fmpm-3"}), false);
-  test("APIC", text.with("Scheme", {"Transfer = APIC"}), false);
+  for (const std::string transfer : {"APIC", "Taylor"})
+    test(transfer, text.with("Scheme", {"Transfer = " + transfer}), false);
   test("consistent",
        text.with("Scheme", {"Mass = consistent"})
          .with("Walls", {"Bottom = sliding", "Bottom friction = 0"})

@@ -35,7 +35,7 @@ namespace greville
   /// The steps and walls that support a mass.
   struct MassSupport
   {
-    bool friction_walls, apic, domains, implicit_steps, explicit_water;
+    bool friction_walls, affine, domains, implicit_steps, explicit_water;
   };
 
   /// Return the support of a mass, whose name is not "auto".

@@ -97,10 +97,11 @@ namespace greville
       return mass == "consistent";
     }
 
+    /// Return whether points keep a part of their velocity.
     bool
     is_flip() const
     {
-      return transfer == "FLIP";
+      return transfer == "FLIP" || is_taylor();
     }
 
     bool
@@ -113,6 +114,19 @@ namespace greville
     is_apic() const
     {
       return transfer == "APIC";
+    }
+
+    bool
+    is_taylor() const
+    {
+      return transfer == "Taylor";
+    }
+
+    /// Return whether points have an affine velocity.
+    bool
+    has_affine() const
+    {
+      return is_apic() || is_taylor();
     }
 
     bool

@@ -47,15 +47,18 @@ namespace greville
    *   mass      m_i = sum_p m_p N_i(x_p),
    *   momentum  P_i = sum_p m_p (v_p + C_p (xi_i - x_p)) N_i(x_p),
    *   force     f_i = sum_p (m_p b_p N_i(x_p) - V_p sigma_p grad N_i(x_p)),
-   * with the acceleration b_p by loads and, for APIC, the affine matrix C_p and
-   * the Greville point xi_i (@ref Jiang2015 "Jiang et al., 2015"). The transfer
-   * back to the points is
+   * with the acceleration b_p by loads and, for APIC and Taylor, the affine
+   * matrix C_p and the Greville point xi_i (@ref Jiang2015 "Jiang et al.,
+   * 2015"). The transfer back to the points is
    *   v_p <- flip (v_p + dt' a(x_p)) + (1 - flip) v(x_p),    (PIC: flip = 0)
    *   x_p <- x_p + dt v(x_p),
    *   F_p <- (1 + dt grad w(x_p)) F_p,  J_p likewise, sigma_p by the material.
    * All fields are evaluated at the x_p before the call. For APIC, v_p = v(x_p)
    * and C_p = sum_i N_i v_i (xi_i - x_p)^T D_p^-1 with the diagonal matrix D_p
-   * = sum_i N_i (xi_i - x_p)(xi_i - x_p)^T.
+   * = sum_i N_i (xi_i - x_p)(xi_i - x_p)^T. For Taylor, C_p = grad v (1 + dt
+   * grad v)^-1 at x_p is the gradient at the new position if v moves all points
+   * (@ref Nakamura2023 "Nakamura, Matsumura and Mizutani, 2023"); without
+   * motion and in total Lagrangian steps, C_p = grad v.
    *
    * With CellWindows, the gradients of N_i, and possibly N_i itself, are means
    * over the domains of points (@ref Bardenhagen2004 "Bardenhagen and Kober,
@@ -77,12 +80,23 @@ namespace greville
     /// Collective. Set each vector, unless null, to the sums over all
     /// @p bodies, which must be on cells of the space. Mass and momentum must
     /// be given together. @p filled_parts, unless null, is set as by filling().
+    /// C_p is omitted unless @p with_affine.
     void
     points_to_grid(const std::vector<const MaterialPoints<dim> *> &bodies,
                    VectorType                                     *mass,
                    VectorField<dim>                               *momentum,
                    VectorField<dim>                               *force,
-                   std::vector<double> *filled_parts = nullptr);
+                   std::vector<double> *filled_parts = nullptr,
+                   const bool           with_affine  = true);
+
+    /// Collective. Set y_i = sum_p m_p N_i(x_p) c_p with column number
+    /// @p column, c_p, of the affine matrices C_p, over the points in owned
+    /// cells with @p is_used.
+    void
+    affine_momentum(const std::vector<const MaterialPoints<dim> *> &bodies,
+                    const unsigned int                              column,
+                    const std::vector<bool>                        &is_used,
+                    VectorField<dim>                               &y);
 
     /**
      * Collective. Update @p points. Ghost entries of the fields are updated.

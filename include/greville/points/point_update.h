@@ -30,7 +30,7 @@ namespace greville
     /// Grid acceleration a; if given, it kicks the points.
     const VectorField<dim> *acceleration = nullptr;
     /// Grid velocity v; it moves points if @p move. In a kick, PIC and APIC
-    /// points take this velocity.
+    /// points take this velocity, and points of Taylor its gradient.
     const VectorField<dim> *velocity = nullptr;
     /// Grid velocity w; if given, its gradient deforms the points.
     const VectorField<dim> *deformation = nullptr;
@@ -45,6 +45,8 @@ namespace greville
     double flip = 1.;
     /// True for APIC: points have an affine matrix.
     bool apic = false;
+    /// True if the affine matrix of points is set to the velocity gradient.
+    bool taylor = false;
     /// The projection of volume changes, or null.
     VolumeProjection<dim> *projection = nullptr;
     /// The law for the stress of deformed points; null without stress.

@@ -114,14 +114,17 @@ namespace greville
               const unsigned int         count);
 
     /// Add the quantities that depend on velocities @p v (dim x width), and
-    /// with APIC on the affine matrices @p C (dim x dim x width) and the
-    /// diagonals @p D of PointTransfer::spread() (dim x width).
+    /// with APIC and Taylor on the affine matrices @p C (dim x dim x width) and
+    /// the diagonals @p D of PointTransfer::spread() (dim x width). In total
+    /// Lagrangian steps, both belong to reference positions, from which @p F
+    /// (dim x dim x width) is the deformation; null otherwise.
     void
     add_motion(const double      *group,
                const unsigned int count,
                const double      *v,
                const double      *C = nullptr,
-               const double      *D = nullptr);
+               const double      *D = nullptr,
+               const double      *F = nullptr);
 
     /// Add all points in their current state. If @p transfer is null,
     /// quantities that depend on velocities are omitted.

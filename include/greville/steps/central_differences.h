@@ -21,7 +21,8 @@ namespace greville
    *               water (see FractionalStep)
    *   v'   = v + dt' a, filtered (consistent mass, see VelocityFilter), and
    *          changed by each Contact
-   *   points are kicked by a (FLIP) or take v' (PIC, APIC), and are moved by v'
+   *   points are kicked by a (FLIP, Taylor) or take v' (PIC, APIC), and are
+   *   moved by v'
    *   F, J, stress from the gradient of w                     (grid to points)
    *
    * with the velocity w of the scheme. Coefficients at walls and in contacts
@@ -96,6 +97,8 @@ namespace greville
     {
       for (const auto &contact : contacts)
         contact->stop(velocity);
+      if (!contacts.empty())
+        field.mass->distribute_levels(velocity);
     }
 
     using Member = VectorField<dim> GridField<dim>::*;
@@ -121,7 +124,7 @@ namespace greville
     StepLog                    &log;
     StepGuard<dim>             &guard;
     LateRow<dim>               &late_row;
-    const bool                  apic, half_steps;
+    const bool                  apic, taylor, half_steps;
 
     std::vector<std::unique_ptr<Contact<dim>>> contacts;
 

@@ -15,7 +15,8 @@ namespace greville
     bool deforms_by_mapped_velocity = false;
     /// 1: FLIP, 0: PIC.
     double flip = 1.;
-    bool   apic = false;
+    /// True for APIC and Taylor.
+    bool has_affine = false;
     /// The factor alpha of Cundall's damping, 0 if it does not act.
     double damping = 0.;
   };
@@ -53,6 +54,14 @@ namespace greville
    *   \frac{2 s - (1 - f) s^2}{1 + f} A \quad \text{(MUSL)}.
    * @f]
    * APIC is PIC with an s that is nearer to one: (2 - s) A (USL), A (MUSL).
+   * With Taylor, points have their velocity u and the gradient of a grid
+   * velocity g, and v = s u + r g with r >= 0 and s + r <= 1. For f = 1, the
+   * conditions are
+   * @f{align*}{
+   *   k (2 - s) &< 4 (1 + r) && \text{(USL)}, \\
+   *   k (s + 2 r - s r) &< 4 (1 + r^2) && \text{(MUSL)},
+   * @f}
+   * so that the same bounds hold.
    * For the highest frequency, s is near 0. Compared with the step of A K, the
    * step of lumped USL is then shorter by up to the root of 2, and the step of
    * lumped MUSL is longer. Cundall's damping multiplies forces by at most 1 +

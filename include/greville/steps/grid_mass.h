@@ -190,6 +190,34 @@ namespace greville
     distribute(VectorField<dim> &) const
     {}
 
+    /// Collective. In a refined grid with a lumped mass, replace sums over the
+    /// functions of levels by the sums over the functions of the space,
+    /// x = E^T x with the matrix E that joins the levels (see Extension). All
+    /// later sums belong to these functions, and solve() needs them.
+    virtual void
+    condense_levels(VectorField<dim> &) const
+    {}
+
+    /// Collective. The same for the lumped mass and the momentum of @p bodies,
+    /// whose affine velocities then refer to the functions of the space, too.
+    virtual void
+    condense_levels(VectorType                                     &lumped,
+                    VectorField<dim>                               &momentum,
+                    const std::vector<const MaterialPoints<dim> *> &bodies,
+                    PointTransfer<dim> &transfer) const
+    {
+      (void)lumped;
+      (void)momentum;
+      (void)bodies;
+      (void)transfer;
+    }
+
+    /// Collective. The inverse: compute the coefficients of all functions of
+    /// levels, x = E x.
+    virtual void
+    distribute_levels(VectorField<dim> &) const
+    {}
+
     /// Forget the factorizations of earlier matrices. Results then depend on
     /// the points bitwise, not only within the solver's tolerance.
     virtual void

@@ -14,6 +14,11 @@ namespace greville
   /// cell first, functions there have hardly any mass or none. For contact
   /// surfaces, these functions are replaced by a constant extension of the
   /// nearest functions with mass, so that no part of a force is lost.
+  ///
+  /// In a refined grid, the row sums are those of truncated hierarchical
+  /// B-splines. The functions of levels that are tied (LevelFunctions) have no
+  /// mass of their own: condense_levels() adds theirs to other functions.
+  /// Functions at cut cells are not extended.
   template <int dim>
   class LumpedMass : public GridMass<dim>
   {
@@ -66,6 +71,18 @@ namespace greville
     }
 
     void
+    condense_levels(VectorField<dim> &rows) const override;
+
+    void
+    condense_levels(VectorType                                     &lumped,
+                    VectorField<dim>                               &momentum,
+                    const std::vector<const MaterialPoints<dim> *> &bodies,
+                    PointTransfer<dim> &transfer) const override;
+
+    void
+    distribute_levels(VectorField<dim> &x) const override;
+
+    void
     condense(VectorField<dim> &rows) const override;
 
     void
@@ -80,6 +97,20 @@ namespace greville
       Extension<dim>        extension;
       StencilMatrix<dim>    stencil;
       ExtendedUnknowns<dim> unknowns;
+    };
+
+    /// The joined levels of a refined grid.
+    struct Levels
+    {
+      /// Collective.
+      Levels(const SplineSpace<dim> &space);
+
+      CellFilling<dim>      filling;
+      Extension<dim>        extension;
+      StencilPlaces<dim>    places;
+      ExtendedUnknowns<dim> unknowns;
+      std::vector<bool>     is_tied;  // by owned function
+      std::vector<bool>     has_tied; // functions, by owned cell
     };
 
     /// Collective. Make the extension if surfaces are in contact.
@@ -105,6 +136,7 @@ namespace greville
 
     const unsigned int                      n_terms;
     typename CellFilling<dim>::Walls        friction_walls;
+    std::unique_ptr<Levels>                 levels; // null: no refined grid
     std::unique_ptr<Extended>               extended;
     VectorField<dim>                        inverse; // of M_L, 0 if constrained
     std::vector<dealii::Tensor<1, dim>>     given;   // parts along directions
