@@ -189,6 +189,10 @@ namespace greville
       "'Scheme/Mass' = lumped with 'Scheme/Transfer' = " + scheme.transfer,
       "a linear velocity would change between cells of two sizes. Take "
       "'Scheme/Transfer' = Taylor or APIC, or 'Scheme/Mass' = consistent.");
+    refuse(scheme.has_lumped_mass() && grid.degree == 1,
+           "'Grid/Order' = 1 with 'Scheme/Mass' = lumped",
+           "functions of small cells at surfaces have hardly any mass. Take "
+           "order 2 or 3, or 'Scheme/Mass' = consistent.");
     refuse(scheme.is_total_lagrangian() && bodies.size() > 1,
            "several bodies with 'Scheme/Formulation' = total Lagrangian",
            "take one body.");

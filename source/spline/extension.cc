@@ -89,7 +89,8 @@ namespace greville
     const bool has_levels = space.lattice().hierarchy();
     if (has_levels)
       {
-        // A constant extension is no reason to release functions.
+        // A constant extension releases no functions: it applies to tied
+        // functions, too, and any other function may have mass on small cells.
         levels.reinit(space, [&](const unsigned int f) {
           return constant || support_weights.local_element(f) >= with_full;
         });
@@ -97,9 +98,9 @@ namespace greville
     find_hosts();
     classes.resize(n_local);
     for (unsigned int f = 0; f < n_local; ++f)
-      classes[f] = support_weights.local_element(f) == 0. ? inactive
-                   : is_stable(f)                         ? stable
-                                                          : lumped;
+      classes[f] = is_stable(f) || (constant && has_levels) ? stable
+                   : support_weights.local_element(f) == 0. ? inactive
+                                                            : lumped;
     for (const unsigned int f : functions.numbers)
       classes[f] = extended;
     if (has_levels)
@@ -160,7 +161,7 @@ namespace greville
     for (const auto &entry : cell_filling->hosts())
       for (const unsigned int f : space.cell_functions(entry.first))
         if (!is_stable(f) && !is_at_contact_wall(f) &&
-            !(has_levels && levels.is_tied(f)))
+            (is_constant || !(has_levels && levels.is_tied(f))))
           found.emplace_back(f, entry.second);
     sort(found);
 

@@ -25,15 +25,15 @@ namespace greville
    * by F_zz. The numbers that all points have are followed by named fields: the
    * history variables of the material, and as many of the following as are
    * needed:
-   *   "affine", dim x dim numbers: the matrix of APIC and Taylor, row by row, 1
-   * / s, "load", dim numbers: the acceleration by loads, m / s^2, "initial_F",
-   * dim x dim numbers: the deformation gradient (in 2D in the plane) from the
-   * stress-free state to the initial one, "projected_J", one number: the ratio
-   * of volumes that the material uses if changes of volume are projected
-   * (VolumeProjection), "domain", dim numbers: half of the edges of the box
-   * around the point in the stress-free state, over which gradients are
-   * averaged, m, "radius0", one number: the distance r of an axisymmetric point
-   * from the axis in the stress-free state, m; r is x, and F_zz = r / radius0,
+   *   "affine", dim x dim numbers: the matrix of APIC or Taylor, 1 / s,
+   *   "load", dim numbers: the acceleration by loads, m / s^2,
+   *   "initial_F", dim x dim numbers: the initial F (in 2D in the plane),
+   *   "projected_J", one number: the ratio of volumes that the material uses
+   *     if changes of volume are projected (VolumeProjection),
+   *   "domain", dim numbers: half of the edges of the box around the point in
+   *     the stress-free state, over which gradients are averaged, m,
+   *   "radius0", one number: the distance r of an axisymmetric point from the
+   *     axis in the stress-free state, m; r is x, and F_zz = r / radius0,
    * and further fields, for instance of a PointLoad.
    */
   template <int dim>

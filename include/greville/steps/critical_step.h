@@ -55,8 +55,8 @@ namespace greville
    * @f]
    * APIC is PIC with an s that is nearer to one: (2 - s) A (USL), A (MUSL).
    * With Taylor, points have their velocity u and the gradient of a grid
-   * velocity g, and v = s u + r g with r >= 0 and s + r <= 1. For f = 1, the
-   * conditions are
+   * velocity g, and v = s u + r g; inside a grid, r >= 0 and s + r <= 1. For
+   * f = 1, the conditions are
    * @f{align*}{
    *   k (2 - s) &< 4 (1 + r) && \text{(USL)}, \\
    *   k (s + 2 r - s r) &< 4 (1 + r^2) && \text{(MUSL)},
