@@ -193,6 +193,10 @@ namespace greville
            "'Grid/Order' = 1 with 'Scheme/Mass' = lumped",
            "functions of small cells at surfaces have hardly any mass. Take "
            "order 2 or 3, or 'Scheme/Mass' = consistent.");
+    refuse(scheme.has_lumped_mass() && !contacts.empty(),
+           "'Simulation/Contacts' with 'Scheme/Mass' = lumped",
+           "surfaces ahead of their points need functions with mass. Take "
+           "'Scheme/Mass' = consistent.");
     refuse(scheme.is_total_lagrangian() && bodies.size() > 1,
            "several bodies with 'Scheme/Formulation' = total Lagrangian",
            "take one body.");

@@ -24,30 +24,6 @@ namespace greville
     template <int dim>
     constexpr double distance_power = dim == 2 ? -6. : -50.;
     constexpr double smallest_share = 0.01;
-
-
-
-    /// Return which of the p + 1 functions of a cell, which begin with its
-    /// index, is nearest to the Greville point of function i, of any level.
-    int
-    nearest_function(const KnotVector  &knots,
-                     const unsigned int cell,
-                     const unsigned int i)
-    {
-      int    result   = 0;
-      double shortest = 0.;
-      for (unsigned int a = 0; a <= knots.degree(); ++a)
-        {
-          const double distance = std::abs(knots.greville_abscissa(cell + a) -
-                                           knots.greville_abscissa(i));
-          if (a == 0 || distance < shortest * (1. - 1e-12))
-            {
-              result   = int(a);
-              shortest = distance;
-            }
-        }
-      return result;
-    }
   } // namespace
 
 
@@ -89,18 +65,17 @@ namespace greville
     const bool has_levels = space.lattice().hierarchy();
     if (has_levels)
       {
-        // A constant extension releases no functions: it applies to tied
-        // functions, too, and any other function may have mass on small cells.
+        Require(!constant, "Constant extensions need a grid without levels.");
         levels.reinit(space, [&](const unsigned int f) {
-          return constant || support_weights.local_element(f) >= with_full;
+          return support_weights.local_element(f) >= with_full;
         });
       }
     find_hosts();
     classes.resize(n_local);
     for (unsigned int f = 0; f < n_local; ++f)
-      classes[f] = is_stable(f) || (constant && has_levels) ? stable
-                   : support_weights.local_element(f) == 0. ? inactive
-                                                            : lumped;
+      classes[f] = support_weights.local_element(f) == 0. ? inactive
+                   : is_stable(f)                         ? stable
+                                                          : lumped;
     for (const unsigned int f : functions.numbers)
       classes[f] = extended;
     if (has_levels)
@@ -161,7 +136,7 @@ namespace greville
     for (const auto &entry : cell_filling->hosts())
       for (const unsigned int f : space.cell_functions(entry.first))
         if (!is_stable(f) && !is_at_contact_wall(f) &&
-            (is_constant || !(has_levels && levels.is_tied(f))))
+            !(has_levels && levels.is_tied(f)))
           found.emplace_back(f, entry.second);
     sort(found);
 
@@ -412,10 +387,8 @@ namespace greville
             if (is_constant)
               {
                 const int nearest =
-                  lattice.hierarchy()
-                    ? nearest_function(space.knots(d), host[d], i[d])
-                    : int(i[d]) - int(host[d]) +
-                        int(lattice.n_cells()[d]) * periods(host[d], d);
+                  int(i[d]) - int(host[d]) +
+                  int(lattice.n_cells()[d]) * periods(host[d], d);
                 for (int j = 0; j <= int(p); ++j)
                   factors[d][j] = j == std::clamp(nearest, 0, int(p));
                 continue;
