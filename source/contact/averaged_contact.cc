@@ -47,6 +47,7 @@ namespace greville
               const double  w   = point.area * own.values[k];
               KeySums<dim> &sum = sums[own.keys[k]];
               sum.weight[point.side] += w;
+              sum.inverse_cell_size += w / point.cell_size;
               sum.start_pressure += w * point.start_pressure;
               sum.normal += w * normal;
               if (law.measures(point.side))
@@ -280,11 +281,12 @@ namespace greville
 
 
   template <int dim>
-  AveragedContact<dim>::AveragedContact(const ContactLaw   &law,
-                                        const Lattice<dim> &lattice,
-                                        const MPI_Comm      comm)
+  AveragedContact<dim>::AveragedContact(
+    const ContactLaw                &law,
+    const std::vector<Lattice<dim>> &lattices,
+    const MPI_Comm                   comm)
     : contact_law(law)
-    , lattice(lattice)
+    , lattices(lattices)
     , comm(comm)
   {}
 
@@ -307,9 +309,12 @@ namespace greville
         {
           if (contact_law.measures(point.side))
             result.gap = std::min(result.gap, point.gap);
-          hats.emplace_back(point.x - point.offset_from_hats,
+          const Point<dim>   x      = point.x - point.offset_from_hats;
+          const unsigned int number = lattice_at(lattices, x);
+          hats.emplace_back(x,
                             oriented_normal(point),
-                            lattice);
+                            lattices[number],
+                            number);
         }
     KeyLaw<dim> law(contact_law, dt, share, memory, tangent != nullptr);
     const auto  forces = forces_of_keys(sums_of_keys(points, hats, contact_law),

@@ -5,7 +5,7 @@
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/point.h>
 
-#include <greville/spline/lattice.h>
+#include <greville/contact/local_cells.h>
 
 #include <array>
 #include <cmath>
@@ -48,7 +48,8 @@ namespace greville::internal
 
 
 
-  /// The keys of a point with the values of their hat functions.
+  /// The keys of a point with the values of their hat functions, which belong
+  /// to the nodes of a lattice with a number.
   template <int dim>
   struct Hats
   {
@@ -59,7 +60,8 @@ namespace greville::internal
 
     Hats(const dealii::Point<dim>     &x,
          const dealii::Tensor<1, dim> &normal,
-         const Lattice<dim>           &lattice)
+         const Lattice<dim>           &lattice,
+         const unsigned int            number = 0)
     {
       constexpr std::int64_t zero = 1 << 19; // of 20 bits
       std::int64_t           cell[dim];
@@ -70,7 +72,8 @@ namespace greville::internal
           cell[d] = std::int64_t(std::floor(places[d]));
           xi[d]   = places[d] - double(cell[d]);
         }
-      const std::uint64_t sector = sector_of<dim>(normal);
+      // At most three bits are needed for the sector.
+      const std::uint64_t sector = sector_of<dim>(normal) | number << 3;
       for (unsigned int k = 0; k < n; ++k)
         {
           std::uint64_t key = sector;

@@ -266,8 +266,8 @@ namespace greville
         point.is_facing = false;
         point.distance  = std::numeric_limits<double>::infinity();
         // Shape and distances rotate with the body.
-        const auto closest =
-          surface->closest(initial_position(now, point.x), reach);
+        const auto closest = surface->closest(initial_position(now, point.x),
+                                              reach * point.cell_size);
         if (!closest)
           continue;
         point.distance              = closest->distance;
@@ -288,10 +288,11 @@ namespace greville
   template <int dim>
   bool
   RigidBody<dim>::is_crossed_by(const ContactPoint<dim>  &point,
-                                const double              reach,
+                                const double              reach_in_cells,
                                 const RigidPosition<dim> &now,
                                 const RigidPosition<dim> &before) const
   {
+    const double     reach = reach_in_cells * point.cell_size;
     const Point<dim> start = initial_position(before, point.x - point.motion);
     const Point<dim> end   = initial_position(now, point.x);
     const Tensor<1, dim> motion = end - start;

@@ -24,16 +24,16 @@ namespace greville
     constexpr double largest_cosine_of_facing = -0.7,
                      smallest_cosine_of_side  = 0.5;
 
-    // The least weighted area of points near a projection, relative to a plane
-    // full of points: less indicates the end of the surface.
+    // The least weighted area of points near a projection; a plane full of
+    // points has 1. Less indicates the end of the surface.
     constexpr double smallest_cover = 0.4;
 
     constexpr unsigned int n_projections = 3;
 
-    // The numbers of a point in a message: number, side, position, normal, and
-    // the area, in axisymmetry the length in the plane.
+    // The numbers of a point in a message: number, side, position, normal, the
+    // area, in axisymmetry the length in the plane, and the cell size.
     template <int dim>
-    constexpr unsigned int row_size = 3 + 2 * dim;
+    constexpr unsigned int row_size = 4 + 2 * dim;
 
 
 
@@ -55,10 +55,10 @@ namespace greville
         }
       };
 
-      /// For each side and box, the indices at which the rows of its points
-      /// begin.
-      std::array<std::unordered_map<Box, std::vector<unsigned int>, Hash>, 2>
-        boxes;
+      /// For each side, level (see Extent) and box, the indices at which the
+      /// rows of its points begin.
+      using Boxes = std::unordered_map<Box, std::vector<unsigned int>, Hash>;
+      std::array<std::map<unsigned int, Boxes>, 2> levels;
     };
 
 
@@ -73,6 +73,8 @@ namespace greville
         Point<dim>     x;
         Tensor<1, dim> normal;
         double         area;
+        double         radius; // of the support of its weight
+        double         reach;  // the largest gap to the point x
       };
 
       std::vector<Sample> samples;
@@ -81,8 +83,6 @@ namespace greville
       bool
       project(const Point<dim>     &x,
               const Tensor<1, dim> &normal,
-              const double          radius,
-              const double          reach,
               double               &gap,
               Tensor<1, dim>       &target_normal)
       {
@@ -97,7 +97,7 @@ namespace greville
               nearest = &sample;
               square  = sample.x.distance_square(x);
             }
-        if (!nearest || std::sqrt(square) > reach + radius)
+        if (!nearest || std::sqrt(square) > nearest->reach + nearest->radius)
           return false;
         const Tensor<1, dim> first = nearest->normal;
         Point<dim>           y     = x - ((x - nearest->x) * first) * first;
@@ -111,11 +111,13 @@ namespace greville
             cover = 0.;
             for (const Sample &sample : samples)
               {
-                const double s =
-                  sample.x.distance_square(y) / (radius * radius);
+                const double r = sample.radius;
+                const double s = sample.x.distance_square(y) / (r * r);
                 if (s >= 1. || sample.normal * first < smallest_cosine_of_side)
                   continue;
-                const double w = sample.area * (1. - s) * (1. - s);
+                const double full =
+                  dim == 2 ? 16. / 15. * r : numbers::PI / 3. * r * r;
+                const double w = sample.area / full * (1. - s) * (1. - s);
                 cover += w;
                 n += w * sample.normal;
                 distance += w * ((y - sample.x) * sample.normal);
@@ -128,18 +130,18 @@ namespace greville
             const Tensor<1, dim> to_x = x - y;
             y += to_x - (to_x * n) * n;
           }
-        const double full =
-          dim == 2 ? 16. / 15. * radius : numbers::PI / 3. * radius * radius;
         gap           = (x - y) * n;
         target_normal = n;
-        return cover >= smallest_cover * full && std::abs(gap) < reach &&
+        return cover >= smallest_cover && std::abs(gap) < nearest->reach &&
                (!has_normal || n * normal < largest_cosine_of_facing);
       }
     };
 
 
 
-    /// The boxes around both sides, and the size of the boxes of a search.
+    /// The boxes around both sides, and the boxes of a search. Lengths at a
+    /// point are multiples of its cell size h. Points whose h is at most
+    /// @f$2^l@f$ times the smallest one belong to the boxes of level l.
     template <int dim>
     struct Extent
     {
@@ -147,7 +149,8 @@ namespace greville
       Extent(const std::vector<ContactPoint<dim>> &points,
              const double                          reach,
              const MPI_Comm                        comm)
-        : extremes(4 * dim + 1, none)
+        : reach(reach)
+        , extremes(4 * dim + 3, none)
       {
         for (const ContactPoint<dim> &point : points)
           {
@@ -157,13 +160,18 @@ namespace greville
                 of_side[d]       = std::max(of_side[d], -point.x[d]);
                 of_side[dim + d] = std::max(of_side[dim + d], point.x[d]);
               }
-            extremes[4 * dim] =
-              std::max(extremes[4 * dim], point.area / point.thickness);
+            const double h        = point.cell_size;
+            const double area     = point.area / point.thickness;
+            const double spacing  = dim == 2 ? area : std::sqrt(area);
+            extremes[4 * dim]     = std::max(extremes[4 * dim], spacing / h);
+            extremes[4 * dim + 1] = std::max(extremes[4 * dim + 1], -h);
+            extremes[4 * dim + 2] = std::max(extremes[4 * dim + 2], h);
           }
         Utilities::MPI::max(extremes, comm, extremes);
-        radius =
-          2. * (dim == 2 ? extremes[4 * dim] : std::sqrt(extremes[4 * dim]));
-        size = reach + 2. * radius;
+        radius   = 2. * extremes[4 * dim];
+        size     = reach + 2. * radius;
+        smallest = -extremes[4 * dim + 1];
+        largest  = extremes[4 * dim + 2];
       }
 
       bool
@@ -177,42 +185,87 @@ namespace greville
       {
         const double *const other = &extremes[(2 * (1 - point.side)) * dim];
         for (unsigned int d = 0; d < dim; ++d)
-          if (point.x[d] < -other[d] - size ||
-              point.x[d] > other[dim + d] + size)
+          if (point.x[d] < -other[d] - size * largest ||
+              point.x[d] > other[dim + d] + size * largest)
             return false;
         return true;
       }
 
       using Box = typename Meeting<dim>::Box;
 
-      Box
-      box_of(const Point<dim> &x) const
+      static Box
+      box_of(const Point<dim> &x, const double edge)
       {
         Box box;
         for (unsigned int d = 0; d < dim; ++d)
-          box[d] = std::int64_t(std::floor(x[d] / size));
+          box[d] = std::int64_t(std::floor(x[d] / edge));
         return box;
       }
 
+      unsigned int
+      level_of(const double h) const
+      {
+        unsigned int level = 0;
+        while (h > (1. + 1e-9) * cell_size(level))
+          ++level;
+        return level;
+      }
+
+      /// Return the largest cell size of a level.
+      double
+      cell_size(const unsigned int level) const
+      {
+        return std::ldexp(smallest, level);
+      }
+
+      /// Return the largest box, which determines the process of a point.
+      Box
+      large_box_of(const Point<dim> &x) const
+      {
+        return box_of(x, size * largest);
+      }
+
+      /// Call action for all boxes with an @p edge that are closer to x than
+      /// @p distance.
       template <typename Action>
       static void
-      for_neighbors(const Box &box, const Action &action)
+      for_boxes(const Point<dim> &x,
+                const double      distance,
+                const double      edge,
+                const Action     &action)
       {
-        constexpr unsigned int n = dim == 2 ? 9 : 27;
-        for (unsigned int k = 0; k < n; ++k)
+        Point<dim> ends[2] = {x, x};
+        for (unsigned int d = 0; d < dim; ++d)
           {
-            Box other = box;
-            for (unsigned int d = 0, rest = k; d < dim; ++d, rest /= 3)
-              other[d] += int(rest % 3) - 1;
-            action(other);
+            ends[0][d] -= distance;
+            ends[1][d] += distance;
+          }
+        const Box first = box_of(ends[0], edge), last = box_of(ends[1], edge);
+        Box       box = first;
+        while (box[dim - 1] <= last[dim - 1])
+          {
+            action(box);
+            unsigned int d = 0;
+            for (++box[0]; d + 1 < dim && box[d] > last[d]; ++box[d])
+              {
+                box[d] = first[d];
+                ++d;
+              }
           }
       }
 
-      /// For each side, the largest -x and x of its points, and the largest
-      /// area (2D: length) of a point.
+      /// The largest gap, the radius of weights and the distance at which
+      /// points may interact, in cells.
+      const double reach;
+      double       radius, size;
+      /// The cell sizes, m.
+      double smallest, largest;
+
+    private:
+      /// For each side, the largest -x and x of its points; the largest
+      /// spacing of a point in cells; the largest -h and h.
       static constexpr double none = std::numeric_limits<double>::lowest();
       std::vector<double>     extremes;
-      double                  radius, size;
     };
 
 
@@ -248,10 +301,14 @@ namespace greville
           if (n_processes == 1)
             owners.insert(0);
           else
-            extent.for_neighbors(extent.box_of(point.x), [&](const auto &box) {
-              owners.insert(
-                owner_of(typename Meeting<dim>::Hash()(box), n_processes));
-            });
+            extent.for_boxes(point.x,
+                             extent.size * extent.largest,
+                             extent.size * extent.largest,
+                             [&](const auto &box) {
+                               owners.insert(
+                                 owner_of(typename Meeting<dim>::Hash()(box),
+                                          n_processes));
+                             });
           for (const unsigned int owner : owners)
             {
               std::vector<double> &rows = result[owner];
@@ -262,6 +319,7 @@ namespace greville
               for (unsigned int d = 0; d < dim; ++d)
                 rows.push_back(point.normal[d]);
               rows.push_back(point.area / point.thickness);
+              rows.push_back(point.cell_size);
             }
         }
       return result;
@@ -286,17 +344,19 @@ namespace greville
             ends.emplace_back(sender, rows.size());
           }
         for (unsigned int row = 0; row < rows.size(); row += row_size<dim>)
-          meeting
-            .boxes[unsigned(rows[row + 1])][extent.box_of(position(row, 2))]
-            .push_back(row);
+          {
+            const unsigned int level = extent.level_of(cell_size(row));
+            meeting
+              .levels[unsigned(rows[row + 1])][level]
+                     [extent.box_of(position(row, 2), edge_of(level))]
+              .push_back(row);
+          }
       }
 
       /// Project the points in boxes of this process, and return, for each
       /// sender, numbers, gaps and normals of the points that face a surface.
       Rows
-      project(const double       reach,
-              const unsigned int n_processes,
-              const unsigned int me)
+      project(const unsigned int n_processes, const unsigned int me)
       {
         Rows answers;
         auto sender = ends.begin();
@@ -304,19 +364,19 @@ namespace greville
           {
             while (row >= sender->second)
               ++sender;
-            const Point<dim> x   = position(row, 2);
-            const auto       box = extent.box_of(x);
-            if (owner_of(typename Meeting<dim>::Hash()(box), n_processes) != me)
+            const Point<dim> x = position(row, 2);
+            if (owner_of(typename Meeting<dim>::Hash()(extent.large_box_of(x)),
+                         n_processes) != me)
               continue;
             const Tensor<1, dim> normal = position(row, 2 + dim);
-            find_samples(row, x, normal, box);
+            find_samples(row, x, normal);
             if (surface.samples.empty())
               continue;
             // Material points are no surface: it is enough that one is near.
             double         gap    = 0.;
             Tensor<1, dim> target = -normal;
             if (surface.samples.front().normal.norm_square() > 0. &&
-                !surface.project(x, normal, extent.radius, reach, gap, target))
+                !surface.project(x, normal, gap, target))
               continue;
             std::vector<double> &answer = answers[sender->first];
             answer.push_back(rows[row]);
@@ -337,40 +397,72 @@ namespace greville
         return x;
       }
 
+      double
+      cell_size(const unsigned int row) const
+      {
+        return rows[row + 3 + 2 * dim];
+      }
+
+      double
+      edge_of(const unsigned int level) const
+      {
+        return extent.size * extent.cell_size(level);
+      }
+
+      /// Return the largest gap between points with these cell sizes. It is
+      /// larger than the displacements of both, which are limited by their
+      /// cells.
+      double
+      reach(const double h, const double other) const
+      {
+        return extent.reach * 0.5 * (h + other);
+      }
+
       /// Collect the points of the other side around a point, and their mirror
       /// images behind the axis.
       void
-      find_samples(const unsigned int                row,
-                   const Point<dim>                 &x,
-                   const Tensor<1, dim>             &normal,
-                   const typename Meeting<dim>::Box &box)
+      find_samples(const unsigned int    row,
+                   const Point<dim>     &x,
+                   const Tensor<1, dim> &normal)
       {
         surface.samples.clear();
-        const auto &others     = meeting.boxes[1 - unsigned(rows[row + 1])];
-        const auto  add_sample = [&](const Point<dim>     &y,
+        const double h          = cell_size(row);
+        const auto   add_sample = [&](const Point<dim>     &y,
                                     const Tensor<1, dim> &m,
                                     const unsigned int    other) {
+          const double of_other = cell_size(other);
+          const double radius   = extent.radius * of_other;
+          const double gap      = reach(h, of_other);
           if (m * normal < 0.5 &&
-              y.distance_square(x) < std::pow(extent.size, 2))
-            surface.samples.push_back({y, m, rows[other + 2 + 2 * dim]});
+              y.distance_square(x) < std::pow(gap + 2. * radius, 2))
+            surface.samples.push_back(
+              {y, m, rows[other + 2 + 2 * dim], radius, gap});
         };
-        extent.for_neighbors(box, [&](const auto &near) {
-          const auto found = others.find(near);
-          if (found == others.end())
-            return;
-          for (const unsigned int other : found->second)
-            {
-              Point<dim>     y = position(other, 2);
-              Tensor<1, dim> m = position(other, 2 + dim);
-              add_sample(y, m, other);
-              if (is_axisymmetric)
-                {
-                  y[0] = -y[0];
-                  m[0] = -m[0];
-                  add_sample(y, m, other);
-                }
-            }
-        });
+        for (const auto &[level, boxes] :
+             meeting.levels[1 - unsigned(rows[row + 1])])
+          {
+            const double largest = extent.cell_size(level);
+            extent.for_boxes(x,
+                             reach(h, largest) + 2. * extent.radius * largest,
+                             edge_of(level),
+                             [&, &boxes = boxes](const auto &near) {
+                               const auto found = boxes.find(near);
+                               if (found == boxes.end())
+                                 return;
+                               for (const unsigned int other : found->second)
+                                 {
+                                   Point<dim>     y = position(other, 2);
+                                   Tensor<1, dim> m = position(other, 2 + dim);
+                                   add_sample(y, m, other);
+                                   if (is_axisymmetric)
+                                     {
+                                       y[0] = -y[0];
+                                       m[0] = -m[0];
+                                       add_sample(y, m, other);
+                                     }
+                                 }
+                             });
+          }
       }
 
       const Extent<dim>                                &extent;
@@ -402,7 +494,7 @@ namespace greville
                        extent,
                        is_axisymmetric);
     const Rows     answers = exchange(
-      met.project(reach, n_processes, Utilities::MPI::this_mpi_process(comm)));
+      met.project(n_processes, Utilities::MPI::this_mpi_process(comm)));
     for (const auto &[process, answer] : answers)
       for (unsigned int k = 0; k < answer.size(); k += 2 + dim)
         {

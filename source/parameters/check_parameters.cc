@@ -339,6 +339,31 @@ namespace greville
 
 
 
+  namespace
+  {
+    /// Throw unless hat functions can have the larger cells of two bodies.
+    void
+    check_cells(const std::string          &name,
+                const ContactParameters    &contact,
+                const SimulationParameters &parameters)
+    {
+      std::vector<GridParameters> grids;
+      for (const auto &side : contact.sides())
+        for (const std::string &body : side)
+          grids.push_back(parameters.grid_of(body));
+      const GridParameters &first = grids[0];
+      for (const GridParameters &other : grids)
+        Require((first.is_uniform() && other.is_uniform()) ||
+                  (first.knots == other.knots && first.cells == other.cells &&
+                   first.lower == other.lower && first.upper == other.upper),
+                "'Grid/Knots' do not support sections 'Body NAME/Grid' with "
+                "other cells in 'Contact " +
+                  name + "': both bodies need the cells of one grid.");
+    }
+  } // namespace
+
+
+
   void
   SimulationParameters::check_contacts() const
   {
@@ -354,22 +379,8 @@ namespace greville
                   "/Contactors' = material points does not support "
                   "'Scheme/Formulation' = total Lagrangian, in which surfaces "
                   "stay whole: take surface points.");
-        // Areas and distances of contactors come from the mean size of points,
-        // and those of surface points from the largest ones of both bodies.
-        const auto sides     = contact.sides();
-        const auto is_graded = [&](const std::string &body) {
-          return bodies.count(body) > 0 &&
-                 (!grid_of(body).is_uniform() || grid.is_refined());
-        };
-        for (const auto &side : sides)
-          Require(std::none_of(side.begin(), side.end(), is_graded) ||
-                    (!contact.is_by_material_points() &&
-                     rigid_bodies.count(sides[1][0]) > 0),
-                  std::string(grid.is_refined() ? "'Grid/Refinement' does"
-                                                : "'Grid/Knots' do") +
-                    " not support 'Contact " + name +
-                    "': in cells of different sizes, contacts are those of "
-                    "surface points with a rigid body.");
+        if (rigid_bodies.count(contact.sides()[1][0]) == 0)
+          check_cells(name, contact, *this);
       }
     for (const auto &[name, body] : rigid_bodies)
       {

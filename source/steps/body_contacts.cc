@@ -14,7 +14,7 @@ namespace greville
 
   namespace
   {
-    // Multiples of the larger cell size: the search distance for the other
+    // Multiples of the cell size: the search distance for the other
     // side, and the largest initial overlap of surfaces.
     constexpr double reach_in_cells  = farthest_gap_in_cells,
                      deepest_overlap = 0.05;
@@ -157,9 +157,12 @@ namespace greville
                              before      = layout.first("before");
           const PointField *const radius = layout.find("radius");
           const PointField *const pore   = layout.find("pore_pressure");
-          surface.points.for_each([&](ConstPointRef<dim> p) {
+          surface.points.for_each([&](const unsigned int       cell,
+                                      const ConstPointRef<dim> p) {
             ContactPoint<dim> &point = points.emplace_back();
             point.side               = side;
+            point.cell_size =
+              contact.cell_size_at(surface.points.space(), cell, p.position());
             set_place(point, p, surface_state<dim>(p, layout), radius);
             point.slip = p.vector(slip);
             if (pore)
@@ -178,46 +181,48 @@ namespace greville
   BodyContacts<dim>::check(const Contact                        &contact,
                            const std::vector<ContactPoint<dim>> &points) const
   {
-    const double longest = are_implicit
-                             ? std::numeric_limits<double>::infinity()
-                             : longest_motion * contact.cell_size;
-    const double deepest = deepest_overlap * contact.cell_size;
-    const bool   is_new  = parts.front()->current.n_steps == 0;
-    std::string  problem;
-    double       depth = 0.;
-    const auto   add   = [&](const std::string &what, const double way) {
-      if (way > longest && problem.empty())
-        {
-          std::ostringstream message;
-          message << what << " in 'Contact " << contact.name
-                  << "' has moved by " << way
-                  << " m in a step, more than a quarter of a cell: surfaces "
-                         "may pass through one another. Take a shorter 'Time/"
-                         "Step', or a smaller 'Time/CFL number'";
-          problem = message.str();
-        }
-    };
+    const double longest =
+      are_implicit ? std::numeric_limits<double>::infinity() : longest_motion;
+    const bool  is_new = parts.front()->current.n_steps == 0;
+    std::string problem;
+    double      depth = 0.;
+    const auto  add =
+      [&](const std::string &what, const double way, const double cell_size) {
+        if (way > longest * cell_size && problem.empty())
+          {
+            std::ostringstream message;
+            message << what << " in 'Contact " << contact.name
+                    << "' has moved by " << way
+                    << " m in a step, more than a quarter of a cell: surfaces "
+                       "may pass through one another. Take a shorter 'Time/"
+                       "Step', or a smaller 'Time/CFL number'";
+            problem = message.str();
+          }
+      };
     if (contact.rigid >= 0)
       {
         const RigidBodyState<dim> &body =
           parts.front()->current.rigid_bodies[contact.rigid];
         add("'Rigid body " + rigid_bodies[contact.rigid].name() + "'",
-            rigid_way(contact, body.before, body.now));
+            rigid_way(contact, body.before, body.now),
+            contact.smallest);
       }
     for (const ContactPoint<dim> &point : points)
       {
         const Tensor<1, dim> motion =
           point.is_facing ? point.motion - point.target_motion : point.motion;
-        if (motion.norm() > longest && problem.empty())
+        if (motion.norm() > longest * point.cell_size && problem.empty())
           add("a point of the surface at (" + text_of(point.x) + ") m",
-              motion.norm());
-        if (is_new && point.is_facing)
+              motion.norm(),
+              point.cell_size);
+        if (is_new && point.is_facing &&
+            -point.gap > deepest_overlap * point.cell_size)
           depth = std::max(depth, -point.gap);
       }
     fail_on_all(problem, comm);
     check_sides(contact, points);
     depth = Utilities::MPI::max(depth, comm);
-    AssertThrow(depth <= deepest,
+    AssertThrow(depth == 0.,
                 ErrorOnAll("The bodies of 'Contact " + contact.name + "', <" +
                            contact.given.bodies + ">, overlap by " +
                            text_of(depth) +
@@ -260,7 +265,7 @@ namespace greville
             about = current_position(body, body.reference);
           }
         find_way(contact, points);
-        find_gaps(contact, points, reach_in_cells * contact.cell_size);
+        find_gaps(contact, points, reach_in_cells);
         check(contact, points);
         now.contacts.push_back(contact.average->act(points, state.step, about));
         if (contact.stored_energy < 0.)
@@ -327,7 +332,7 @@ namespace greville
                 p[slip + d] = point->new_slip[d];
               }
             // Implicit steps search farther.
-            const double farthest = reach_in_cells * contact.cell_size;
+            const double farthest = reach_in_cells * point->cell_size;
             p[gap] =
               point->is_facing ? std::min(point->gap, farthest) : farthest;
             p[gap + 1] = double(point->state);
@@ -438,7 +443,7 @@ namespace greville
         if (contact.rigid >= 0)
           {
             auto points = collect(contact);
-            find_gaps(contact, points, reach_in_cells * contact.cell_size);
+            find_gaps(contact, points, reach_in_cells);
             check_sides(contact, points);
           }
       }

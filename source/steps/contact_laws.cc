@@ -13,7 +13,7 @@ namespace greville
 
   namespace
   {
-    // A multiple of the larger cell size: gaps of touching bodies contain
+    // A multiple of the cell size: gaps of touching bodies contain
     // round-off. It must be small compared with the overlaps of stiff bodies:
     // Newton's method stalls at a closed gap without a force.
     constexpr double touching_in_cells = 1e-8;
@@ -98,6 +98,7 @@ namespace greville
     contact.modulus = double(n_sides) / compliance;
     take_cells(contact);
     set_law(contact);
+    find_smallest(contact);
     contacts.push_back(std::move(contact));
   }
 
@@ -121,16 +122,16 @@ namespace greville
                     [](const Place &place) {
                       return place.part->stage_parameters().general.pore_water;
                     });
-    law.stiffness       = penalty * contact.modulus / contact.cell_size;
+    law.stiffness       = penalty * contact.modulus;
     law.shear_stiffness = shear_share * law.stiffness;
     law.viscosity =
       are_implicit ? 0. : contact.given.damping * contact.impedance;
     law.friction = make_friction_law(contact.given.friction,
                                      "Contact " + contact.name + "/Friction");
     law.adhesion = contact.given.adhesion;
-    law.touching = are_implicit ? touching_in_cells * contact.cell_size : 0.;
+    law.touching = are_implicit ? touching_in_cells : 0.;
     contact.average =
-      std::make_unique<AveragedContact<dim>>(law, contact.lattice, comm);
+      std::make_unique<AveragedContact<dim>>(law, contact.lattices, comm);
     // If both sides can move, in opposite directions, the stiffness of each
     // side doubles.
     const bool meets_free =
@@ -140,7 +141,7 @@ namespace greville
       for (const Place &place : side)
         {
           Surface<dim> &surface = place.part->current.surfaces[place.surface];
-          surface.stiffness     = factor * law.stiffness;
+          surface.stiffness     = factor * law.stiffness / contact.cell_size;
           surface.damping       = factor * law.viscosity;
         }
   }
@@ -151,17 +152,66 @@ namespace greville
   bool
   BodyContacts<dim>::take_cells(Contact &contact) const
   {
-    const Discretization<dim> *grid = nullptr;
+    std::vector<const Discretization<dim> *>      grids;
+    std::vector<std::shared_ptr<const Partition>> cells;
     for (const auto &side : contact.sides)
       for (const Place &place : side)
-        if (!grid || place.part->grid().cell_size() > grid->cell_size())
-          grid = &place.part->grid();
-    if (contact.cells && contact.cells->has_same_cells(*grid->partition()))
+        {
+          const Discretization<dim> &grid = place.part->grid();
+          if (std::find(grids.begin(), grids.end(), &grid) != grids.end())
+            continue;
+          grids.push_back(&grid);
+          cells.push_back(grid.partition());
+        }
+    if (cells.size() == contact.cells.size() &&
+        std::equal(cells.begin(),
+                   cells.end(),
+                   contact.cells.begin(),
+                   [](const auto &a, const auto &b) {
+                     return a->has_same_cells(*b);
+                   }))
       return false;
-    contact.cells     = grid->partition();
-    contact.cell_size = grid->cell_size();
-    contact.lattice   = grid->space().lattice();
+    contact.cells = cells;
+    contact.lattices.clear();
+    contact.is_uniform = true;
+    contact.cell_size  = 0.;
+    for (const Discretization<dim> *grid : grids)
+      contact.is_uniform =
+        contact.is_uniform && has_equal_cells(grid->space().lattice());
+    for (const Discretization<dim> *grid : grids)
+      {
+        if (contact.is_uniform && grid->cell_size() > contact.cell_size)
+          contact.lattices.clear();
+        if (!contact.is_uniform || contact.lattices.empty())
+          contact.lattices.push_back(grid->space().lattice());
+        contact.cell_size = std::max(contact.cell_size, grid->cell_size());
+      }
     return true;
+  }
+
+
+
+  template <int dim>
+  void
+  BodyContacts<dim>::find_smallest(Contact &contact) const
+  {
+    contact.smallest = contact.cell_size;
+    if (contact.is_uniform || contact.rigid < 0)
+      return;
+    double smallest = std::numeric_limits<double>::max();
+    for (const Place &place : contact.sides[0])
+      {
+        const MaterialPoints<dim> &points =
+          contact.given.is_by_material_points()
+            ? body_of(place).points
+            : place.part->current.surfaces[place.surface].points;
+        for (const unsigned int cell : points.cells())
+          smallest =
+            std::min(smallest, smallest_edge(points.space().box(cell)));
+      }
+    smallest = Utilities::MPI::min(smallest, comm);
+    if (smallest < std::numeric_limits<double>::max())
+      contact.smallest = smallest;
   }
 
 
@@ -173,8 +223,11 @@ namespace greville
     const bool are_new = are_implicit != steps_are_implicit();
     are_implicit       = steps_are_implicit();
     for (Contact &contact : contacts)
-      if (take_cells(contact) || are_new)
-        set_law(contact);
+      {
+        if (take_cells(contact) || are_new)
+          set_law(contact);
+        find_smallest(contact);
+      }
   }
 
 

@@ -121,8 +121,7 @@ namespace greville
         }
       p.id()                 = from.id();
       const double last_area = p.mass();
-      p.mass()               = std::pow(candidate.spacing, dim - 1) *
-                 layout.thickness(from.position());
+      p.mass()               = met.area;
       for (unsigned int d = 0; d < dim; ++d)
         p[layout.first("load") + d] *= last_area / p.mass();
       if (layout.is_axisymmetric())
@@ -173,17 +172,31 @@ namespace greville
 
 
     /// Collective. Return, for each point that faces the other side, the
-    /// smallest gap of the first side's points in its box of size @p h and the
-    /// neighboring boxes, on all processes.
+    /// smallest gap of the first side's points in its box and the neighboring
+    /// boxes, on all processes. Boxes are cells of the largest size or halves
+    /// of it, and larger than the cells at the point.
     template <int dim>
     std::vector<double>
     lowest_in_boxes(const std::vector<ContactPoint<dim>> &points,
-                    const double                          h,
                     const MPI_Comm                        comm)
     {
       constexpr unsigned int n_near = dim == 2 ? 9 : 27;
-      const auto box_of = [&](const Point<dim> &x, const unsigned int near) {
-        std::uint64_t bits = 0;
+      std::vector<double>    sizes(2, std::numeric_limits<double>::lowest());
+      for (const ContactPoint<dim> &point : points)
+        {
+          sizes[0] = std::max(sizes[0], point.cell_size);
+          sizes[1] = std::max(sizes[1], -point.cell_size);
+        }
+      Utilities::MPI::max(sizes, comm, sizes);
+      const auto level_of = [&](const double h) {
+        return unsigned(std::log2(sizes[0] / h) + 1e-6);
+      };
+      const unsigned int n_levels = sizes[0] > 0. ? level_of(-sizes[1]) + 1 : 1;
+      const auto         box_of   = [&](const Point<dim>  &x,
+                              const unsigned int near,
+                              const unsigned int level) {
+        const double  h    = std::ldexp(sizes[0], -int(level));
+        std::uint64_t bits = level;
         unsigned int  rest = near;
         for (unsigned int d = 0; d < dim; ++d, rest /= 3)
           bits =
@@ -193,23 +206,30 @@ namespace greville
       };
       constexpr unsigned int own  = n_near / 2;
       constexpr double       none = std::numeric_limits<double>::max();
-      std::unordered_map<std::uint64_t, const ContactPoint<dim> *> foremost;
+      std::vector<std::unordered_map<std::uint64_t, const ContactPoint<dim> *>>
+        foremost(n_levels);
       for (const ContactPoint<dim> &point : points)
         if (point.is_facing && point.side == 0)
           {
-            const ContactPoint<dim> *&first =
-              foremost.emplace(box_of(point.x, own), &point).first->second;
-            if (point.gap < first->gap)
-              first = &point;
+            for (unsigned int level = 0; level < n_levels; ++level)
+              {
+                const ContactPoint<dim> *&first =
+                  foremost[level]
+                    .emplace(box_of(point.x, own, level), &point)
+                    .first->second;
+                if (point.gap < first->gap)
+                  first = &point;
+              }
           }
       std::unordered_map<std::uint64_t, double> lowest;
-      for (const auto &[box, point] : foremost)
-        for (unsigned int near = 0; near < n_near; ++near)
-          {
-            double &gap =
-              lowest.emplace(box_of(point->x, near), none).first->second;
-            gap = std::min(gap, point->gap);
-          }
+      for (unsigned int level = 0; level < n_levels; ++level)
+        for (const auto &[box, point] : foremost[level])
+          for (unsigned int near = 0; near < n_near; ++near)
+            {
+              double &gap = lowest.emplace(box_of(point->x, near, level), none)
+                              .first->second;
+              gap = std::min(gap, point->gap);
+            }
       combine_by_key(
         lowest,
         [](double &lowest_gap, const double gap) {
@@ -220,7 +240,9 @@ namespace greville
       for (const ContactPoint<dim> &point : points)
         {
           const auto found =
-            point.is_facing ? lowest.find(box_of(point.x, own)) : lowest.end();
+            point.is_facing
+              ? lowest.find(box_of(point.x, own, level_of(point.cell_size)))
+              : lowest.end();
           result.push_back(found == lowest.end() ? 0. : found->second);
         }
       return result;
@@ -239,7 +261,7 @@ namespace greville
     {
       PointRef<dim> point;
       unsigned int  cell;
-      double        spacing; // m
+      double        spacing; // in the direction of the other side, m
     };
     /// The material points of the first side.
     std::vector<MaterialPoint> material_points;
@@ -250,23 +272,89 @@ namespace greville
 
 
 
+  namespace
+  {
+    /// Return the edges of a box of the volume 1 with the proportions of the
+    /// cell in which a material point was placed.
+    template <int dim>
+    Tensor<1, dim>
+    proportions(const MaterialPoints<dim> &points, const ConstPointRef<dim> p)
+    {
+      const Lattice<dim> &lattice = points.space().lattice();
+      Point<dim>          X;
+      for (unsigned int d = 0; d < dim; ++d)
+        X[d] = p.reference(d);
+      const CellBox<dim> box = lattice.box(lattice.find_cell(X));
+      return box.size / std::pow(box.volume(), 1. / dim);
+    }
+
+
+
+    /// Return the longest edge of the box of a material point.
+    template <int dim>
+    double
+    longest_spacing(const BodyContact<dim>    &contact,
+                    const MaterialPoints<dim> &points,
+                    const ConstPointRef<dim>   p)
+    {
+      const double spacing = p.extent(points.layout());
+      if (contact.is_uniform)
+        return spacing;
+      const Tensor<1, dim> edges   = proportions(points, p);
+      double               longest = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        longest = std::max(longest, edges[d]);
+      return spacing * longest;
+    }
+
+
+
+    /// Set the spacing of a material point, and its area, for the direction in
+    /// which it meets the other side.
+    template <int dim, typename MaterialPoint>
+    void
+    take_spacing(MaterialPoint             &point,
+                 const MaterialPoints<dim> &points,
+                 ContactPoint<dim>         &contactor)
+    {
+      const ConstPointRef<dim> p       = point.point;
+      const double             spacing = p.extent(points.layout());
+      const Tensor<1, dim>     edges   = proportions(points, p);
+      double                   square  = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        square += std::pow(contactor.target_normal[d] / edges[d], 2);
+      point.spacing = spacing / std::sqrt(square);
+      contactor.area =
+        std::pow(spacing, dim) / point.spacing * contactor.thickness;
+    }
+  } // namespace
+
+
+
   template <int dim>
   typename BodyContacts<dim>::Candidates
   BodyContacts<dim>::find_candidates(Contact &contact)
   {
     Candidates result;
     auto      &points  = result.points;
-    double     largest = 0.; // spacing
+    double     largest = 0.; // spacing in cells
     for (const Place &place : contact.sides[0])
-      body_of(place).points.for_each([&](const ConstPointRef<dim> p) {
-        largest = std::max(largest, p.extent(body_of(place).points.layout()));
-      });
+      {
+        const MaterialPoints<dim> &of_body = body_of(place).points;
+        of_body.for_each(
+          [&](const unsigned int cell, const ConstPointRef<dim> p) {
+            largest = std::max(largest,
+                               longest_spacing(contact, of_body, p) /
+                                 contact.cell_size_at(of_body.space(),
+                                                      cell,
+                                                      p.position()));
+          });
+      }
     largest = Utilities::MPI::max(largest, comm);
     // A step may bring points closer. Their stiffness must enter the critical
     // step before that.
     const double reach =
-      largest + (are_implicit ? longest_trial_motion : longest_motion) *
-                  contact.cell_size;
+      largest + (are_implicit ? longest_trial_motion : longest_motion);
     for (Place &place : contact.sides[0])
       {
         MaterialPoints<dim>        &all    = body_of(place).points;
@@ -282,11 +370,14 @@ namespace greville
             // center of its cell by at most the distance between the two.
             const double distance =
               cell.distance - p.position().distance(cell.center);
-            if (distance > reach)
+            const double h =
+              contact.cell_size_at(all.space(), cell.cell, p.position());
+            if (distance > reach * h)
               return;
             const double       spacing = p.extent(all.layout());
             ContactPoint<dim> &point   = points.emplace_back();
             point.x                    = p.position();
+            point.cell_size            = h;
             point.thickness            = all.layout().thickness(p.position());
             point.area = std::pow(spacing, dim - 1) * point.thickness;
             result.material_points.push_back({p, cell.cell, spacing});
@@ -298,9 +389,19 @@ namespace greville
         if (point.side == 1)
           points.push_back(point);
     find_gaps(contact, points, reach);
+    if (!contact.is_uniform)
+      for (std::size_t k = 0, s = 0; k < result.material_points.size(); ++k)
+        {
+          while (k >= result.ends[s])
+            ++s;
+          if (points[k].is_facing)
+            take_spacing(result.material_points[k],
+                         body_of(contact.sides[0][s]).points,
+                         points[k]);
+        }
     // If the lowest point is inside, the layer begins there. Otherwise, points
     // above would hide it in the mean.
-    result.lowest = lowest_in_boxes(points, contact.cell_size, comm);
+    result.lowest = lowest_in_boxes(points, comm);
     return result;
   }
 
@@ -417,29 +518,38 @@ namespace greville
     if (contact.rigid < 0)
       return result;
 
-    Tensor<1, dim> size;
+    Tensor<1, dim> smallest;
     for (unsigned int d = 0; d < dim; ++d)
-      size[d] = space.largest_cell_size(d);
-    const double              slack = 0.25 * size.norm();
+      smallest[d] = space.cell_size(d);
+    const double              slack = 0.25 * smallest.norm();
     const RigidPosition<dim> &now =
       parts.front()->current.rigid_bodies[contact.rigid].now;
     CellDistances<dim> &known = place.distances;
     double              way   = rigid_way(contact, known.position, now);
     if (way > slack || reach > known.reach)
       {
-        known = {now, std::max(reach + slack, known.reach), {}};
+        known = {now,
+                 std::max(reach + slack / contact.cell_size, known.reach),
+                 {}};
         way   = 0.;
       }
+    const auto size_at = [&](const NearCell &cell) {
+      return contact.cell_size_at(space, cell.cell, cell.center);
+    };
+    const auto half_diagonal = [&](const NearCell &cell) {
+      return 0.5 * space.box(cell.cell).size.norm();
+    };
     std::vector<ContactPoint<dim>> centers;
     for (const NearCell &cell : result)
       if (known.of_cells.count(numbers[cell.cell]) == 0)
         {
           centers.emplace_back();
           centers.back().x = cell.center;
+          centers.back().cell_size =
+            known.reach * size_at(cell) + slack + half_diagonal(cell);
         }
     rigid_bodies[contact.rigid].find_gaps(centers,
-                                          known.reach + slack +
-                                            0.5 * size.norm(),
+                                          1.,
                                           known.position,
                                           known.position);
     auto       center = centers.begin();
@@ -457,7 +567,7 @@ namespace greville
           ++center;
         }
       cell.distance = found->second - way;
-      return cell.distance > reach + 0.5 * size.norm();
+      return cell.distance > reach * size_at(cell) + half_diagonal(cell);
     };
     result.erase(std::remove_if(result.begin(), result.end(), is_far),
                  result.end());

@@ -14,7 +14,7 @@ namespace greville
 
   namespace
   {
-    // Multiples of the larger cell size: the largest depth of a point inside
+    // Multiples of the cell size: the largest depth of a point inside
     // another body at the start, and the motion after which points inside are
     // checked again.
     constexpr double deepest_of_added = 0.05, way_between_checks = 0.25;
@@ -100,17 +100,19 @@ namespace greville
                                  Place             &place) const
   {
     const State<dim> &state           = parts.front()->current;
-    const double      allowed         = deepest_of_added * contact.cell_size;
     const Body<dim>  &body            = body_of(place);
     const bool        is_axisymmetric = body.points.layout().is_axisymmetric();
     double            depth           = 0.;
-    const auto        look            = [&](const Inside<dim>   &is_inside,
-                          MaterialPoints<dim> &points) {
-      points.for_each([&](const ConstPointRef<dim> p) {
-        depth = std::max(depth,
-                         depth_of<dim>(is_inside,
-                                       p.position(),
-                                       std::max(allowed, depth)));
+    const auto        look = [&](const Inside<dim>         &is_inside,
+                          const MaterialPoints<dim> &points) {
+      points.for_each([&](const unsigned int cell, const ConstPointRef<dim> p) {
+        const double allowed =
+          deepest_of_added *
+          contact.cell_size_at(points.space(), cell, p.position());
+        const double of_point =
+          depth_of<dim>(is_inside, p.position(), std::max(allowed, depth));
+        if (of_point > 1.001 * allowed)
+          depth = std::max(depth, of_point);
       });
     };
     const auto look_at_place = [&](const Inside<dim> &is_inside, Place &at) {
@@ -143,7 +145,7 @@ namespace greville
     std::ostringstream text;
     text.precision(3);
     text << depth;
-    AssertThrow(depth <= 1.001 * allowed,
+    AssertThrow(depth == 0.,
                 ErrorOnAll("The bodies of 'Contact " + contact.name + "', <" +
                            contact.given.bodies + ">, overlap by " +
                            text.str() +
@@ -157,7 +159,6 @@ namespace greville
   std::string
   BodyContacts<dim>::find_inside_of_rigid(Contact &contact)
   {
-    const double          depth = half_of_cell * contact.cell_size;
     const RigidBody<dim> &rigid = rigid_bodies[contact.rigid];
     const auto &now = parts.front()->current.rigid_bodies[contact.rigid].now;
     std::string problem;
@@ -167,19 +168,26 @@ namespace greville
         const Inside<dim> is_inside = mirrored<dim>(
           [&](const Point<dim> &x) { return rigid.contains(x, now); },
           body.points.layout().is_axisymmetric());
-        const auto look = [&](const ConstPointRef<dim> p) {
-          if (!problem.empty() || !is_deep<dim>(is_inside, p.position(), depth))
+        const MaterialPoints<dim> &points = body.points;
+        const auto                 look   = [&](const unsigned int       cell,
+                              const ConstPointRef<dim> p) {
+          const double h =
+            contact.cell_size_at(points.space(), cell, p.position());
+          if (!problem.empty() ||
+              !is_deep<dim>(is_inside, p.position(), half_of_cell * h))
             return;
           problem = inside_text(body,
                                 p.position(),
                                 "'Rigid body " + rigid.name() + "'");
         };
         // In total Lagrangian steps, points are stored by initial cells.
-        if (body.points.layout().is_total_lagrangian())
-          body.points.for_each([&](const ConstPointRef<dim> p) { look(p); });
+        if (points.layout().is_total_lagrangian())
+          points.for_each(look);
         else
-          for (const NearCell &cell : near_cells(contact, place, -depth))
-            body.points.for_each_in_cell(cell.cell, look);
+          for (const NearCell &near : near_cells(contact, place, -half_of_cell))
+            points.for_each_in_cell(near.cell, [&](const ConstPointRef<dim> p) {
+              look(near.cell, p);
+            });
       }
     return first_of_all(problem, comm);
   }
@@ -194,10 +202,8 @@ namespace greville
     for (unsigned int side = 0; side < 2; ++side)
       for (const Place &place : contact.sides[side])
         sides[side].push_back(&body_of(place));
-    Tensor<1, dim> h;
-    for (unsigned int d = 0; d < dim; ++d)
-      h[d] = contact.lattice.cell_size(d);
-    const Overlap<dim> overlap = overlap_of_bodies(sides, h, comm);
+    const Overlap<dim> overlap =
+      overlap_of_bodies(sides, contact.lattices, comm);
     if (!contact.is_checked)
       contact.first_excess = std::min(overlap.excess, half_of_cell_as_excess);
     if (overlap.excess <= half_of_cell_as_excess + contact.first_excess)
@@ -214,8 +220,7 @@ namespace greville
     const auto added = added_places(contact);
     for (const auto &[side, place] : added)
       check_added(contact, side, *place);
-    if (contact.is_checked && added.empty() &&
-        contact.way < way_between_checks * contact.cell_size)
+    if (contact.is_checked && added.empty() && contact.way < way_between_checks)
       return;
     contact.way               = 0.;
     const std::string problem = contact.rigid >= 0
@@ -263,17 +268,15 @@ namespace greville
     std::vector<double> of_sides(2, 0.);
     for (const ContactPoint<dim> &point : points)
       of_sides[point.side] =
-        std::max(of_sides[point.side], point.motion.norm());
+        std::max(of_sides[point.side], point.motion.norm() / point.cell_size);
     Utilities::MPI::max(of_sides, comm, of_sides);
     double way = of_sides[0] + of_sides[1];
     if (contact.given.is_by_material_points())
-      way =
-        std::max(way,
-                 state.step * contact.cell_size * state.signals.crossing_rate);
+      way = std::max(way, state.step * state.signals.crossing_rate);
     if (contact.rigid >= 0)
       {
         const RigidBodyState<dim> &body = state.rigid_bodies[contact.rigid];
-        way += rigid_way(contact, body.before, body.now);
+        way += rigid_way(contact, body.before, body.now) / contact.smallest;
       }
     contact.speed    = state.step > 0. ? way / state.step : 0.;
     contact.last_way = way;
@@ -298,9 +301,11 @@ namespace greville
             if (contact.rigid >= 0)
               {
                 const auto &body = positions[contact.rigid];
-                way = std::max(way, rigid_way(contact, body.before, body.now));
+                way              = std::max(way,
+                               rigid_way(contact, body.before, body.now) /
+                                 contact.smallest);
               }
-            const double own = way / (longest_motion * contact.cell_size);
+            const double own = way / longest_motion;
             if (own > share)
               fastest = contact.name;
             share = std::max(share, own);
@@ -338,11 +343,10 @@ namespace greville
       parts.front()->current.rigid_bodies[contact.rigid];
     std::string problem;
     for (const ContactPoint<dim> &point : points)
-      if (problem.empty() &&
-          rigid.is_crossed_by(point,
-                              farthest_gap_in_cells * contact.cell_size,
-                              body.now,
-                              body.before))
+      if (problem.empty() && rigid.is_crossed_by(point,
+                                                 farthest_gap_in_cells,
+                                                 body.now,
+                                                 body.before))
         problem = "a point of the surface at (" + text_of(point.x) +
                   ") m has passed through 'Rigid body " + rigid.name() +
                   "' in 'Contact " + contact.name +

@@ -124,12 +124,12 @@ namespace greville
         for (unsigned int d = 0; d < 2 * dim; ++d)
           if (first.largest[d] + second->largest[(d + dim) % (2 * dim)] < 0.)
             return "";
-        const Sides<dim> sides{{{first.body}, {second->body}}};
-        Tensor<1, dim>   h;
-        for (const Motion *motion : {&first, second})
-          for (unsigned int d = 0; d < dim; ++d)
-            h[d] = std::max(h[d], motion->part->space().largest_cell_size(d));
-        const Overlap<dim> overlap = overlap_of_bodies(sides, h, comm);
+        const Sides<dim>   sides{{{first.body}, {second->body}}};
+        const Overlap<dim> overlap =
+          overlap_of_bodies<dim>(sides,
+                                 {first.part->space().lattice(),
+                                  second->part->space().lattice()},
+                                 comm);
         return overlap.excess > 2. * half_of_cell_as_excess
                  ? overlap_text(sides, overlap)
                  : "";
@@ -142,11 +142,11 @@ namespace greville
       mirrored<dim>([&](const Point<dim> &x) { return rigid.contains(x, now); },
                     points.layout().is_axisymmetric());
     std::string problem;
-    points.for_each([&](const ConstPointRef<dim> p) {
+    points.for_each([&](const unsigned int cell, const ConstPointRef<dim> p) {
       if (!problem.empty() ||
           !is_deep<dim>(is_inside,
                         p.position(),
-                        half_of_cell * first.part->grid().cell_size()))
+                        half_of_cell * smallest_edge(points.space().box(cell))))
         return;
       problem = inside_text(*first.body,
                             p.position(),

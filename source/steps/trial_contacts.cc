@@ -12,8 +12,7 @@ namespace greville
 
   namespace
   {
-    // The search distance for the other side in a trial, as a multiple of the
-    // larger cell size.
+    // The search distance for the other side in a trial, in cells.
     constexpr double trial_reach = 1.;
 
     // Uzawa's method ends if pressures change by less than this fraction of the
@@ -112,6 +111,20 @@ namespace greville
               surfaces[part].push_back(&points_of(sides.back()));
             }
         points[c].resize(n);
+        for (const Side &side : sides)
+          if (side.contact == c)
+            {
+              const MaterialPoints<dim> &of_side = points_of(side);
+              ContactPoint<dim>         *point = points[c].data() + side.begin;
+              of_side.for_each(
+                [&](const unsigned int cell, const ConstPointRef<dim> p) {
+                  point->cell_size =
+                    contacts.contacts[c].cell_size_at(of_side.space(),
+                                                      cell,
+                                                      p.position());
+                  ++point;
+                });
+            }
         displacements[c].resize(n);
         pore_pressures[c].resize(n, 0.);
       }
@@ -193,7 +206,7 @@ namespace greville
         const double way = (at_end[contact.rigid].displacement -
                             at_start[contact.rigid].displacement)
                              .norm();
-        if (way <= BodyContacts<dim>::longest_trial_motion * contact.cell_size)
+        if (way <= BodyContacts<dim>::longest_trial_motion * contact.smallest)
           continue;
         return "'Rigid body " + contacts.rigid_bodies[contact.rigid].name() +
                "' would move by " + text_of(way) +
@@ -264,7 +277,6 @@ namespace greville
     for (unsigned int c = 0; c < contacts.contacts.size(); ++c)
       {
         const Contact &contact = contacts.contacts[c];
-        const double   reach   = trial_reach * contact.cell_size;
         Point<dim>     about;
         move_points(c, share_now);
         if (contact.rigid >= 0)
@@ -275,7 +287,7 @@ namespace greville
               {
                 run_on_all(contacts.comm, [&]() {
                   contacts.rigid_bodies[contact.rigid].find_gaps(
-                    points[c], reach, now, at_start[contact.rigid]);
+                    points[c], trial_reach, now, at_start[contact.rigid]);
                 });
               }
             catch (const ErrorOnAll &error)
@@ -284,7 +296,7 @@ namespace greville
               }
           }
         else
-          contacts.search.find_gaps(points[c], reach);
+          contacts.search.find_gaps(points[c], trial_reach);
         const auto before = with_stiffness ? memories[c].sliding
                                            : decltype(memories[c].sliding)();
         results[c] =
@@ -313,8 +325,8 @@ namespace greville
     for (unsigned int c = 0; c < n_changes.size(); ++c)
       {
         const Contact &contact = contacts.contacts[c];
-        const double   penalty = contact.average->law().stiffness *
-                               contact.cell_size / contact.modulus;
+        const double   penalty =
+          contact.average->law().stiffness / contact.modulus;
         const unsigned int n = Utilities::MPI::max(n_changes[c], contacts.comm);
         if (2 * n >= n_tangents && n > 0 && penalty > 1.001 * soft_penalty)
           text << "; 'Contact " << contact.name
@@ -486,11 +498,11 @@ namespace greville
     std::string problem;
     for (unsigned int c = 0; c < points.size() && problem.empty(); ++c)
       {
-        const Contact &contact = contacts.contacts[c];
-        const double   longest =
-          BodyContacts<dim>::longest_trial_motion * contact.cell_size;
+        const Contact   &contact = contacts.contacts[c];
+        constexpr double longest = BodyContacts<dim>::longest_trial_motion;
         for (const ContactPoint<dim> &point : points[c])
-          if (point.motion.norm() > share * longest && problem.empty())
+          if (point.motion.norm() > share * longest * point.cell_size &&
+              problem.empty())
             problem = "a point of the surface at (" + text_of(point.x) +
                       ") m in 'Contact " + contact.name + "' would move by " +
                       text_of(point.motion.norm() / share) +

@@ -292,8 +292,8 @@ test_pressure()
       const Tensor<1, 2>       n({-std::sin(slope), std::cos(slope)});
       const Tensor<1, 2>       t({std::cos(slope), std::sin(slope)});
       const AveragedContact<2> contact(law,
-                                       Lattice<2>(Point<2>(-0.013, 0.007),
-                                                  Tensor<1, 2>({0.11, 0.09})),
+                                       {Lattice<2>(Point<2>(-0.013, 0.007),
+                                                   Tensor<1, 2>({0.11, 0.09}))},
                                        comm);
       check("The gap of planes is exact.",
             largest<2>(all, [&](const auto &point) {
@@ -388,7 +388,7 @@ test_thin_plate()
       }
   SurfaceSearch<2>(false, comm).find_gaps(all.points, 0.05);
   const AveragedContact<2> contact(
-    law, Lattice<2>(Point<2>(-0.03, -0.04), Tensor<1, 2>({0.1, 0.1})), comm);
+    law, {Lattice<2>(Point<2>(-0.03, -0.04), Tensor<1, 2>({0.1, 0.1}))}, comm);
   const auto result = contact.act(all.points, 0., Point<2>());
   check("The upper face is pressed, the lower one is free.",
         std::abs(result.force[1] + 1e-3 * result.area) < 1e-15);

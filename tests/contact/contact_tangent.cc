@@ -133,7 +133,9 @@ test_derivative(const bool         has_two_sides,
   Tensor<1, dim> h;
   for (unsigned int d = 0; d < dim; ++d)
     h[d] = 0.13 + 0.01 * d;
-  const AveragedContact<dim> contact(law, Lattice<dim>(Point<dim>(), h), comm);
+  const AveragedContact<dim> contact(law,
+                                     {Lattice<dim>(Point<dim>(), h)},
+                                     comm);
   const Case<dim>            all(has_two_sides, 1e-3, pore);
   const Tensor<1, dim>       still;
   const Tensor<1, dim>       start       = slip * all.tangent;
@@ -249,7 +251,7 @@ test_effective_pressure()
   law.friction        = make_friction_law("0.3", "Friction");
   law.has_two_sides   = false;
   const AveragedContact<2> contact(
-    law, Lattice<2>(Point<2>(), Tensor<1, 2>({0.13, 0.13})), comm);
+    law, {Lattice<2>(Point<2>(), Tensor<1, 2>({0.13, 0.13}))}, comm);
   // The force, with the pressure 10 Pa for a depth of 1 mm.
   const auto force = [&](const Case<2> &all) {
     Field<2>     unused;
@@ -289,7 +291,7 @@ test_rounds()
   law.stiffness     = 10.;
   law.has_two_sides = false;
   const AveragedContact<2> contact(
-    law, Lattice<2>(Point<2>(), Tensor<1, 2>({0.13, 0.13})), comm);
+    law, {Lattice<2>(Point<2>(), Tensor<1, 2>({0.13, 0.13}))}, comm);
   const Case<2> all(false, 0.);
   KeyMemory<2>  memory;
   // The spring of stiffness 1 per area is pressed by 1: without a gap, p = 1.

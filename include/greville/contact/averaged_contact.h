@@ -17,11 +17,12 @@
 
 namespace greville
 {
-  /// The constants of a contact, see AveragedContact.
+  /// The constants of a contact, see AveragedContact. Lengths are in units of
+  /// the cells at a point, ContactPoint::cell_size.
   struct ContactLaw
   {
     /// The derivatives of the pressure by the gap and of the shear stress by
-    /// slip, Pa / m.
+    /// slip, Pa per cell size.
     double stiffness = 0., shear_stiffness = 0.;
     /// The derivative of pressure and shear stress by the velocity, Pa s / m.
     double viscosity = 0.;
@@ -29,7 +30,7 @@ namespace greville
     /// which is added to its strength under pressure, Pa.
     std::shared_ptr<const FrictionLaw> friction;
     double                             adhesion = 0.;
-    /// Gaps up to this size count as closed in a ContactTangent, m.
+    /// Gaps up to this size count as closed in a ContactTangent.
     double touching = 0.;
     /// True for sides with pore water, whose pressure causes no friction.
     std::array<bool, 2> has_pores{{true, true}};
@@ -112,7 +113,9 @@ namespace greville
    *   t_k = \max(0, -\epsilon \bar g_k - \zeta \dot{\bar g}_k),
    * @f]
    * and the velocity of the gap is the velocity of the mean of A relative to
-   * the mean of B. The force @f$w_k t_k \bar n_k@f$ of a key is distributed to
+   * the mean of B. The stiffness @f$\epsilon@f$ of a key is
+   * ContactLaw::stiffness times the mean of 1 / ContactPoint::cell_size. The
+   * force @f$w_k t_k \bar n_k@f$ of a key is distributed to
    * the points of A in proportion to @f$a_s \psi_k(x_s) / w^A_k@f$, and its
    * opposite likewise to the points of B, so momentum is conserved to
    * round-off. In the method of Uzawa, a given part is added to the pressure,
@@ -140,10 +143,11 @@ namespace greville
   class AveragedContact
   {
   public:
-    /// The hat functions belong to the nodes of the @p lattice.
-    AveragedContact(const ContactLaw   &law,
-                    const Lattice<dim> &lattice,
-                    const MPI_Comm      comm);
+    /// The hat functions at a point belong to the nodes of one of the
+    /// @p lattices, the largest cells there: see lattice_at().
+    AveragedContact(const ContactLaw                &law,
+                    const std::vector<Lattice<dim>> &lattices,
+                    const MPI_Comm                   comm);
 
     /**
      * Collective. Set the force and the slip of all points, whose gaps must be
@@ -174,8 +178,8 @@ namespace greville
     }
 
   private:
-    ContactLaw   contact_law;
-    Lattice<dim> lattice;
-    MPI_Comm     comm;
+    ContactLaw                contact_law;
+    std::vector<Lattice<dim>> lattices;
+    MPI_Comm                  comm;
   };
 } // namespace greville

@@ -37,6 +37,9 @@ namespace greville
     /// axisymmetry, m, otherwise 1.
     double area      = 0.;
     double thickness = 1.;
+    /// The size of the cells at the point, m, see ContactLaw. Unlike positions,
+    /// it does not change in trial steps.
+    double cell_size = 1.;
     /// The displacement in the step, m.
     dealii::Tensor<1, dim> motion;
     /// The vector from the place at which hat functions are evaluated to x, m.

@@ -5,6 +5,8 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/point.h>
 
+#include <greville/spline/cell_box.h>
+
 #include <vector>
 
 namespace greville
@@ -51,5 +53,13 @@ namespace greville
   Overlap<dim>
   largest_overlap(const std::vector<VolumePoint<dim>> &points,
                   const dealii::Tensor<1, dim>        &h,
+                  const MPI_Comm                       comm);
+
+  /// Collective. Do the same with cells between the @p edges. The volume
+  /// fraction at a node is relative to the integral of its hat function.
+  template <int dim>
+  Overlap<dim>
+  largest_overlap(const std::vector<VolumePoint<dim>> &points,
+                  const CellEdges<dim>                &edges,
                   const MPI_Comm                       comm);
 } // namespace greville

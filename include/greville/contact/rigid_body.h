@@ -55,8 +55,9 @@ namespace greville
          const RigidStep<dim> &step) const;
 
     /// Set ContactPoint::is_facing, gap, target_normal and target_motion of the
-    /// points that are closer than @p reach, m, to the body in its position
-    /// @p now, which was @p before at the start of the step.
+    /// points that are closer than @p reach times ContactPoint::cell_size to
+    /// the body in its position @p now, which was @p before at the start of the
+    /// step.
     void
     find_gaps(std::vector<ContactPoint<dim>> &points,
               const double                    reach,

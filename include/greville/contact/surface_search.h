@@ -18,16 +18,18 @@ namespace greville
    *   \varphi(y) = \frac{1}{2} \sum_k w_k (y - x_k) \cdot n_k
    *     + \frac{1}{2} (y - \sum_k w_k x_k) \cdot n, \qquad
    *   n = \frac{\sum_k w_k n_k}{|\sum_k w_k n_k|}, \qquad
-   *   w_k = \frac{a_k \omega(|y - x_k| / r)}{\sum_l a_l \omega(|y - x_l| / r)},
+   *   w_k = \frac{a_k r_k^{1 - d} \omega(|y - x_k| / r_k)}
+   *              {\sum_l a_l r_l^{1 - d} \omega(|y - x_l| / r_l)},
    * @f]
-   * with @f$\omega(s) = (1 - s^2)^2@f$ and r equal to two spacings of points.
-   * (The zero set of the first term alone lies outside a curved surface by the
-   * mean sagitta, the zero set of the second term inside by the same amount: on
-   * a circle with points all around y, their mean is exact.) A point x is
-   * projected onto it along n. Only points whose normals are within 60 degrees
-   * of the normal of the nearest point facing x are used, so that edges are not
-   * rounded, and only places covered by points are accepted, so that a surface
-   * ends at its last points.
+   * with @f$\omega(s) = (1 - s^2)^2@f$ and r_k equal to two spacings of points:
+   * their largest spacing in units of ContactPoint::cell_size, times this size
+   * at the point k. (The zero set of the first term alone lies outside a curved
+   * surface by the mean sagitta, the zero set of the second term inside by the
+   * same amount: on a circle with points all around y, their mean is exact.) A
+   * point x is projected onto it along n. Only points whose normals are within
+   * 60 degrees of the normal of the nearest point facing x are used, so that
+   * edges are not rounded, and only places covered by points are accepted, so
+   * that a surface ends at its last points.
    *
    * An axisymmetric surface has its mirror image beyond the axis r = 0, so that
    * it does not end there.
@@ -47,7 +49,8 @@ namespace greville
 
     /// Collective. Set ContactPoint::is_facing, gap and target_normal of the
     /// points of both sides, on any processes, if the other side is within the
-    /// distance @p reach, m. Points that may be in contact are sent to the
+    /// distance @p reach, in units of the mean of their
+    /// ContactPoint::cell_size. Points that may be in contact are sent to the
     /// process to which a box of space belongs; nothing is sent if the sides
     /// are further apart.
     void

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <greville/contact/local_cells.h>
 #include <greville/contact/rigid_body.h>
 #include <greville/steps/simulation.h>
 
@@ -11,8 +12,8 @@
 namespace greville
 {
   /// Signed distances of cell centers from a rigid body in one position, by
-  /// cell number, m. Distances beyond the reach are infinite in effect: the
-  /// largest number, negative inside the body.
+  /// cell number, m. Distances beyond the reach, in cells, are infinite in
+  /// effect: the largest number, negative inside the body.
   template <int dim>
   struct CellDistances
   {
@@ -43,16 +44,22 @@ namespace greville
     std::string                                   name;
     std::array<std::vector<ContactPlace<dim>>, 2> sides;
     int rigid = -1; // number of the rigid body
-    // Constants of the contact law: the modulus E' of both sides, Pa, the
-    // impedance of the softer side, Pa s / m, and the larger cell size, m.
+    // Constants of the contact law: the modulus E' of both sides, Pa, and the
+    // impedance of the softer side, Pa s / m.
     ContactParameters given;
-    double            modulus = 0., impedance = 0., cell_size = 0.;
-    Lattice<dim>      lattice;
-    std::shared_ptr<const Partition>      cells; // those of the lattice
-    std::unique_ptr<AveragedContact<dim>> average;
-    // The motion of both sides: the sum of their speeds in the last step, m /
-    // s; their displacement in this step, and since the last check for
-    // overlaps, m; whether a check has been made, and its Overlap::excess.
+    double            modulus = 0., impedance = 0.;
+    // The cells of the parts, see take_cells(): the size of the smallest cells,
+    // m, of the larger ones of two grids; the lattices of hat functions; the
+    // smallest cell with a point that may meet a rigid body, m.
+    bool                                          is_uniform = true;
+    double                                        cell_size  = 0.;
+    std::vector<Lattice<dim>>                     lattices;
+    std::vector<std::shared_ptr<const Partition>> cells;
+    double                                        smallest = 0.;
+    std::unique_ptr<AveragedContact<dim>>         average;
+    // The motion of both sides in cells: the sum of their speeds in the last
+    // step, 1 / s; their displacement in this step, and since the last check
+    // for overlaps; whether a check has been made, and its Overlap::excess.
     double speed = 0., last_way = 0., way = 0.;
     bool   is_checked   = false;
     double first_excess = 0.;
@@ -62,6 +69,20 @@ namespace greville
     double warned_gain      = 0.;
     double stored_energy    = -1.;
     bool   is_start_counted = false;
+
+    /// Return the cell size (m) for a point of a side at x, which belongs to a
+    /// cell of its space: the smallest edge of this cell or of the cell of the
+    /// hat functions at x, whichever is larger.
+    double
+    cell_size_at(const SplineSpace<dim>   &space,
+                 const unsigned int        cell,
+                 const dealii::Point<dim> &x) const
+    {
+      return is_uniform ? cell_size
+                        : std::max(smallest_edge(space.box(cell)),
+                                   greville::cell_size_at(
+                                     lattices[lattice_at(lattices, x)], x));
+    }
   };
 
 

@@ -134,14 +134,19 @@ namespace greville
     void
     set_law(Contact &contact) const;
 
-    /// Set the cell size and the lattice, for set_law(), from the larger cells
-    /// of both sides. Returns whether cells have changed.
+    /// Set the cell size and the lattices, for set_law(): of the grid with
+    /// larger cells if cells are equal, otherwise of all grids. Returns whether
+    /// cells have changed.
     bool
     take_cells(Contact &contact) const;
 
-    /// Set all laws if steps have changed between explicit and implicit.
+    /// Collective. Set all laws if cells have changed, or steps between
+    /// explicit and implicit, and BodyContact::smallest.
     void
     set_laws();
+
+    void
+    find_smallest(Contact &contact) const;
 
     /// Store data of the last results for the next step: the slip, the
     /// positions and the radii of points.
@@ -182,15 +187,15 @@ namespace greville
                      const unsigned int s);
 
     /// The largest motion of a point or a rigid body in an implicit step, in
-    /// units of the larger cell size.
+    /// cells.
     static constexpr double longest_trial_motion = 0.5;
 
     /// The largest motion of a point or a rigid body in an explicit step.
     static constexpr double longest_motion = 0.25;
 
     /// Return the cells of a body that may contain points closer than @p reach
-    /// (m) to the other side. Distances from rigid bodies are updated after
-    /// motions of a quarter of a cell.
+    /// times their cell size to the other side. Distances from rigid bodies are
+    /// updated after motions of a quarter of a cell.
     std::vector<NearCell>
     near_cells(const Contact &contact, Place &place, const double reach);
 
@@ -209,7 +214,7 @@ namespace greville
               const SurfaceState<dim> &at,
               const PointField        *radius);
 
-    /// Set the gaps of points and related data.
+    /// Set the gaps of points up to @p reach, in cells, and related data.
     void
     find_gaps(const Contact                  &contact,
               std::vector<ContactPoint<dim>> &points,

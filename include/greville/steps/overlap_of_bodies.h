@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <greville/contact/local_cells.h>
 #include <greville/contact/overlap.h>
 #include <greville/points/body.h>
 
@@ -25,13 +26,15 @@ namespace greville
   /// spacing.
   constexpr double half_of_cell = 0.5, half_of_cell_as_excess = 0.3;
 
-  /// Collective. Find the largest overlap of two sides in cells of the size
-  /// @p h (m), see largest_overlap().
+  /// Collective. Find the largest overlap of two sides in the cells of one or
+  /// two lattices, see largest_overlap(): in equal cells, or between the edges
+  /// of all cells of a grid of which both are parts. In refined grids, each
+  /// level is searched with the points in its cells and in smaller ones.
   template <int dim>
   Overlap<dim>
-  overlap_of_bodies(const Sides<dim>      &sides,
-                    dealii::Tensor<1, dim> h,
-                    const MPI_Comm         comm);
+  overlap_of_bodies(const Sides<dim>                &sides,
+                    const std::vector<Lattice<dim>> &lattices,
+                    const MPI_Comm                   comm);
 
   /// Return "a point of 'Body NAME' at (0.1, 0.2) m is inside of OTHER".
   template <int dim>
