@@ -47,7 +47,6 @@ namespace greville
               const double  w   = point.area * own.values[k];
               KeySums<dim> &sum = sums[own.keys[k]];
               sum.weight[point.side] += w;
-              sum.inverse_cell_size += w / point.cell_size;
               sum.start_pressure += w * point.start_pressure;
               sum.normal += w * normal;
               if (law.measures(point.side))

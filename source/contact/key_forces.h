@@ -16,8 +16,7 @@ namespace greville::internal
   template <int dim>
   struct KeySums
   {
-    double         weight[2]         = {0., 0.}; // w^A, w^B
-    double         inverse_cell_size = 0.;
+    double         weight[2] = {0., 0.}; // w^A, w^B
     double         gap = 0., start_pressure = 0., pore_pressure = 0.;
     Tensor<1, dim> normal, slip, motion[2];
 
@@ -27,7 +26,6 @@ namespace greville::internal
     {
       action(weight[0]);
       action(weight[1]);
-      action(inverse_cell_size);
       action(gap);
       action(start_pressure);
       action(pore_pressure);
@@ -91,14 +89,6 @@ namespace greville::internal
 
 
 
-  /// The stiffness of a key, Pa / m, and the largest gap of a closed key, m.
-  struct KeyScales
-  {
-    double stiffness, shear_stiffness, touching;
-  };
-
-
-
   /// The contact pressure of a key, and minus its derivative by the gap.
   struct KeyPressure
   {
@@ -111,26 +101,25 @@ namespace greville::internal
   /// @p share of the step, and grows by @p change, from @p first to @p last, in
   /// the whole step.
   inline KeyPressure
-  pressure_of_key(const KeyScales &scales,
-                  const double     viscosity,
-                  const double     gap,
-                  const double     first,
-                  const double     last,
-                  const double     change,
-                  const double     motion,
-                  const double     rate,
-                  const double     share,
-                  const double     given_pressure)
+  pressure_of_key(const ContactLaw &law,
+                  const double      gap,
+                  const double      first,
+                  const double      last,
+                  const double      change,
+                  const double      motion,
+                  const double      rate,
+                  const double      share,
+                  const double      given_pressure)
   {
-    KeyPressure result{given_pressure - scales.stiffness * gap -
-                         viscosity * rate * motion,
-                       scales.stiffness + viscosity * rate};
+    KeyPressure result{given_pressure - law.stiffness * gap -
+                         law.viscosity * rate * motion,
+                       law.stiffness + law.viscosity * rate};
     if (share < 1. && first * last < 0. && given_pressure == 0.)
       {
         // The fraction of the motion during which the gap is negative.
         const double depth  = std::abs(std::min(first, last));
         const double inside = std::abs(std::min(first, last) / change);
-        result.value        = 0.5 * scales.stiffness * inside * depth;
+        result.value        = 0.5 * law.stiffness * inside * depth;
         result.stiffness *=
           last < 0. ? 2. * inside * (1. - 0.5 * inside) : inside * inside;
       }
@@ -158,7 +147,6 @@ namespace greville::internal
   template <int dim>
   KeyShear<dim>
   shear_of_key(const ContactLaw     &law,
-               const double          shear_stiffness,
                const KeyPressure    &pressure,
                const Tensor<1, dim> &n,
                const Tensor<1, dim> &old,
@@ -169,11 +157,12 @@ namespace greville::internal
                const bool            with_tangent,
                KeyForce<dim>        &result)
   {
-    const double         stiffness = shear_stiffness + law.viscosity * rate;
+    const double         stiffness = law.shear_stiffness + law.viscosity * rate;
     const Tensor<2, dim> across    = outer_product(n, n);
     KeyShear<dim>        shear;
-    shear.slip   = old + step;
-    shear.stress = -shear_stiffness * shear.slip - law.viscosity * rate * step;
+    shear.slip = old + step;
+    shear.stress =
+      -law.shear_stiffness * shear.slip - law.viscosity * rate * step;
     shear.stiffness =
       stiffness * (Tensor<2, dim>(unit_symmetric_tensor<dim>()) - across);
     const double speed   = rate * step.norm();
@@ -210,7 +199,7 @@ namespace greville::internal
               result.coupling -= slopes.by_speed * rate / step.norm() *
                                  outer_product(direction, step);
           }
-        shear.slip = -shear.stress / shear_stiffness;
+        shear.slip = -shear.stress / law.shear_stiffness;
       }
     else if (largest == 0.)
       shear.stiffness = Tensor<2, dim>();
@@ -239,12 +228,6 @@ namespace greville::internal
       law.has_two_sides && law.both_measure ? w[0] + w[1] : w[0];
     const double pores =
       (law.has_pores_on(0) ? w[0] : 0.) + (law.has_pores_on(1) ? w[1] : 0.);
-    // Only points of side 0 are given without a second side.
-    const double per_cell =
-      sums.inverse_cell_size / (law.has_two_sides ? w[0] + w[1] : w[0]);
-    const KeyScales      scales{law.stiffness * per_cell,
-                           law.shear_stiffness * per_cell,
-                           law.touching / per_cell};
     const double         weight = 2. * w[0] * w[1] / (w[0] + w[1]);
     const double         gap    = sums.gap / all;
     const Tensor<1, dim> n      = sums.normal / sums.normal.norm();
@@ -254,30 +237,22 @@ namespace greville::internal
     const double change = du * n / share;
     const double first = gap - share * change, last = first + change;
     const double smallest_gap = share < 1. ? std::min(first, last) : gap;
-    if (smallest_gap >= scales.touching && given_pressure == 0.)
+    if (smallest_gap >= law.touching && given_pressure == 0.)
       return result;
-    const KeyPressure pressure = pressure_of_key(scales,
-                                                 law.viscosity,
-                                                 gap,
-                                                 first,
-                                                 last,
-                                                 change,
-                                                 du * n,
-                                                 rate,
-                                                 share,
-                                                 given_pressure);
+    const KeyPressure pressure = pressure_of_key(
+      law, gap, first, last, change, du * n, rate, share, given_pressure);
     if (smallest_gap >= 0. && pressure.value == 0.)
       {
         // At this kink, use the derivative of a closed key.
-        if (gap >= scales.touching)
+        if (gap >= law.touching)
           return result;
         result.shares[0]            = weight / w[0];
         result.shares[1]            = weight / w[1];
         const Tensor<2, dim> across = outer_product(n, n);
-        result.stiffness            = scales.stiffness * across;
+        result.stiffness            = law.stiffness * across;
         if (law.friction && law.friction->strength(1., 0.) > 0.)
           result.stiffness +=
-            scales.shear_stiffness *
+            law.shear_stiffness *
             (Tensor<2, dim>(unit_symmetric_tensor<dim>()) - across);
         return result;
       }
@@ -286,7 +261,6 @@ namespace greville::internal
     };
     const Tensor<1, dim> mean  = sums.slip / all;
     const KeyShear<dim>  shear = shear_of_key(law,
-                                             scales.shear_stiffness,
                                              pressure,
                                              n,
                                              along(mean),

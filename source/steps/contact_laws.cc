@@ -97,8 +97,8 @@ namespace greville
         std::find(names.begin(), names.end(), sides[1][0]) - names.begin();
     contact.modulus = double(n_sides) / compliance;
     take_cells(contact);
-    set_law(contact);
     find_smallest(contact);
+    set_law(contact);
     contacts.push_back(std::move(contact));
   }
 
@@ -122,14 +122,16 @@ namespace greville
                     [](const Place &place) {
                       return place.part->stage_parameters().general.pore_water;
                     });
-    law.stiffness       = penalty * contact.modulus;
+    // With a stiffness that depends on the place, overlaps would depend on it,
+    // and a uniform pressure would strain the bodies.
+    law.stiffness       = penalty * contact.modulus / contact.smallest;
     law.shear_stiffness = shear_share * law.stiffness;
     law.viscosity =
       are_implicit ? 0. : contact.given.damping * contact.impedance;
     law.friction = make_friction_law(contact.given.friction,
                                      "Contact " + contact.name + "/Friction");
     law.adhesion = contact.given.adhesion;
-    law.touching = are_implicit ? touching_in_cells : 0.;
+    law.touching = are_implicit ? touching_in_cells * contact.smallest : 0.;
     contact.average =
       std::make_unique<AveragedContact<dim>>(law, contact.lattices, comm);
     // If both sides can move, in opposite directions, the stiffness of each
@@ -141,8 +143,9 @@ namespace greville
       for (const Place &place : side)
         {
           Surface<dim> &surface = place.part->current.surfaces[place.surface];
-          surface.stiffness     = factor * law.stiffness / contact.cell_size;
-          surface.damping       = factor * law.viscosity;
+          surface.stiffness =
+            factor * penalty * contact.modulus / contact.cell_size;
+          surface.damping = factor * law.viscosity;
         }
   }
 
@@ -192,27 +195,75 @@ namespace greville
 
 
   template <int dim>
-  void
+  bool
   BodyContacts<dim>::find_smallest(Contact &contact) const
   {
-    contact.smallest = contact.cell_size;
-    if (contact.is_uniform || contact.rigid < 0)
-      return;
-    double smallest = std::numeric_limits<double>::max();
-    for (const Place &place : contact.sides[0])
+    const double last = contact.smallest;
+    contact.smallest  = contact.cell_size;
+    if (!contact.is_uniform)
       {
-        const MaterialPoints<dim> &points =
-          contact.given.is_by_material_points()
-            ? body_of(place).points
-            : place.part->current.surfaces[place.surface].points;
-        for (const unsigned int cell : points.cells())
-          smallest =
-            std::min(smallest, smallest_edge(points.space().box(cell)));
+        double smallest = std::numeric_limits<double>::max();
+        for (unsigned int side = 0; side < 2; ++side)
+          for (const Place &place : contact.sides[side])
+            {
+              const MaterialPoints<dim> &points =
+                side == 0 && contact.given.is_by_material_points()
+                  ? body_of(place).points
+                  : place.part->current.surfaces[place.surface].points;
+              for (const unsigned int cell : points.cells())
+                {
+                  const CellBox<dim> box = points.space().box(cell);
+                  smallest               = std::min(smallest,
+                                      contact.cell_size_at(points.space(),
+                                                           cell,
+                                                           box.center));
+                }
+            }
+        smallest = Utilities::MPI::min(smallest, comm);
+        if (smallest < std::numeric_limits<double>::max())
+          contact.smallest = smallest;
       }
-    smallest = Utilities::MPI::min(smallest, comm);
-    if (smallest < std::numeric_limits<double>::max())
-      contact.smallest = smallest;
+    return contact.smallest != last;
   }
+
+
+
+  namespace
+  {
+    /// Return a text about a point in contact whose hat functions are much
+    /// smaller or larger than its cell, empty if there is none. In total
+    /// Lagrangian steps, points keep their cells, but hat functions belong to
+    /// the cells at their current position.
+    template <int dim>
+    std::string
+    find_other_cells(const BodyContact<dim>    &contact,
+                     const MaterialPoints<dim> &points)
+    {
+      constexpr double   largest_ratio = 2.5, largest_cosine_along = 0.7;
+      std::string        text;
+      const unsigned int closed = points.layout().first("gap") + 1;
+      points.for_each([&](const unsigned int cell, const ConstPointRef<dim> p) {
+        if (!text.empty() || p[closed] == 0.)
+          return;
+        const SurfaceState<dim> at     = surface_state<dim>(p, points.layout());
+        const Tensor<1, dim>    normal = at.area_vector();
+        const Tensor<1, dim>    own    = points.space().box(cell).size;
+        const Lattice<dim>     &lattice =
+          contact.lattices[lattice_at(contact.lattices, at.x)];
+        const Tensor<1, dim> hats = lattice.box(lattice.find_cell(at.x)).size;
+        for (unsigned int d = 0; d < dim && text.empty(); ++d)
+          if (std::abs(normal[d]) < largest_cosine_along * normal.norm() &&
+              std::max(own[d] / hats[d], hats[d] / own[d]) > largest_ratio)
+            text = "a surface point of 'Contact " + contact.name + "' at (" +
+                   text_of(at.x) + ") m has the cell size " + text_of(own[d]) +
+                   " m, but the grid has " + text_of(hats[d]) +
+                   " m there, which determines the averages of contact: "
+                   "the pressure is inaccurate. Make these cells equal, "
+                   "or take updated Lagrangian steps";
+      });
+      return text;
+    }
+  } // namespace
 
 
 
@@ -224,9 +275,19 @@ namespace greville
     are_implicit       = steps_are_implicit();
     for (Contact &contact : contacts)
       {
-        if (take_cells(contact) || are_new)
+        const bool has_new_cells = take_cells(contact);
+        if (find_smallest(contact) || has_new_cells || are_new)
           set_law(contact);
-        find_smallest(contact);
+        if (contact.is_uniform ||
+            !parts.front()->stage_parameters().scheme.is_total_lagrangian())
+          continue;
+        std::string text;
+        for (const auto &side : contact.sides)
+          for (const Place &place : side)
+            if (text.empty())
+              text = find_other_cells(
+                contact, place.part->current.surfaces[place.surface].points);
+        fail_on_all(text, comm);
       }
   }
 

@@ -173,8 +173,8 @@ namespace greville
 
     /// Collective. Return, for each point that faces the other side, the
     /// smallest gap of the first side's points in its box and the neighboring
-    /// boxes, on all processes. Boxes are cells of the largest size or halves
-    /// of it, and larger than the cells at the point.
+    /// boxes, on all processes. Boxes are as large as the smallest cells, or
+    /// twice as large and so on, and not smaller than the cell at the point.
     template <int dim>
     std::vector<double>
     lowest_in_boxes(const std::vector<ContactPoint<dim>> &points,
@@ -188,14 +188,15 @@ namespace greville
           sizes[1] = std::max(sizes[1], -point.cell_size);
         }
       Utilities::MPI::max(sizes, comm, sizes);
-      const auto level_of = [&](const double h) {
-        return unsigned(std::log2(sizes[0] / h) + 1e-6);
+      const double smallest = -sizes[1];
+      const auto   level_of = [&](const double h) {
+        return unsigned(std::ceil(std::log2(h / smallest) - 1e-6));
       };
-      const unsigned int n_levels = sizes[0] > 0. ? level_of(-sizes[1]) + 1 : 1;
+      const unsigned int n_levels = sizes[0] > 0. ? level_of(sizes[0]) + 1 : 1;
       const auto         box_of   = [&](const Point<dim>  &x,
                               const unsigned int near,
                               const unsigned int level) {
-        const double  h    = std::ldexp(sizes[0], -int(level));
+        const double  h    = std::ldexp(smallest, int(level));
         std::uint64_t bits = level;
         unsigned int  rest = near;
         for (unsigned int d = 0; d < dim; ++d, rest /= 3)
@@ -293,18 +294,50 @@ namespace greville
     /// Return the longest edge of the box of a material point.
     template <int dim>
     double
-    longest_spacing(const BodyContact<dim>    &contact,
-                    const MaterialPoints<dim> &points,
+    longest_spacing(const MaterialPoints<dim> &points,
                     const ConstPointRef<dim>   p)
     {
-      const double spacing = p.extent(points.layout());
-      if (contact.is_uniform)
-        return spacing;
       const Tensor<1, dim> edges   = proportions(points, p);
       double               longest = 0.;
       for (unsigned int d = 0; d < dim; ++d)
         longest = std::max(longest, edges[d]);
-      return spacing * longest;
+      return p.extent(points.layout()) * longest;
+    }
+
+
+
+    /// Return an upper bound of the longest edge over the extent of points.
+    template <int dim>
+    double
+    largest_proportion(const SplineSpace<dim> &space)
+    {
+      // The proportions of cells do not depend on their level.
+      const Lattice<dim>       &lattice = space.lattice();
+      const CellHierarchy<dim> *levels  = lattice.hierarchy();
+      const MultiIndex<dim>     n_cells =
+        levels ? levels->n_cells(0) : lattice.n_cells();
+      std::array<double, dim> smallest, largest;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          smallest[d] = largest[d] = lattice.cell_size(d, 0);
+          for (unsigned int k = 0; k < n_cells[d]; ++k)
+            {
+              const double h = lattice.cell_size(d, k);
+              smallest[d]    = std::min(smallest[d], h);
+              largest[d]     = std::max(largest[d], h);
+            }
+        }
+      double result = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          // A box of the volume 1 with one edge as long as possible.
+          double product = 1.;
+          for (unsigned int e = 0; e < dim; ++e)
+            if (e != d)
+              product *= largest[d] / smallest[e];
+          result = std::max(result, std::pow(product, 1. / dim));
+        }
+      return result;
     }
 
 
@@ -336,30 +369,44 @@ namespace greville
   BodyContacts<dim>::find_candidates(Contact &contact)
   {
     Candidates result;
-    auto      &points  = result.points;
-    double     largest = 0.; // spacing in cells
+    auto      &points = result.points;
+    // A step may bring points closer. Their stiffness must enter the critical
+    // step before that.
+    const double motion = are_implicit ? longest_trial_motion : longest_motion;
+    // The largest spacing of a cell, and of all cells, in units of its size.
+    std::vector<std::vector<double>> spacings;
+    double                           largest = 0.;
     for (const Place &place : contact.sides[0])
       {
         const MaterialPoints<dim> &of_body = body_of(place).points;
-        of_body.for_each(
-          [&](const unsigned int cell, const ConstPointRef<dim> p) {
-            largest = std::max(largest,
-                               longest_spacing(contact, of_body, p) /
-                                 contact.cell_size_at(of_body.space(),
-                                                      cell,
-                                                      p.position()));
-          });
+        const double               longest =
+          contact.is_uniform ? 1. : largest_proportion(of_body.space());
+        std::vector<double> &of_cells =
+          spacings.emplace_back(of_body.space().owned_cells().size(), 0.);
+        for (const unsigned int cell : of_body.cells())
+          {
+            double &of_cell = of_cells[cell];
+            of_body.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
+              of_cell = std::max(of_cell, p.extent(of_body.layout()));
+            });
+            of_cell *=
+              longest / contact.cell_size_at(of_body.space(),
+                                             cell,
+                                             of_body.space().box(cell).center);
+            largest = std::max(largest, of_cell);
+          }
       }
-    largest = Utilities::MPI::max(largest, comm);
-    // A step may bring points closer. Their stiffness must enter the critical
-    // step before that.
-    const double reach =
-      largest + (are_implicit ? longest_trial_motion : longest_motion);
+    largest            = Utilities::MPI::max(largest, comm);
+    const double reach = largest + motion;
     for (Place &place : contact.sides[0])
       {
-        MaterialPoints<dim>        &all    = body_of(place).points;
-        const std::vector<NearCell> near   = near_cells(contact, place, reach);
-        std::size_t                 n_near = points.size();
+        MaterialPoints<dim>        &all      = body_of(place).points;
+        const std::vector<double>  &of_cells = spacings[result.ends.size()];
+        const std::vector<NearCell> near =
+          near_cells(contact, place, [&](const unsigned int cell) {
+            return contact.is_uniform ? reach : of_cells[cell] + motion;
+          });
+        std::size_t n_near = points.size();
         for (const NearCell &cell : near)
           n_near += all.n_points(cell.cell);
         points.reserve(n_near);
@@ -372,7 +419,9 @@ namespace greville
               cell.distance - p.position().distance(cell.center);
             const double h =
               contact.cell_size_at(all.space(), cell.cell, p.position());
-            if (distance > reach * h)
+            if (distance > (contact.is_uniform
+                              ? reach * h
+                              : longest_spacing<dim>(all, p) + motion * h))
               return;
             const double       spacing = p.extent(all.layout());
             ContactPoint<dim> &point   = points.emplace_back();
@@ -394,10 +443,15 @@ namespace greville
         {
           while (k >= result.ends[s])
             ++s;
+          const MaterialPoints<dim> &of_body =
+            body_of(contact.sides[0][s]).points;
+          auto &candidate = result.material_points[k];
+          points[k].is_facing =
+            points[k].is_facing &&
+            points[k].gap < longest_spacing<dim>(of_body, candidate.point) +
+                              motion * points[k].cell_size;
           if (points[k].is_facing)
-            take_spacing(result.material_points[k],
-                         body_of(contact.sides[0][s]).points,
-                         points[k]);
+            take_spacing(candidate, of_body, points[k]);
         }
     // If the lowest point is inside, the layer begins there. Otherwise, points
     // above would hide it in the mean.
@@ -505,9 +559,10 @@ namespace greville
 
   template <int dim>
   std::vector<NearContactCell<dim>>
-  BodyContacts<dim>::near_cells(const Contact &contact,
-                                Place         &place,
-                                const double   reach)
+  BodyContacts<dim>::near_cells(
+    const Contact                                   &contact,
+    Place                                           &place,
+    const std::function<double(const unsigned int)> &reach)
   {
     const MaterialPoints<dim>        &points  = body_of(place).points;
     const SplineSpace<dim>           &space   = points.space();
@@ -524,12 +579,15 @@ namespace greville
     const double              slack = 0.25 * smallest.norm();
     const RigidPosition<dim> &now =
       parts.front()->current.rigid_bodies[contact.rigid].now;
-    CellDistances<dim> &known = place.distances;
-    double              way   = rigid_way(contact, known.position, now);
-    if (way > slack || reach > known.reach)
+    CellDistances<dim> &known    = place.distances;
+    double              way      = rigid_way(contact, known.position, now);
+    double              farthest = std::numeric_limits<double>::lowest();
+    for (const NearCell &cell : result)
+      farthest = std::max(farthest, reach(cell.cell));
+    if (way > slack || farthest > known.reach)
       {
         known = {now,
-                 std::max(reach + slack / contact.cell_size, known.reach),
+                 std::max(farthest + slack / contact.cell_size, known.reach),
                  {}};
         way   = 0.;
       }
@@ -567,7 +625,8 @@ namespace greville
           ++center;
         }
       cell.distance = found->second - way;
-      return cell.distance > reach * size_at(cell) + half_diagonal(cell);
+      return cell.distance >
+             reach(cell.cell) * size_at(cell) + half_diagonal(cell);
     };
     result.erase(std::remove_if(result.begin(), result.end(), is_far),
                  result.end());

@@ -184,7 +184,10 @@ namespace greville
         if (points.layout().is_total_lagrangian())
           points.for_each(look);
         else
-          for (const NearCell &near : near_cells(contact, place, -half_of_cell))
+          for (const NearCell &near :
+               near_cells(contact, place, [](const unsigned int) {
+                 return -half_of_cell;
+               }))
             points.for_each_in_cell(near.cell, [&](const ConstPointRef<dim> p) {
               look(near.cell, p);
             });

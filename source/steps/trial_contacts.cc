@@ -326,7 +326,7 @@ namespace greville
       {
         const Contact &contact = contacts.contacts[c];
         const double   penalty =
-          contact.average->law().stiffness / contact.modulus;
+          contact.average->law().stiffness * contact.smallest / contact.modulus;
         const unsigned int n = Utilities::MPI::max(n_changes[c], contacts.comm);
         if (2 * n >= n_tangents && n > 0 && penalty > 1.001 * soft_penalty)
           text << "; 'Contact " << contact.name

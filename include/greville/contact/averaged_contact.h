@@ -17,12 +17,11 @@
 
 namespace greville
 {
-  /// The constants of a contact, see AveragedContact. Lengths are in units of
-  /// the cells at a point, ContactPoint::cell_size.
+  /// The constants of a contact, see AveragedContact.
   struct ContactLaw
   {
     /// The derivatives of the pressure by the gap and of the shear stress by
-    /// slip, Pa per cell size.
+    /// slip, Pa / m.
     double stiffness = 0., shear_stiffness = 0.;
     /// The derivative of pressure and shear stress by the velocity, Pa s / m.
     double viscosity = 0.;
@@ -30,7 +29,7 @@ namespace greville
     /// which is added to its strength under pressure, Pa.
     std::shared_ptr<const FrictionLaw> friction;
     double                             adhesion = 0.;
-    /// Gaps up to this size count as closed in a ContactTangent.
+    /// Gaps up to this size count as closed in a ContactTangent, m.
     double touching = 0.;
     /// True for sides with pore water, whose pressure causes no friction.
     std::array<bool, 2> has_pores{{true, true}};
@@ -113,8 +112,7 @@ namespace greville
    *   t_k = \max(0, -\epsilon \bar g_k - \zeta \dot{\bar g}_k),
    * @f]
    * and the velocity of the gap is the velocity of the mean of A relative to
-   * the mean of B. The stiffness @f$\epsilon@f$ of a key is
-   * ContactLaw::stiffness times the mean of 1 / ContactPoint::cell_size. The
+   * the mean of B. The
    * force @f$w_k t_k \bar n_k@f$ of a key is distributed to
    * the points of A in proportion to @f$a_s \psi_k(x_s) / w^A_k@f$, and its
    * opposite likewise to the points of B, so momentum is conserved to

@@ -37,8 +37,8 @@ namespace greville
     /// axisymmetry, m, otherwise 1.
     double area      = 0.;
     double thickness = 1.;
-    /// The size of the cells at the point, m, see ContactLaw. Unlike positions,
-    /// it does not change in trial steps.
+    /// The size of the cells at the point, m, to which distances of searches
+    /// refer. Unlike positions, it does not change in trial steps.
     double cell_size = 1.;
     /// The displacement in the step, m.
     dealii::Tensor<1, dim> motion;

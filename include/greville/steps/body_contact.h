@@ -50,7 +50,7 @@ namespace greville
     double            modulus = 0., impedance = 0.;
     // The cells of the parts, see take_cells(): the size of the smallest cells,
     // m, of the larger ones of two grids; the lattices of hat functions; the
-    // smallest cell with a point that may meet a rigid body, m.
+    // size of the smallest cells that contain points of the contact, m.
     bool                                          is_uniform = true;
     double                                        cell_size  = 0.;
     std::vector<Lattice<dim>>                     lattices;
@@ -71,13 +71,15 @@ namespace greville
     bool   is_start_counted = false;
 
     /// Return the cell size (m) for a point of a side at x, which belongs to a
-    /// cell of its space: the smallest edge of this cell or of the cell of the
-    /// hat functions at x, whichever is larger.
+    /// cell of its space: the smallest edge of this cell, or, with two
+    /// lattices, of the cell of the hat functions at x if that is larger.
     double
     cell_size_at(const SplineSpace<dim>   &space,
                  const unsigned int        cell,
                  const dealii::Point<dim> &x) const
     {
+      if (!is_uniform && lattices.size() == 1)
+        return smallest_edge(space.box(cell));
       return is_uniform ? cell_size
                         : std::max(smallest_edge(space.box(cell)),
                                    greville::cell_size_at(

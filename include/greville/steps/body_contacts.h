@@ -7,6 +7,7 @@
 #include <greville/steps/passing_bodies.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -141,11 +142,12 @@ namespace greville
     take_cells(Contact &contact) const;
 
     /// Collective. Set all laws if cells have changed, or steps between
-    /// explicit and implicit, and BodyContact::smallest.
+    /// explicit and implicit.
     void
     set_laws();
 
-    void
+    /// Collective. Set BodyContact::smallest. Returns whether it has changed.
+    bool
     find_smallest(Contact &contact) const;
 
     /// Store data of the last results for the next step: the slip, the
@@ -194,10 +196,13 @@ namespace greville
     static constexpr double longest_motion = 0.25;
 
     /// Return the cells of a body that may contain points closer than @p reach
-    /// times their cell size to the other side. Distances from rigid bodies are
-    /// updated after motions of a quarter of a cell.
+    /// to the other side, a function of the cell's number, in units of its
+    /// size. Distances from rigid bodies are updated after motions of a quarter
+    /// of a cell.
     std::vector<NearCell>
-    near_cells(const Contact &contact, Place &place, const double reach);
+    near_cells(const Contact                                   &contact,
+               Place                                           &place,
+               const std::function<double(const unsigned int)> &reach);
 
     static Body<dim> &
     body_of(const Place &place)
