@@ -138,8 +138,9 @@ namespace greville
     add_parameter(prm, "Penalty", penalty, Double(0., 1e6))(
       "kappa: the pressure is kappa E' / h times the depth of the averaged "
       "gap, with the modulus E' = E / (1 - nu^2) (the harmonic mean of both "
-      "sides) and the larger cell size h of both grids. With larger values "
-      "surfaces overlap less, and explicit steps are shorter. 0: 10 in "
+      "sides) and the larger cell size h of both grids (in cells of different "
+      "sizes, of the smallest ones with points of the contact). With larger "
+      "values surfaces overlap less, and explicit steps are shorter. 0: 10 in "
       "implicit steps, 1 in explicit steps. Unit: none.");
     add_parameter(prm, "Method", method, Selection("penalty|augmented"))(
       "penalty, or augmented: Uzawa's method, which adds the last contact "
