@@ -324,6 +324,14 @@ namespace greville
       Require(!grid.has_changing_cells() && grid.most_cells == 0,
               "The parameters 'Adapt every', 'Adapt at start' and 'Most cells' "
               "of 'Grid' need regions in 'Grid/Refinement'.");
+    Require(!output.has_stress_jumps() ||
+              std::any_of(grid.regions.begin(),
+                          grid.regions.end(),
+                          [](const auto &region) {
+                            return region.second.indicator == "stress jump";
+                          }),
+            "The field stress_jump of 'Output/Fields' needs a region of "
+            "'Grid/Refinement' with 'Indicator' = stress jump.");
     check_construction();
     check_water();
     if (stages.empty())

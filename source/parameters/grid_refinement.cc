@@ -14,8 +14,11 @@ namespace greville
   template <int dim>
   RefinementRegion<dim>::RefinementRegion(const RefinementParameters &region,
                                           const std::string          &name,
-                                          const bool                  moves)
+                                          const bool                  moves,
+                                          const IsNearSurface<dim>   &is_near)
     : n_levels(region.levels)
+    , distance(region.distance)
+    , is_near(is_near)
   {
     if (!region.shape.empty())
       shape.emplace(region.shape, "Refinement " + name + "/Shape", moves);
@@ -29,28 +32,48 @@ namespace greville
                                   const CellBox<dim> &box,
                                   const double        time) const
   {
-    if (!shape)
+    if (!shape && distance == 0.)
       return true;
-    const unsigned int n = 1u << (n_levels - std::min(level, n_levels));
-    MultiIndex<dim>    extents;
-    extents.fill(n);
-    for (unsigned int k = 0; k < Utilities::fixed_power<dim>(n); ++k)
-      {
-        const auto index = multi_index<dim>(k, extents);
-        Point<dim> x     = box.lower;
-        for (unsigned int d = 0; d < dim; ++d)
-          x[d] += box.size[d] * (index[d] + 0.5) / n;
-        if (shape->contains(x, time))
-          return true;
-      }
-    return false;
+    // The parts of the box, of this number in each direction.
+    const auto part_at = [&](const MultiIndex<dim> &index,
+                             const unsigned int     n) {
+      CellBox<dim> part = box;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          part.size[d]   = box.size[d] / n;
+          part.lower[d]  = box.lower[d] + box.size[d] * index[d] / n;
+          part.center[d] = box.lower[d] + box.size[d] * (index[d] + 0.5) / n;
+        }
+      return part;
+    };
+    const unsigned int n_smallest = 1u
+                                    << (n_levels - std::min(level, n_levels));
+    const std::function<bool(const MultiIndex<dim> &, const unsigned int)>
+      find = [&](const MultiIndex<dim> &index, const unsigned int n) {
+        const CellBox<dim> part = part_at(index, n);
+        if (distance > 0. && !(is_near && is_near(part, distance)))
+          return false;
+        if (n == n_smallest)
+          return !shape || shape->contains(part.center, time);
+        for (unsigned int k = 0; k < (1u << dim); ++k)
+          {
+            MultiIndex<dim> child;
+            for (unsigned int d = 0; d < dim; ++d)
+              child[d] = 2 * index[d] + (k >> d) % 2;
+            if (find(child, 2 * n))
+              return true;
+          }
+        return false;
+      };
+    return find(MultiIndex<dim>(), 1);
   }
 
 
 
   template <int dim>
   std::shared_ptr<const CellHierarchy<dim>>
-  GridParameters::hierarchy(const double time) const
+  GridParameters::hierarchy(const double              time,
+                            const IsNearSurface<dim> &is_near) const
   {
     if (!is_refined())
       return nullptr;
@@ -67,7 +90,8 @@ namespace greville
     for (const auto &[name, region] : regions)
       if (!region.has_indicator() && region.acts_at(time))
         shapes.emplace_back(
-          region.levels, RefinementRegion<dim>(region, name, adapt_every > 0));
+          region.levels,
+          RefinementRegion<dim>(region, name, adapt_every > 0, is_near));
     return std::make_shared<const CellHierarchy<dim>>(
       of_level_0,
       n_levels(),
@@ -112,9 +136,12 @@ namespace greville
         else
           RefinementRegion<3>(region, name, adapts);
         const std::string section = "'Refinement " + name + "/";
-        Require(!region.shape.empty() || region.has_indicator(),
+        Require(!region.shape.empty() || region.distance > 0. ||
+                  region.has_indicator(),
                 "The parameter " + section +
-                  "Shape' is empty: it has to be the formula of a region.");
+                  "Shape' is empty: it has to be the formula of a region, "
+                  "unless 'Distance to surface' > 0 or an 'Indicator' is "
+                  "given.");
         Require(grid.has_changing_cells() || !region.has_indicator(),
                 "The parameter " + section +
                   "Indicator' = " + region.indicator +
@@ -128,14 +155,16 @@ namespace greville
                 "The parameter " + section +
                   "Indicator' = plastic strain: no material has the variable "
                   "plastic_strain.");
-        Require(adapts || (region.from < -1e99 && region.until > 1e99),
+        Require(adapts || (region.from.empty() && region.until.empty()),
                 "The parameters " + section +
                   "From' and 'Until' need "
                   "'Grid/Adapt every' > 0.");
-        Require(region.from < region.until,
-                "The parameter " + section + "From' = " + text_of(region.from) +
-                  " s has to be less than 'Until' = " + text_of(region.until) +
-                  " s.");
+        Require(region.from.empty() || region.until.empty() ||
+                  region.from[0] < region.until[0],
+                "The parameter " + section +
+                  "From' = " + text_of(region.from[0]) +
+                  " s has to be less than 'Until' = " +
+                  text_of(region.until[0]) + " s.");
       }
     constexpr unsigned int largest_order = 3;
     refuse(grid.degree > largest_order,
@@ -230,7 +259,7 @@ namespace greville
 
   GREVILLE_INSTANTIATE_CLASS(RefinementRegion);
   template std::shared_ptr<const CellHierarchy<2>>
-  GridParameters::hierarchy<2>(const double) const;
+  GridParameters::hierarchy<2>(const double, const IsNearSurface<2> &) const;
   template std::shared_ptr<const CellHierarchy<3>>
-  GridParameters::hierarchy<3>(const double) const;
+  GridParameters::hierarchy<3>(const double, const IsNearSurface<3> &) const;
 } // namespace greville

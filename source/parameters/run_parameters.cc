@@ -116,7 +116,10 @@ namespace greville
     add_parameter(prm, "Fields", fields, List(Selection(output_field_names())))(
       "Fields of points in .vtu files: strain is Green's, size the edge of a "
       "cube of the volume of a point, for glyphs, history the variables of "
-      "materials (plastic_strain, for instance: greville --list history). "
+      "materials (plastic_strain, for instance: greville --list history), "
+      "stress_jump the difference from a spline that the 'Indicator' of "
+      "refined "
+      "regions uses. "
       "Fields of the grid besides velocity and mass: acceleration, force (by "
       "stresses, gravity and loads, per function) and cell_class (the class of "
       "cells for extended B-splines: 0 empty, 1 cut, 2 well-filled, 3 "

@@ -132,7 +132,7 @@ namespace greville
   void
   RefinementParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Shape", shape)(
+    add_formula(prm, "Shape", shape)(
       "Region of small cells, a formula as 'Body NAME/Shape': cells are halved "
       "until the centres of the smallest ones in the region are those of cells "
       "of the last level. Cells around it are halved, too, so that sizes "
@@ -153,11 +153,19 @@ namespace greville
       "value that halves cells.");
     add_parameter(prm, "Refine above", refine_above, Double(0.))(
       "Plastic strain of points whose cells are halved. Unit: none.");
+    add_parameter(prm, "Distance to surface", distance, Double(0.))(
+      "Largest distance of the cells that are halved from the surface of a "
+      "body "
+      "or rigid body, as it is when the grid is adapted; 0: any distance. "
+      "Sides "
+      "of the grid are not surfaces. Cells also have to be in 'Shape', unless "
+      "this is empty. Unit: m.");
     for (const auto &[name, time] :
-         {std::pair<std::string, double *>{"From", &from}, {"Until", &until}})
-      add_parameter(prm, name, *time)(
+         {std::pair<std::string, std::vector<double> *>{"From", &from},
+          {"Until", &until}})
+      add_parameter(prm, name, *time, List(Double(), 0, 1))(
         "Times between which the cells of the region are halved, with "
-        "'Grid/Adapt every'. Unit: s.");
+        "'Grid/Adapt every'. Empty: always. Unit: s.");
   }
 
 

@@ -246,7 +246,7 @@ namespace greville
     std::string result;
     for (const auto &field : all_fields<2>(0))
       result += field.name + "|";
-    return result + "history|acceleration|force|cell_class";
+    return result + "history|stress_jump|acceleration|force|cell_class";
   }
 
 

@@ -100,12 +100,23 @@ namespace greville
   {
     for (unsigned int k = 0; k < parameters.grid.adapt_at_start; ++k)
       {
-        CoupledSimulations<dim> trial(parameters, comm);
-        trial.step();
         std::set<std::uint64_t> marks;
-        const auto &extents = trial.first().space().cells_per_direction();
-        for (const MultiIndex<dim> &cell : trial.part(0).marked_cells())
-          marks.insert(lexicographic<dim>(cell, extents));
+        try
+          {
+            CoupledSimulations<dim> trial(parameters, comm);
+            trial.step();
+            for (const std::uint64_t position : trial.part(0).marked_cells())
+              marks.insert(position);
+          }
+        catch (const std::exception &error)
+          {
+            // Each process has thrown it.
+            AssertThrow(false,
+                        ErrorOnAll("Trial " + std::to_string(k + 1) +
+                                   " of the first step ('Grid/Adapt at "
+                                   "start'): " +
+                                   message_of(error)));
+          }
         std::vector<std::uint64_t> all(marks.begin(), marks.end());
         if (all == parameters.grid.marked_at_start)
           return;

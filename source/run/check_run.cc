@@ -138,6 +138,7 @@ namespace greville
           points += body.n_points;
         out << "  cells: " << cells << ", B-splines: " << functions
             << " for each component, points: " << points << '\n';
+        print_levels();
 
         const unsigned int stage    = common().stage;
         const unsigned int n_stages = parameters.n_stages();
@@ -150,6 +151,24 @@ namespace greville
       }
 
     private:
+      /// Write how many cells of a refined grid are halved how often.
+      void
+      print_levels()
+      {
+        if (!parameters.grid.is_refined())
+          return;
+        const SplineSpace<dim>   &space  = simulations.part(0).space();
+        const CellHierarchy<dim> &levels = *space.lattice().hierarchy();
+        std::vector<unsigned int> counts(levels.n_levels(), 0);
+        for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+          ++counts[levels.level(space.box(cell).index)];
+        Utilities::MPI::sum(counts, comm, counts);
+        out << "  cells that are halved 0, 1, ... times: ";
+        for (unsigned int l = 0; l < counts.size(); ++l)
+          out << (l > 0 ? ", " : "") << counts[l];
+        out << '\n';
+      }
+
       void
       draw(const std::string &folder)
       {
@@ -162,12 +181,25 @@ namespace greville
           create_folder(folder, "--draw");
           write_atomically(folder + "/parameters.prm", parameters.used());
         });
-        FieldOutput<dim> output(folder, parameters.output);
+        OutputParameters drawn = parameters.output;
+        if (parameters.grid.is_refined() && !contains(drawn.fields, "level"))
+          drawn.fields.push_back("level");
+        FieldOutput<dim> output(folder, drawn);
         output.hold();
         for (unsigned int k = 0; k < simulations.n_parts(); ++k)
           {
             simulations.part(k).loaded_surfaces();
             write_bodies(output, simulations, k, parameters, comm);
+          }
+        // Pictures of refined grids take the cells from this file.
+        if (parameters.grid.is_refined())
+          {
+            const Simulation<dim> &part = simulations.part(0);
+            simulations.fill_grid();
+            GridFields<dim> grid;
+            grid.velocity = part.state().field.velocity;
+            grid.mass     = part.mass().lumped();
+            output.write_grid(part.state().time, part.space(), grid);
           }
         output.write_held(comm);
         out << "  initial points: " << folder << '/'

@@ -99,10 +99,12 @@ namespace greville
     public:
       PointsOut(const BodyList<dim>                 &bodies,
                 const std::vector<OutputField<dim>> &given,
+                const std::vector<double>           *stress_jumps,
                 const unsigned int                   first,
                 const unsigned int                   end)
         : bodies(bodies)
         , fields(given)
+        , stress_jumps(stress_jumps)
         , first(first)
         , end(end)
       {
@@ -113,6 +115,8 @@ namespace greville
             this->names.insert(this->names.end(),
                                field.components.begin(),
                                field.components.end());
+        if (stress_jumps)
+          this->names.push_back("stress_jump");
       }
 
       void
@@ -124,6 +128,7 @@ namespace greville
           this->patches.clear();
         };
         std::vector<double> values(this->names.size());
+        std::size_t         k = 0;
         for (unsigned int b = first; b < end; ++b)
           bodies[b].points.for_each(
             [&](const unsigned int, ConstPointRef<dim> p) {
@@ -133,6 +138,8 @@ namespace greville
                   field.evaluate(p, bodies[b], b, value);
                   value += field.components.size();
                 }
+              if (stress_jumps)
+                *value = (*stress_jumps)[k++];
               this->add_point(p.position(), values);
               if (this->patches.size() == size)
                 write_block();
@@ -143,6 +150,7 @@ namespace greville
     private:
       const BodyList<dim>                &bodies;
       const std::vector<OutputField<dim>> fields;
+      const std::vector<double>          *stress_jumps;
       const unsigned int                  first, end; // bodies
     };
 
@@ -510,18 +518,19 @@ namespace greville
 
   template <int dim>
   void
-  FieldOutput<dim>::write_points(const double         time,
-                                 const BodyList<dim> &bodies,
-                                 const MPI_Comm       comm,
-                                 const unsigned int   first,
-                                 const unsigned int   n)
+  FieldOutput<dim>::write_points(const double               time,
+                                 const BodyList<dim>       &bodies,
+                                 const MPI_Comm             comm,
+                                 const unsigned int         first,
+                                 const unsigned int         n,
+                                 const std::vector<double> *stress_jumps)
   {
     const auto         given = point_fields(parameters.fields,
                                     bodies,
                                     Utilities::MPI::this_mpi_process(comm));
     const unsigned int end =
       first + std::min<unsigned int>(n, bodies.size() - first);
-    PointsOut<dim> points(bodies, given, first, end);
+    PointsOut<dim> points(bodies, given, stress_jumps, first, end);
     write_next("points", time, points, comm);
   }
 

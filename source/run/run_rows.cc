@@ -185,14 +185,6 @@ namespace greville
         row.more.push_back(imbalance(work, comm));
         row.more.push_back(simulations.sum(&State<dim>::n_partitions));
       }
-    if (parameters.grid.has_changing_cells())
-      {
-        row.more.push_back(simulations.sum([](const Simulation<dim> &part) {
-          return double(part.space().triangulation().n_global_active_cells());
-        }));
-        row.more.push_back(simulations.sum(&State<dim>::n_adaptations));
-        row.more.push_back(simulations.sum(&State<dim>::n_divided));
-      }
     return row;
   }
 
@@ -207,6 +199,16 @@ namespace greville
     for (const auto &[wall, component] : reactions)
       values.push_back(statistics.reactions[wall][component]);
     values.insert(values.end(), row.more.begin(), row.more.end());
+    // A late row is summed up in the step after it, which may have adapted the
+    // grid first and has not yet ended: the next adaptation follows.
+    if (parameters.grid.has_changing_cells())
+      {
+        values.push_back(simulations.sum([](const Simulation<dim> &part) {
+          return double(part.space().triangulation().n_global_active_cells());
+        }));
+        values.push_back(simulations.sum(&State<dim>::n_adaptations));
+        values.push_back(simulations.sum(&State<dim>::n_divided));
+      }
     return values;
   }
 

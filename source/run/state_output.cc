@@ -90,18 +90,23 @@ namespace greville
 
   template <int dim>
   void
-  write_bodies(FieldOutput<dim>              &output,
-               const CoupledSimulations<dim> &simulations,
-               const unsigned int             part,
-               const SimulationParameters    &parameters,
-               const MPI_Comm                 comm)
+  write_bodies(FieldOutput<dim>           &output,
+               CoupledSimulations<dim>    &simulations,
+               const unsigned int          part,
+               const SimulationParameters &parameters,
+               const MPI_Comm              comm)
   {
-    const State<dim> &state = simulations.part(part).state();
+    const State<dim>   &state     = simulations.part(part).state();
+    const bool          has_jumps = parameters.output.has_stress_jumps();
+    std::vector<double> jumps;
+    if (has_jumps)
+      jumps = simulations.part(part).stress_jumps();
     output.write_points(state.time,
                         simulations.bodies(),
                         comm,
                         first_body_of_part(simulations, part),
-                        state.bodies.size());
+                        state.bodies.size(),
+                        has_jumps ? &jumps : nullptr);
     output.write_surfaces(state.time,
                           state.surfaces,
                           numbers_of_surfaces(state, parameters),

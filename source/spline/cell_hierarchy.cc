@@ -154,10 +154,10 @@ namespace greville
   template <int dim>
   std::shared_ptr<const CellHierarchy<dim>>
   CellHierarchy<dim>::refined_also(
-    const std::vector<MultiIndex<dim>> &cells) const
+    const std::vector<std::uint64_t> &positions) const
   {
     auto result = std::make_shared<CellHierarchy>(*this);
-    result->want(cells);
+    result->want(positions);
     return result;
   }
 
@@ -166,7 +166,7 @@ namespace greville
   template <int dim>
   std::shared_ptr<const CellHierarchy<dim>>
   CellHierarchy<dim>::refined_only(
-    const std::vector<MultiIndex<dim>> &cells) const
+    const std::vector<std::uint64_t> &positions) const
   {
     auto result    = std::make_shared<CellHierarchy>(*this);
     result->wanted = [](const unsigned int, const CellBox<dim> &) {
@@ -174,7 +174,7 @@ namespace greville
     };
     for (auto &of_level : result->known_wanted)
       of_level.clear();
-    result->want(cells);
+    result->want(positions);
     return result;
   }
 
@@ -182,14 +182,14 @@ namespace greville
 
   template <int dim>
   void
-  CellHierarchy<dim>::want(const std::vector<MultiIndex<dim>> &cells)
+  CellHierarchy<dim>::want(const std::vector<std::uint64_t> &positions)
   {
     for (auto &of_level : refined)
       of_level.clear();
-    for (const MultiIndex<dim> &index : cells)
+    for (const std::uint64_t position : positions)
       {
-        unsigned int    l    = level(index);
-        MultiIndex<dim> cell = index;
+        MultiIndex<dim> cell = index(position);
+        unsigned int    l    = level(cell);
         for (unsigned int d = 0; d < dim; ++d)
           cell[d] -= offsets[l][d];
         while (true)

@@ -2,6 +2,7 @@
 
 #include <greville/spline/level_functions.h>
 #include <greville/steps/adapt_grid.h>
+#include <greville/steps/body_surfaces.h>
 #include <greville/steps/refinement_marks.h>
 #include <greville/steps/state_tables.h>
 
@@ -37,6 +38,20 @@ namespace greville
       return result;
     }
   } // namespace
+
+
+
+  template <int dim>
+  bool
+  has_cells_of(const SplineSpace<dim> &space, const CellHierarchy<dim> &levels)
+  {
+    bool result = true;
+    run_on_all(space.communicator(), [&]() {
+      for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
+        result = result && levels.is_active(space.box(cell).index);
+    });
+    return !Utilities::MPI::logical_or(!result, space.communicator());
+  }
 
 
 
@@ -308,23 +323,6 @@ namespace greville
 
 
 
-    /// Collective. Return whether the cells of a space are the active cells of
-    /// these levels.
-    template <int dim>
-    bool
-    has_cells_of(const SplineSpace<dim>   &space,
-                 const CellHierarchy<dim> &levels)
-    {
-      bool result = true;
-      run_on_all(space.communicator(), [&]() {
-        for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
-          result = result && levels.is_active(space.box(cell).index);
-      });
-      return !Utilities::MPI::logical_or(!result, space.communicator());
-    }
-
-
-
     /// Collective. Return whether points have to be divided.
     template <int dim>
     bool
@@ -367,20 +365,6 @@ namespace greville
 
 
 
-    /// Return the levels in which these cells are refined as well.
-    template <int dim>
-    std::shared_ptr<const CellHierarchy<dim>>
-    with(const CellHierarchy<dim>         &levels,
-         const std::vector<std::uint64_t> &positions)
-    {
-      std::vector<MultiIndex<dim>> cells;
-      for (const std::uint64_t position : positions)
-        cells.push_back(levels.index(position));
-      return levels.refined_also(cells);
-    }
-
-
-
     /// Collective. Change the cells of the mesh to @p levels, and refine cells
     /// at surfaces until all functions have well-filled cells. Returns the
     /// number of divided points.
@@ -406,7 +390,7 @@ namespace greville
           if (cut.empty())
             break;
           at_surfaces.insert(at_surfaces.end(), cut.begin(), cut.end());
-          levels = with(*levels, cut);
+          levels = levels->refined_also(cut);
         }
       std::sort(at_surfaces.begin(), at_surfaces.end());
       discretization.reinit_adapted(at_surfaces);
@@ -430,13 +414,15 @@ namespace greville
   {
     Adaptation              result;
     const SplineSpace<dim> &space = discretization.space();
-    const auto marks  = mark_cells(state, discretization, parameters);
+    const auto              is_near =
+      find_surfaces(parameters, space, state.bodies, state.rigid_bodies, false);
+    const auto marks  = mark_cells(state, discretization, parameters, is_near);
     result.is_limited = marks.is_limited;
-    const auto levels =
-      parameters.grid.hierarchy<dim>(state.time)->refined_also(marks.cells);
+    const auto levels = parameters.grid.hierarchy<dim>(state.time, is_near)
+                          ->refined_also(marks.cells);
     std::vector<std::uint64_t> at_surfaces =
       state.partition->cells->at_surfaces;
-    if (has_cells_of(space, *with(*levels, at_surfaces)))
+    if (has_cells_of(space, *levels->refined_also(at_surfaces)))
       {
         const auto cut = cells_at_surfaces(space, points_of(state));
         // Divided points change the mass of total Lagrangian steps.
@@ -456,13 +442,14 @@ namespace greville
     release();
     result.n_divided = change_cells(state,
                                     discretization,
-                                    with(*levels, at_surfaces),
+                                    levels->refined_also(at_surfaces),
                                     std::move(at_surfaces));
     return result;
   }
 
 
 
+  GREVILLE_INSTANTIATE(has_cells_of);
   GREVILLE_INSTANTIATE(cells_at_surfaces);
   GREVILLE_INSTANTIATE(adapt_grid);
 } // namespace greville

@@ -50,17 +50,16 @@ namespace greville
   CommonStep<dim>::remember()
   {
     bool is_shared = false;
-    for (Simulation<dim> *simulation : simulations)
-      is_shared = simulation->change_cells() || is_shared;
-    for (Simulation<dim> *simulation : simulations)
-      {
-        simulation->remember();
-        // Redistribution of one simulation's cells has replaced its stored
-        // state: store all states, so that they belong to the same step.
-        if (is_shared)
-          simulation->last_good.take(simulation->current);
-      }
-    dt = simulations.front()->current.step;
+    for_each([&](Simulation<dim> &simulation) {
+      is_shared = simulation.change_cells() || is_shared;
+    });
+    for_each([&](Simulation<dim> &simulation) {
+      simulation.remember();
+      // Redistribution of one simulation's cells has replaced its stored
+      // state: store all states, so that they belong to the same step.
+      if (is_shared)
+        simulation.last_good.take(simulation.current);
+    });
   }
 
 
@@ -186,9 +185,11 @@ namespace greville
   void
   CommonStep<dim>::take()
   {
-    remember();
+    dt                 = simulations.front()->current.step;
+    current_simulation = 0;
     try
       {
+        remember();
         begin();
         try_steps();
         if (trial)

@@ -116,12 +116,7 @@ namespace greville
                           get_communicator(mesh));
     auto levels = grid.hierarchy<dim>(start);
     if (levels)
-      {
-        std::vector<MultiIndex<dim>> marked;
-        for (const std::uint64_t position : grid.marked_at_start)
-          marked.push_back(levels->index(position));
-        levels = levels->refined_also(marked);
-      }
+      levels = levels->refined_also(grid.marked_at_start);
     create_box_mesh<dim>(mesh,
                          lower,
                          upper,
@@ -129,13 +124,6 @@ namespace greville
                          Walls<dim>::periodic_directions(walls),
                          edges,
                          levels);
-    const unsigned int n_refinements =
-      CoarseCells<dim>(n_cells).n_refinements + grid.n_levels();
-    Require(!grid.is_refined() || grid.has_changing_cells() ||
-              mesh.n_global_levels() == n_refinements + 1,
-            "The regions of 'Grid/Refinement' contain no cell of the grid that "
-            "is halved " +
-              std::to_string(grid.n_levels()) + " times: check their 'Shape'.");
     return n_cells;
   }
 
@@ -164,6 +152,15 @@ namespace greville
                                                      parameters.time.start);
     if (parameters.grid.is_refined())
       refine_at_surfaces(mesh, parameters, loads);
+    const unsigned int n_refinements =
+      CoarseCells<dim>(n_cells).n_refinements + parameters.grid.n_levels();
+    Require(!parameters.grid.is_refined() ||
+              parameters.grid.has_changing_cells() ||
+              mesh.n_global_levels() == n_refinements + 1,
+            "The regions of 'Grid/Refinement' contain no cell of the grid that "
+            "is halved " +
+              std::to_string(parameters.grid.n_levels()) +
+              " times: check their 'Shape'.");
     cell_partition = std::make_shared<const Partition>(
       std::vector<double>(),
       comm,
@@ -193,11 +190,9 @@ namespace greville
     const bool adapts = !partition->has_same_cells(*cell_partition);
     if (adapts)
       {
-        const Lattice<dim>           lattice(mesh);
-        std::vector<MultiIndex<dim>> cells;
-        for (const std::uint64_t position : partition->cells->all)
-          cells.push_back(lattice.hierarchy()->index(position));
-        adapt_box_mesh<dim>(mesh, lattice.hierarchy()->refined_only(cells));
+        const Lattice<dim> lattice(mesh);
+        adapt_box_mesh<dim>(
+          mesh, lattice.hierarchy()->refined_only(partition->cells->all));
       }
     const bool moves = Utilities::MPI::n_mpi_processes(comm) > 1 &&
                        partition->n_rows > 0 &&

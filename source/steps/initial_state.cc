@@ -3,6 +3,7 @@
 #include <greville/geometry/inside.h>
 #include <greville/parameters/pores.h>
 #include <greville/steps/adapt_grid.h>
+#include <greville/steps/body_surfaces.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/stage_bodies.h>
@@ -256,12 +257,49 @@ namespace greville
 
 
 
+  namespace
+  {
+    /// Collective. Refine a mesh as the regions with a 'Distance to surface'
+    /// require, until the surfaces, which depend on the cells, do not change.
+    template <int dim>
+    void
+    refine_near_surfaces(DistributedTriangulation<dim> &mesh,
+                         const SimulationParameters    &parameters,
+                         const Loads<dim>              &loads)
+    {
+      // Surfaces outside of a region's shape may depend on cells around it.
+      constexpr unsigned int most_sweeps = 6;
+      const GridParameters  &grid        = parameters.grid;
+      for (unsigned int k = 0; k < most_sweeps; ++k)
+        {
+          const SplineSpace<dim> space(mesh, grid.degree);
+          const auto             levels =
+            grid
+              .hierarchy<dim>(
+                parameters.time.start,
+                find_surfaces(parameters,
+                              space,
+                              place_bodies(parameters, loads, space),
+                              {},
+                              true))
+              ->refined_also(grid.marked_at_start);
+          if (has_cells_of(space, *levels))
+            return;
+          adapt_box_mesh<dim>(mesh, levels);
+        }
+    }
+  } // namespace
+
+
+
   template <int dim>
   void
   refine_at_surfaces(DistributedTriangulation<dim> &mesh,
                      const SimulationParameters    &parameters,
                      const Loads<dim>              &loads)
   {
+    if (parameters.grid.has_distances())
+      refine_near_surfaces(mesh, parameters, loads);
     while (true)
       {
         const SplineSpace<dim> space(mesh, parameters.grid.degree);
@@ -269,9 +307,7 @@ namespace greville
         std::vector<const MaterialPoints<dim> *> points;
         for (const Body<dim> &body : bodies)
           points.push_back(&body.points);
-        std::vector<MultiIndex<dim>> cells;
-        for (const std::uint64_t position : cells_at_surfaces(space, points))
-          cells.push_back(space.hierarchy()->index(position));
+        const auto cells = cells_at_surfaces(space, points);
         if (cells.empty())
           return;
         adapt_box_mesh<dim>(mesh, space.hierarchy()->refined_also(cells));

@@ -2,6 +2,7 @@
 
 #include <greville/parameters/refinement_region.h>
 #include <greville/steps/refinement_marks.h>
+#include <greville/steps/stress_jumps.h>
 
 #include <cmath>
 
@@ -40,149 +41,51 @@ namespace greville
 
 
 
-    /// Projects the stresses of all points, a row of dim components at a time,
-    /// with the mass matrix of the points and without walls.
-    template <int dim>
-    class StressProjection
+    /// The values of an indicator by owned cell: all, and the ones for which
+    /// cells are halved.
+    struct Values
     {
-    public:
-      StressProjection(State<dim>                 &state,
-                       Discretization<dim>        &discretization,
-                       const SimulationParameters &parameters)
-        : state(state)
-        , discretization(discretization)
-        , walls(WallParameters())
-        , mass(
-            make_grid_mass<dim>(discretization.hierarchy(), parameters, walls))
-      {
-        for (const Body<dim> &body : state.bodies)
-          points.push_back(&body.points);
-        discretization.initialize(sums);
-        discretization.initialize(spline);
-      }
-
-      /// Collective. Add, for each owned cell, the squares of jumps, and return
-      /// the sum of squares of all stresses of this process; both are weighted
-      /// by volumes.
-      double
-      add_jumps(std::vector<double> &squares)
-      {
-        constexpr unsigned int n   = PointLayout<dim>::n_stress;
-        double                 all = 0.;
-        for (unsigned int first = 0; first < n; first += dim)
-          {
-            exchange_velocities();
-            for_all([&](const unsigned int, const PointRef<dim> p) {
-              for (unsigned int d = 0; d < dim; ++d)
-                p.velocity(d) = p.stress(first + d);
-            });
-            project();
-            for_all([&](const unsigned int cell, const PointRef<dim> p) {
-              for (unsigned int d = 0; d < dim; ++d)
-                {
-                  const double stress = p.stress(first + d);
-                  // Shear components occur twice in the norm.
-                  const double weight = p.volume() * (first + d < 3 ? 1. : 2.);
-                  squares[cell] +=
-                    weight * Utilities::fixed_power<2>(p.velocity(d) - stress);
-                  all += weight * stress * stress;
-                }
-            });
-            exchange_velocities();
-          }
-        return all;
-      }
-
-    private:
-      template <typename Action>
-      void
-      for_all(const Action &action)
-      {
-        for (Body<dim> &body : state.bodies)
-          body.points.for_each(action);
-      }
-
-      /// Keep the velocities of all points, or restore them.
-      void
-      exchange_velocities()
-      {
-        const bool  is_empty = velocities.empty();
-        std::size_t k        = 0;
-        for_all([&](const unsigned int, const PointRef<dim> p) {
-          if (is_empty)
-            velocities.push_back(p.velocity());
-          else
-            for (unsigned int d = 0; d < dim; ++d)
-              p.velocity(d) = velocities[k][d];
-          ++k;
-        });
-        if (!is_empty)
-          velocities.clear();
-      }
-
-      /// Replace the velocities of points by the values of a spline.
-      void
-      project()
-      {
-        PointTransfer<dim> &transfer = discretization.transfer();
-        VectorType          lumped;
-        discretization.space().initialize_vector(lumped);
-        transfer.points_to_grid(points,
-                                &lumped,
-                                &sums,
-                                nullptr,
-                                is_assembled ? nullptr : mass->filled_parts(),
-                                false);
-        if (!is_assembled)
-          mass->update(lumped, points, {}, transfer);
-        is_assembled = true;
-        for (VectorType &component : spline)
-          component = 0.;
-        mass->solve({&spline}, {&sums});
-        PointUpdate<dim> update;
-        update.acceleration = update.velocity = &spline;
-        update.flip                           = 0.;
-        update_points(state.bodies, transfer, update, state.time);
-      }
-
-      State<dim>                              &state;
-      Discretization<dim>                     &discretization;
-      const Walls<dim>                         walls;
-      std::unique_ptr<GridMass<dim>>           mass;
-      std::vector<const MaterialPoints<dim> *> points;
-      std::vector<Tensor<1, dim>>              velocities;
-      VectorField<dim>                         sums, spline;
-      bool                                     is_assembled = false;
+      std::vector<double> all, halving;
     };
 
 
 
-    /// Collective. Return, for each owned cell, its stress jump.
+    /// Collective. Return, for each owned cell, the sums of the squares of
+    /// stress_jumps(), weighted by volumes.
     template <int dim>
-    std::vector<double>
-    stress_jumps(State<dim>                 &state,
-                 Discretization<dim>        &discretization,
-                 const SimulationParameters &parameters)
+    Values
+    squares_of_jumps(State<dim>                 &state,
+                     Discretization<dim>        &discretization,
+                     const SimulationParameters &parameters)
     {
       const SplineSpace<dim> &space   = discretization.space();
       const unsigned int      n_cells = space.owned_cells().size();
-      std::vector<double>     squares(n_cells, 0.), volumes(n_cells, 0.);
-      std::vector<double>     sums(2, 0.);
-      sums[0] = StressProjection<dim>(state, discretization, parameters)
-                  .add_jumps(squares);
+      Values                  squares;
+      squares.all.resize(n_cells, 0.);
+      squares.halving = squares.all;
+      std::vector<double> volumes(n_cells, 0.), sums(2, 0.);
+      const auto  jumps = stress_jumps(state, discretization, parameters);
+      std::size_t k     = 0;
       for (const Body<dim> &body : state.bodies)
         body.points.for_each(
           [&](const unsigned int cell, const ConstPointRef<dim> p) {
-            volumes[cell] += p.volume();
+            const double V = p.volume();
+            volumes[cell] += V;
+            squares.all[cell] +=
+              V * Utilities::fixed_power<2>(jumps.of_points[k]);
+            squares.halving[cell] +=
+              V * Utilities::fixed_power<2>(jumps.developed[k]);
+            ++k;
+            sums[0] += V * (p.stress() * p.stress());
+            sums[1] += V;
           });
-      for (const double volume : volumes)
-        sums[1] += volume;
       Utilities::MPI::sum(sums, space.communicator(), sums);
       const double negligible =
         smallest_jump * smallest_jump * sums[0] / sums[1];
-      for (unsigned int cell = 0; cell < n_cells; ++cell)
-        if (!(squares[cell] > negligible * volumes[cell]))
-          squares[cell] = 0.;
+      for (std::vector<double> *values : {&squares.all, &squares.halving})
+        for (unsigned int cell = 0; cell < n_cells; ++cell)
+          if (!((*values)[cell] > negligible * volumes[cell]))
+            (*values)[cell] = 0.;
       return squares;
     }
 
@@ -224,21 +127,23 @@ namespace greville
       RegionMarks(const RefinementParameters &region,
                   const std::string          &name,
                   const SplineSpace<dim>     &space,
-                  std::vector<double>       &&all_values,
+                  const Values               &given,
                   const double                time,
-                  const bool                  moves)
+                  const bool                  moves,
+                  const IsNearSurface<dim>   &is_near)
         : space(space)
         , levels(*space.lattice().hierarchy())
-        , values(std::move(all_values))
+        , values(given.all)
+        , halving(given.halving)
       {
-        const RefinementRegion<dim> shape(region, name, moves);
+        const RefinementRegion<dim> shape(region, name, moves, is_near);
         run_on_all(space.communicator(), [&]() {
           for (unsigned int cell = 0; cell < values.size(); ++cell)
             {
               const CellBox<dim> box   = space.box(cell);
               const unsigned int level = levels.level(box.index);
               if (values[cell] > 0. && !shape.contains(level, box, time))
-                values[cell] = 0.;
+                values[cell] = halving[cell] = 0.;
               may_halve.push_back(level < region.levels);
             }
         });
@@ -263,7 +168,7 @@ namespace greville
       value_of_number(const double n) const
       {
         const std::vector<double> weights(may_halve.begin(), may_halve.end());
-        std::vector<double>       refinable = values;
+        std::vector<double>       refinable = halving;
         for (unsigned int cell = 0; cell < values.size(); ++cell)
           refinable[cell] *= weights[cell];
         return value_at(refinable, weights, n, false, space.communicator());
@@ -280,7 +185,7 @@ namespace greville
           {
             const MultiIndex<dim> index   = space.box(cell).index;
             const bool            is_fine = levels.level(index) > 0;
-            if (values[cell] > halves && may_halve[cell])
+            if (halving[cell] > halves && may_halve[cell])
               append_ring(marks, index);
             if (values[cell] > halves && is_fine)
               append_ring(marks, levels.parent(index));
@@ -319,8 +224,8 @@ namespace greville
 
       const SplineSpace<dim>   &space;
       const CellHierarchy<dim> &levels;
-      std::vector<double>       values;    // by owned cell
-      std::vector<bool>         may_halve; // by owned cell
+      std::vector<double>       values, halving; // see Values
+      std::vector<bool>         may_halve;       // by owned cell
     };
 
 
@@ -347,7 +252,8 @@ namespace greville
   RefinementMarks<dim>
   mark_cells(State<dim>                 &state,
              Discretization<dim>        &discretization,
-             const SimulationParameters &parameters)
+             const SimulationParameters &parameters,
+             const IsNearSurface<dim>   &is_near)
   {
     RefinementMarks<dim>       result;
     const SplineSpace<dim>    &space = discretization.space();
@@ -355,15 +261,22 @@ namespace greville
     for (const auto &[name, region] : parameters.grid.regions)
       if (region.has_indicator() && region.acts_at(state.time))
         {
-          const bool             by_jumps = region.indicator == "stress jump";
-          const RegionMarks<dim> of_region(
-            region,
-            name,
-            space,
-            by_jumps ? stress_jumps(state, discretization, parameters)
-                     : plastic_strains(state, space.owned_cells().size()),
-            state.time,
-            parameters.grid.adapt_every > 0);
+          const bool by_jumps = region.indicator == "stress jump";
+          Values     values;
+          if (by_jumps)
+            values = squares_of_jumps(state, discretization, parameters);
+          else
+            {
+              values.all = plastic_strains(state, space.owned_cells().size());
+              values.halving = values.all;
+            }
+          const RegionMarks<dim> of_region(region,
+                                           name,
+                                           space,
+                                           values,
+                                           state.time,
+                                           parameters.grid.adapt_every > 0,
+                                           is_near);
           double halves = by_jumps ? of_region.value_of_share(share_of_jumps)
                                    : region.refine_above;
           const double keeps =
@@ -380,8 +293,9 @@ namespace greville
         }
     for (const auto &of_process :
          Utilities::MPI::all_gather(space.communicator(), marks))
-      for (const std::uint64_t position : of_process)
-        result.cells.push_back(space.lattice().hierarchy()->index(position));
+      result.cells.insert(result.cells.end(),
+                          of_process.begin(),
+                          of_process.end());
     return result;
   }
 

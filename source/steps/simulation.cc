@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
 #include <greville/parameters/in_stage.h>
+#include <greville/steps/body_surfaces.h>
 #include <greville/steps/initial_state.h>
 #include <greville/steps/load_balance.h>
 #include <greville/steps/refinement_marks.h>
 #include <greville/steps/simulation.h>
 #include <greville/steps/stage_bodies.h>
 #include <greville/steps/state_tables.h>
+#include <greville/steps/stress_jumps.h>
 
 #include <algorithm>
 #include <cmath>
@@ -194,10 +196,28 @@ namespace greville
 
 
   template <int dim>
-  std::vector<MultiIndex<dim>>
+  std::vector<std::uint64_t>
   Simulation<dim>::marked_cells()
   {
-    return mark_cells(current, discretization, parameters).cells;
+    return mark_cells(current,
+                      discretization,
+                      parameters,
+                      find_surfaces(parameters,
+                                    space(),
+                                    current.bodies,
+                                    current.rigid_bodies,
+                                    false))
+      .cells;
+  }
+
+
+
+  template <int dim>
+  std::vector<double>
+  Simulation<dim>::stress_jumps()
+  {
+    return greville::stress_jumps(current, discretization, parameters)
+      .of_points;
   }
 
 
@@ -206,7 +226,18 @@ namespace greville
   bool
   Simulation<dim>::change_cells()
   {
-    const bool has_changed = cells.take(current);
+    bool has_changed = false;
+    try
+      {
+        has_changed = cells.take(current);
+      }
+    catch (...)
+      {
+        // The copy of the old cells is lost: the run ends in this state.
+        if (!integrator)
+          last_good.take(current);
+        throw;
+      }
     if (!integrator)
       integrator = make_integrator();
     return has_changed;

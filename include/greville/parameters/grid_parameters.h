@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -15,6 +16,15 @@
 
 namespace greville
 {
+  /// A function that returns whether a box is closer to the surface of a body or
+  /// a rigid body than a distance, m. It may err by a fifth of the box's
+  /// diagonal.
+  template <int dim>
+  using IsNearSurface =
+    std::function<bool(const CellBox<dim> &, const double)>;
+
+
+
   /// A region in which cells are refined.
   struct RefinementParameters
   {
@@ -25,7 +35,8 @@ namespace greville
     bool
     acts_at(const double time) const
     {
-      return time >= from && time < until;
+      return (from.empty() || time >= from[0]) &&
+             (until.empty() || time < until[0]);
     }
 
     bool
@@ -38,7 +49,9 @@ namespace greville
     unsigned int levels       = 1;
     std::string  indicator    = "none";
     double       refine_above = 0.01;
-    double       from = -1e100, until = 1e100;
+    double       distance     = 0.; // to surfaces, m; 0: any
+    /// One time, s, or none.
+    std::vector<double> from, until;
   };
 
 
@@ -89,12 +102,23 @@ namespace greville
       return n;
     }
 
+    /// Return whether cells are refined near surfaces.
+    bool
+    has_distances() const
+    {
+      return std::any_of(regions.begin(), regions.end(), [](const auto &region) {
+        return region.second.distance > 0.;
+      });
+    }
+
     /// Return the levels of a refined grid for a mesh at a time, s, which the
-    /// shapes of regions without an indicator require; null for a grid without
-    /// refinement. Throws dealii::ExcMessage for invalid shapes.
+    /// regions without an indicator require; null for a grid without
+    /// refinement. Without @p is_near, no cell is near a surface. Throws
+    /// dealii::ExcMessage for invalid shapes.
     template <int dim>
     std::shared_ptr<const CellHierarchy<dim>>
-    hierarchy(const double time) const;
+    hierarchy(const double              time,
+              const IsNearSurface<dim> &is_near = {}) const;
 
     /// Return the edges of the cells of a direction; none for equal cells.
     /// Throws dealii::ExcMessage for a text that is no list of edges.

@@ -10,7 +10,8 @@
 namespace greville
 {
   /// The place of a region in which cells are refined: the shape of
-  /// RefinementParameters, or the whole grid if this is empty.
+  /// RefinementParameters, or the whole grid if this is empty, and of it the
+  /// part near surfaces if a distance is given.
   template <int dim>
   class RefinementRegion
   {
@@ -19,10 +20,12 @@ namespace greville
     /// dealii::ExcMessage for an invalid shape.
     RefinementRegion(const RefinementParameters &region,
                      const std::string          &name,
-                     const bool                  moves);
+                     const bool                  moves,
+                     const IsNearSurface<dim>   &is_near = {});
 
-    /// Return whether the centre of a smallest cell of the region in the @p box
-    /// of a cell of a level is in the shape at a time, s.
+    /// Return whether the @p box of a cell of a level contains a smallest cell
+    /// of the region whose centre is in the shape at a time, s, and which is
+    /// near a surface.
     bool
     contains(const unsigned int  level,
              const CellBox<dim> &box,
@@ -30,6 +33,8 @@ namespace greville
 
   private:
     unsigned int              n_levels;
+    double                    distance; // m
     std::optional<Shape<dim>> shape;
+    IsNearSurface<dim>        is_near;
   };
 } // namespace greville

@@ -5,6 +5,7 @@
 #include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/utilities.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,13 @@ namespace greville
     {
       return statistics_every == "auto" ? length / 400.
                                         : std::stod(statistics_every);
+    }
+
+    bool
+    has_stress_jumps() const
+    {
+      return std::find(fields.begin(), fields.end(), "stress_jump") !=
+             fields.end();
     }
 
     std::string              directory;

@@ -55,13 +55,15 @@ namespace greville
                 const OutputParameters &parameters);
 
     /// Collective. Write the points with the fields that the parameters name,
-    /// see point_fields(), or of @p n bodies only.
+    /// see point_fields(), or of @p n bodies only. @p stress_jumps of these
+    /// points are another field unless it is null.
     void
     write_points(const double         time,
                  const BodyList<dim> &bodies,
                  const MPI_Comm       comm,
                  const unsigned int   first = 0,
-                 const unsigned int n = dealii::numbers::invalid_unsigned_int);
+                 const unsigned int   n = dealii::numbers::invalid_unsigned_int,
+                 const std::vector<double> *stress_jumps = nullptr);
 
     /// Collective. Write the fields of the grid cells with mass, as Lagrange
     /// cells of the order of the @p space. With several grids, the file has the

@@ -27,9 +27,9 @@ namespace greville
   /// points.
   template <int dim>
   void
-  write_bodies(FieldOutput<dim>              &output,
-               const CoupledSimulations<dim> &simulations,
-               const unsigned int             part,
-               const SimulationParameters    &parameters,
-               const MPI_Comm                 comm);
+  write_bodies(FieldOutput<dim>           &output,
+               CoupledSimulations<dim>    &simulations,
+               const unsigned int          part,
+               const SimulationParameters &parameters,
+               const MPI_Comm              comm);
 } // namespace greville

@@ -55,15 +55,15 @@ namespace greville
                   const unsigned int    degree,
                   const Wanted         &wanted);
 
-    /// Return a hierarchy that refines these cells, too. They are active cells
-    /// of levels before the last one.
+    /// Return a hierarchy that refines the cells at these positions, too. They
+    /// belong to levels before the last one.
     std::shared_ptr<const CellHierarchy>
-    refined_also(const std::vector<MultiIndex<dim>> &cells) const;
+    refined_also(const std::vector<std::uint64_t> &positions) const;
 
-    /// Return a hierarchy in which only these cells of levels before the last
-    /// one, and the cells that contain them, are wanted.
+    /// Return a hierarchy in which only the cells at these positions, of levels
+    /// before the last one, and the cells that contain them, are wanted.
     std::shared_ptr<const CellHierarchy>
-    refined_only(const std::vector<MultiIndex<dim>> &cells) const;
+    refined_only(const std::vector<std::uint64_t> &positions) const;
 
     /// Return the number of lattices, level 0 included.
     unsigned int
@@ -150,7 +150,7 @@ namespace greville
   private:
     /// Want these cells, and the cells that contain them.
     void
-    want(const std::vector<MultiIndex<dim>> &cells);
+    want(const std::vector<std::uint64_t> &positions);
 
     /// Return whether a cell, counted from offset(level), is wanted.
     bool

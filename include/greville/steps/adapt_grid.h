@@ -6,6 +6,12 @@
 
 namespace greville
 {
+  /// Collective. Return whether the cells of a space are the active cells of
+  /// these levels.
+  template <int dim>
+  bool
+  has_cells_of(const SplineSpace<dim> &space, const CellHierarchy<dim> &levels);
+
   /// Collective. Return the positions of cells of a refined grid that have
   /// to be halved because functions at their edges depend on the few @p points
   /// of cut cells only (LevelFunctions).

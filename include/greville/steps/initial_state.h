@@ -15,9 +15,10 @@ namespace greville
                     const SimulationParameters    &parameters,
                     const Loads<dim>              &loads);
 
-  /// Collective. Refine cells of a refined mesh until no function at their
-  /// edges depends on the few points of cut cells only (LevelFunctions): bodies
-  /// whose surfaces cross cells of several sizes have splines that are smooth.
+  /// Collective. Refine cells of a refined mesh as regions with a 'Distance to
+  /// surface' require, and until no function at their edges depends on the few
+  /// points of cut cells only (LevelFunctions): bodies whose surfaces cross
+  /// cells of several sizes have splines that are smooth.
   template <int dim>
   void
   refine_at_surfaces(DistributedTriangulation<dim> &mesh,

@@ -10,7 +10,7 @@ namespace greville
   template <int dim>
   struct RefinementMarks
   {
-    std::vector<MultiIndex<dim>> cells;
+    std::vector<std::uint64_t> cells; // positions
     /// True if 'Grid/Most cells' leaves out some of them.
     bool is_limited = false;
   };
@@ -21,14 +21,16 @@ namespace greville
    * cells around newly marked cells are marked, too: narrower regions have no
    * smaller functions.
    *
-   * The stress jump of a cell is @f$ \sum_p V_p |\sigma_p - P\sigma(x_p)|^2
-   * @f$ over its points, where P is the projection to splines by the mass
-   * matrix, @f$ M c = \sum_p m_p N \sigma_p @f$. Values below the square of
+   * The indicator stress jump of a cell is the sum of the squares of
+   * StressJumps::of_points over its points, weighted by their volumes. A cell
+   * is halved if the sum of StressJumps::developed exceeds the value above
+   * which cells have the given share of all jumps. Sums below the square of
    * 1e-3 times the mean stress count as 0.
    */
   template <int dim>
   RefinementMarks<dim>
   mark_cells(State<dim>                 &state,
              Discretization<dim>        &discretization,
-             const SimulationParameters &parameters);
+             const SimulationParameters &parameters,
+             const IsNearSurface<dim>   &is_near);
 } // namespace greville

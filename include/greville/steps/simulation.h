@@ -209,10 +209,15 @@ namespace greville
       return log;
     }
 
-    /// Collective. Return the cells that indicators of 'Grid/Refinement' want
-    /// to be halved in the current state, see mark_cells().
-    std::vector<MultiIndex<dim>>
+    /// Collective. Return the positions of cells that indicators of
+    /// 'Grid/Refinement' want to be halved in the current state, see
+    /// mark_cells().
+    std::vector<std::uint64_t>
     marked_cells();
+
+    /// Collective. Return StressJumps::of_points in the current state.
+    std::vector<double>
+    stress_jumps();
 
     /// Return the bytes of the points on this process and of the stored state.
     std::size_t
