@@ -16,12 +16,11 @@
 
 namespace greville
 {
-  /// A function that returns whether a box is closer to the surface of a body or
-  /// a rigid body than a distance, m. It may err by a fifth of the box's
+  /// A function that returns whether a box is closer to the surface of a body
+  /// or a rigid body than a distance, m. It may err by a fifth of the box's
   /// diagonal.
   template <int dim>
-  using IsNearSurface =
-    std::function<bool(const CellBox<dim> &, const double)>;
+  using IsNearSurface = std::function<bool(const CellBox<dim> &, const double)>;
 
 
 
@@ -106,9 +105,11 @@ namespace greville
     bool
     has_distances() const
     {
-      return std::any_of(regions.begin(), regions.end(), [](const auto &region) {
-        return region.second.distance > 0.;
-      });
+      return std::any_of(regions.begin(),
+                         regions.end(),
+                         [](const auto &region) {
+                           return region.second.distance > 0.;
+                         });
     }
 
     /// Return the levels of a refined grid for a mesh at a time, s, which the
@@ -117,8 +118,7 @@ namespace greville
     /// dealii::ExcMessage for invalid shapes.
     template <int dim>
     std::shared_ptr<const CellHierarchy<dim>>
-    hierarchy(const double              time,
-              const IsNearSurface<dim> &is_near = {}) const;
+    hierarchy(const double time, const IsNearSurface<dim> &is_near = {}) const;
 
     /// Return the edges of the cells of a direction; none for equal cells.
     /// Throws dealii::ExcMessage for a text that is no list of edges.
