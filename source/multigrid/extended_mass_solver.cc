@@ -60,18 +60,31 @@ namespace greville
   {
     // Kronecker products of band matrices remain positive definite without the
     // outermost diagonals. The factorization then costs less than half. In
-    // refined grids, the weights of some functions are too large for that.
-    const SplineSpace<dim> &space  = mass.matrix().space();
-    const unsigned int      degree = space.degree();
-    const int               reach =
-      space.lattice().hierarchy() ? degree : std::max(1, int(degree) - 1);
-    factors.factorize(mass.local_entries((1u << dim) - 1, reach),
-                      *mass.unknowns().unknown_layout(),
-                      mass.unknowns().unknown_positions(),
-                      reach,
-                      1,
-                      ict_parameters(degree),
-                      mass.row_variants(reach));
+    // refined grids, the weights of some functions are too large for that, and
+    // in other grids in rare cases.
+    const SplineSpace<dim> &space         = mass.matrix().space();
+    const int               degree        = space.degree();
+    const auto              try_factorize = [&](const int reach) {
+      factors.factorize(mass.local_entries((1u << dim) - 1, reach),
+                        *mass.unknowns().unknown_layout(),
+                        mass.unknowns().unknown_positions(),
+                        reach,
+                        1,
+                        ict_parameters(degree),
+                        mass.row_variants(reach));
+    };
+    const int small_reach =
+      space.hierarchy() ? degree : std::max(1, degree - 1);
+    try
+      {
+        try_factorize(small_reach);
+      }
+    catch (const ErrorOnAll &)
+      {
+        if (small_reach == degree)
+          throw;
+        try_factorize(degree);
+      }
     ++factorizations;
     factorized        = mass.unknowns().unknown_layout();
     is_fresh          = true;

@@ -297,7 +297,7 @@ namespace greville
                             const std::size_t,
                             const Stress &own,
                             const Stress &spline) {
-      differences.push_back({norm_square(own), norm_square(spline)});
+      differences.push_back({{norm_square(own), norm_square(spline)}});
     });
     std::size_t next = 0;
     Means       squares(state);

@@ -240,7 +240,13 @@ namespace greville
                                                   accurate);
     if (mass_is_new)
       mass_solver->update(total_mass);
-    mass_is_new        = false;
+    mass_is_new = false;
+    // Begin with zero: a guess would not be the same after a restart.
+    const auto &constrained = finest().constrained_components();
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int i = 0; i < velocity[c].locally_owned_size(); ++i)
+        if (!((constrained[i] >> c) & 1))
+          velocity[c].local_element(i) = 0.;
     SolveResult result = mass_solver->solve({&velocity}, {&momentum});
     // If few points are spread widely, round-off may exceed the tolerance.
     constexpr double negligible = 1e-9;

@@ -318,6 +318,8 @@ namespace greville
     multigrid.reset();
     reuse.end();
     levels_fail = false;
+    if (mass_solver)
+      mass_solver->forget();
   }
 
 

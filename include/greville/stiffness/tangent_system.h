@@ -217,7 +217,7 @@ namespace greville
     n_basis_vectors() const;
 
     /// Collective. Compute the velocity with M~ v = momentum; @p velocity
-    /// supplies the constrained coefficients and a guess of the others.
+    /// supplies the constrained coefficients.
     SolveResult
     solve_mass(VectorField<dim> &velocity, const VectorField<dim> &momentum);
 
