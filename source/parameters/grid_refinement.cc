@@ -48,10 +48,22 @@ namespace greville
     };
     const unsigned int n_smallest = 1u
                                     << (n_levels - std::min(level, n_levels));
+    if (distance == 0.)
+      {
+        MultiIndex<dim> extents;
+        extents.fill(n_smallest);
+        for (unsigned int k = 0; k < Utilities::fixed_power<dim>(n_smallest);
+             ++k)
+          if (shape->contains(
+                part_at(multi_index<dim>(k, extents), n_smallest).center, time))
+            return true;
+        return false;
+      }
+    // Search only the parts near surfaces.
     const std::function<bool(const MultiIndex<dim> &, const unsigned int)>
       find = [&](const MultiIndex<dim> &index, const unsigned int n) {
         const CellBox<dim> part = part_at(index, n);
-        if (distance > 0. && !(is_near && is_near(part, distance)))
+        if (!is_near || !is_near(part, distance))
           return false;
         if (n == n_smallest)
           return !shape || shape->contains(part.center, time);
