@@ -181,7 +181,9 @@ namespace StepGreville
     // mixed mass matrix $P$ of two orders as prolongation, its transpose as
     // restriction. A cycle on coarser and coarser lattices is applied to the
     // system of order 1 once per cycle, because the tolerance is 1. (The
-    // coarsening "lattice" needs no levels but the finest one.)
+    // coarsening "lattice" needs no levels but the finest one.) The vectors of
+    // levels have an entry for each function and component, and the vectors of
+    // the system for each unknown.
     unsigned int
     solve(VectorType &x, const VectorType &b, const double mass_factor)
     {
@@ -197,10 +199,16 @@ namespace StepGreville
       smoother.chebyshev_range  = 8.;
       const PMultigrid<dim> multigrid(levels, cycle, smoother, 1.);
 
+      const auto &unknowns = system->finest().extended().unknowns();
+      VectorType  all_x, all_b;
+      initialize_vector<dim>(all_x, *levels.back());
+      initialize_vector<dim>(all_b, *levels.back());
+      unknowns.write(all_b, b, dim);
+
       SolverControl            control(100, 1e-8 * b.l2_norm());
       SolverFGMRES<VectorType> solver(control);
-      x = 0.;
-      solver.solve(*levels.back(), x, b, multigrid);
+      solver.solve(*levels.back(), all_x, all_b, multigrid);
+      unknowns.read(x, all_x, dim);
       ++n_solves;
       n_iterations += control.last_step();
       return control.last_step();
