@@ -46,7 +46,10 @@ namespace greville
     unknowns.reinit(places);
     unknowns.update(extension, true);
     for (unsigned int f = 0; f < space.owned_functions().size(); ++f)
-      is_tied.push_back(extension[f] == Extension<dim>::extended);
+      {
+        is_tied.push_back(extension[f] == Extension<dim>::extended);
+        greville_points.push_back(space.greville_point(f));
+      }
     for (unsigned int cell = 0; cell < n_cells; ++cell)
       {
         const auto functions = space.cell_functions(cell);
@@ -92,10 +95,8 @@ namespace greville
     for (auto *field : {&sums, &moments})
       for (VectorType &component : *field)
         this->space().initialize_vector(component);
-    const unsigned int      n_owned = levels->is_tied.size();
-    std::vector<Point<dim>> places;
-    for (unsigned int i = 0; i < n_owned; ++i)
-      places.push_back(this->space().greville_point(i));
+    const unsigned int n_owned = levels->is_tied.size();
+    const auto        &places  = levels->greville_points;
     for (unsigned int column = 0; column < dim; ++column)
       {
         transfer.affine_momentum(bodies, column, levels->has_tied, sums);

@@ -110,12 +110,14 @@ namespace greville
                                 nullptr,
                                 is_assembled ? nullptr : mass->filled_parts(),
                                 false);
+        mass->condense_levels(lumped, sums, {}, transfer);
         if (!is_assembled)
           mass->update(lumped, points, {}, transfer);
         is_assembled = true;
         for (VectorType &component : spline)
           component = 0.;
         mass->solve({&spline}, {&sums});
+        mass->distribute_levels(spline);
         PointUpdate<dim> update;
         update.acceleration = update.velocity = &spline;
         update.flip                           = 0.;

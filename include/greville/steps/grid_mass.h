@@ -198,19 +198,14 @@ namespace greville
     condense_levels(VectorField<dim> &) const
     {}
 
-    /// Collective. The same for the lumped mass and the momentum of @p bodies,
+    /// Collective. The same for the lumped mass and the momentum of bodies,
     /// whose affine velocities then refer to the functions of the space, too.
     virtual void
-    condense_levels(VectorType                                     &lumped,
-                    VectorField<dim>                               &momentum,
-                    const std::vector<const MaterialPoints<dim> *> &bodies,
-                    PointTransfer<dim> &transfer) const
-    {
-      (void)lumped;
-      (void)momentum;
-      (void)bodies;
-      (void)transfer;
-    }
+    condense_levels(VectorType &,
+                    VectorField<dim> &,
+                    const std::vector<const MaterialPoints<dim> *> &,
+                    PointTransfer<dim> &) const
+    {}
 
     /// Collective. The inverse: compute the coefficients of all functions of
     /// levels, x = E x.

@@ -105,12 +105,13 @@ namespace greville
       /// Collective.
       Levels(const SplineSpace<dim> &space);
 
-      CellFilling<dim>      filling;
-      Extension<dim>        extension;
-      StencilPlaces<dim>    places;
-      ExtendedUnknowns<dim> unknowns;
-      std::vector<bool>     is_tied;  // by owned function
-      std::vector<bool>     has_tied; // functions, by owned cell
+      CellFilling<dim>                filling;
+      Extension<dim>                  extension;
+      StencilPlaces<dim>              places;
+      ExtendedUnknowns<dim>           unknowns;
+      std::vector<bool>               is_tied;         // by owned function
+      std::vector<dealii::Point<dim>> greville_points; // likewise
+      std::vector<bool>               has_tied; // functions, by owned cell
     };
 
     /// Collective. Make the extension if surfaces are in contact.

@@ -209,9 +209,8 @@ namespace greville
       return log;
     }
 
-    /// Collective. Return the positions of cells that indicators of
-    /// 'Grid/Refinement' want to be halved in the current state, see
-    /// mark_cells().
+    /// Collective. Return the positions of the cells that indicators want to be
+    /// halved in the current state, see mark_cells().
     std::vector<std::uint64_t>
     marked_cells();
 
@@ -237,8 +236,7 @@ namespace greville
 
     std::unique_ptr<TimeIntegrator<dim>>
     make_integrator();
-    // Make all members that depend on the sections of a stage; go on to the
-    // next stage; initialize the state at its start.
+    // Make the members of a stage; enter the next one; initialize its state.
     void
     enter_stage(const unsigned int stage);
     void
@@ -250,8 +248,7 @@ namespace greville
     void
     change_bodies_from(const std::vector<const Material *> &materials,
                        const double                         energy);
-    // Change the cells if it is due before this step. Returns whether the state
-    // has changed.
+    // Change the cells if due. Returns whether the state has changed.
     bool
     change_cells();
 
@@ -263,8 +260,7 @@ namespace greville
     void
     begin_anew();
 
-    // Do the tasks before a step: copy the state, and begin the next stage if
-    // due.
+    // Before a step, copy the state, and begin the next stage if due.
     void
     remember();
     void
