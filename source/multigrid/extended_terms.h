@@ -19,15 +19,23 @@ namespace greville
     /// A coarse function, counted from LatticeUnknowns::first_coarse().
     struct Term
     {
-      Position offset;
-      float    weight;
+      Position     offset;
+      float        weight;
+      unsigned int level; // of cells
+    };
+
+    /// The offsets of the terms of a level of cells.
+    struct Range
+    {
+      unsigned int level;
+      Position     lowest, highest;
     };
 
     struct Terms
     {
-      Position          lowest, highest; // offsets
-      std::vector<Term> list;
-      unsigned char     constrained = 0; // components (bits) without terms
+      std::vector<Range> ranges;
+      std::vector<Term>  list;
+      unsigned char      constrained = 0; // components (bits) without terms
     };
 
     ExtendedTerms(const LatticeUnknowns<dim> &coarse,
@@ -37,7 +45,7 @@ namespace greville
     bool
     touches(const Position &i) const
     {
-      const std::size_t at = place(i);
+      const std::size_t at = boxes.place(i);
       return at < is_near.size() && is_near[at];
     }
 
@@ -46,7 +54,7 @@ namespace greville
     const Terms *
     find(const Position &i) const
     {
-      const std::size_t at = place(i);
+      const std::size_t at = boxes.place(i);
       if (at >= number_at.size())
         return nullptr;
       const unsigned int e = number_at[at];
@@ -61,24 +69,17 @@ namespace greville
            const typename LatticeLevel<dim>::Terms   &terms,
            const typename LatticeLevel<dim>::Lattice &lattice) const;
 
-    /// Return the place of a function in the boxes, or a number beyond all
-    /// places.
-    std::size_t
-    place(const Position &i) const
-    {
-      std::size_t begin = 0;
-      for (const LatticeBox &box : boxes)
-        {
-          if (box.contains(i))
-            return begin + box.place(i);
-          begin += box.size();
-        }
-      return begin;
-    }
+    /// Add the terms of a level from the sums of their weights in a box.
+    static void
+    add_terms(const unsigned int level,
+              const LatticeBox  &box,
+              const float       *sums,
+              const Position    &first,
+              Terms             &result);
 
     const LatticeUnknowns<dim> &coarse;
     std::vector<Terms>          rows;
-    std::vector<LatticeBox>     boxes; // around the functions of each level
+    LatticeBoxes                boxes;
     std::vector<unsigned int>   number_at;
     std::vector<bool>           is_near;
   };
@@ -107,25 +108,16 @@ namespace greville
           rows[found->second].constrained = bits;
       }
     add_periodic_images(lattice, reach, all);
-    std::vector<decltype(all)> of_levels(lattice[0].n_levels());
-    for (const auto &entry : all)
-      of_levels[lattice[0].level(entry.first[0])].push_back(entry);
-    std::size_t n_places = 0;
-    for (const auto &of_level : of_levels)
-      {
-        boxes.emplace_back();
-        boxes.back().fit(of_level, reach);
-        n_places += boxes.back().size();
-      }
-    number_at.assign(n_places, none);
-    is_near.assign(n_places, false);
+    boxes.fit(lattice[0], all, reach);
+    number_at.assign(boxes.size(), none);
+    is_near.assign(boxes.size(), false);
     for (const auto &[i, e] : all)
       {
-        number_at[place(i)] = e;
+        number_at[boxes.place(i)] = e;
         for (int z = -reach[2]; z <= reach[2]; ++z)
           for (int y = -p; y <= p; ++y)
             for (int x = -p; x <= p; ++x)
-              is_near[place({{i[0] + x, i[1] + y, i[2] + z}})] = true;
+              is_near[boxes.place({{i[0] + x, i[1] + y, i[2] + z}})] = true;
       }
   }
 
@@ -156,32 +148,53 @@ namespace greville
           entries.emplace_back(I, weight * of_u);
         });
       }
-    Terms result;
-    result.lowest.fill(std::numeric_limits<int>::max());
-    result.highest.fill(-std::numeric_limits<int>::max());
-    const Position  first      = coarse.first_coarse(i);
-    constexpr float negligible = 1e-5f;
-    LatticeBox      box_of_terms;
-    box_of_terms.fit(entries, {{0, 0, 0}});
-    std::vector<float> sums(box_of_terms.size(), 0.f);
+    Terms          result;
+    const Position first = coarse.first_coarse(i);
+    LatticeBoxes   boxes_of_terms;
+    boxes_of_terms.fit(coarse.lattice()[0], entries, {{0, 0, 0}});
+    std::vector<float> sums(boxes_of_terms.size(), 0.f);
     for (const auto &[I, weight] : entries)
-      sums[box_of_terms.place(I)] += weight;
+      sums[boxes_of_terms.place(I)] += weight;
+    const float *of_level = sums.data();
+    for (unsigned int l = 0; l < boxes_of_terms.n_levels(); ++l)
+      {
+        add_terms(l, boxes_of_terms[l], of_level, first, result);
+        of_level += boxes_of_terms[l].size();
+      }
+    return result;
+  }
+
+
+
+  template <int dim>
+  void
+  ExtendedTerms<dim>::add_terms(const unsigned int level,
+                                const LatticeBox  &box,
+                                const float       *sums,
+                                const Position    &first,
+                                Terms             &result)
+  {
+    constexpr float negligible = 1e-5f;
+    Range           range{level, {}, {}};
+    range.lowest.fill(std::numeric_limits<int>::max());
+    range.highest.fill(-std::numeric_limits<int>::max());
+    const std::size_t n_before = result.list.size();
     // Do not process neighbours in x one after another: loading a vector waits
     // for the store of a vector that overlaps it.
-    for (int x = 0; x < box_of_terms.extents[0]; ++x)
-      for (std::size_t place = x; place < sums.size();
-           place += box_of_terms.extents[0])
+    for (int x = 0; x < box.extents[0]; ++x)
+      for (std::size_t place = x; place < box.size(); place += box.extents[0])
         if (std::abs(sums[place]) > negligible)
           {
-            Term term{box_of_terms.position(place), sums[place]};
+            Term term{box.position(place), sums[place], level};
             for (unsigned int d = 0; d < 3; ++d)
               {
                 term.offset[d] -= first[d];
-                result.lowest[d]  = std::min(result.lowest[d], term.offset[d]);
-                result.highest[d] = std::max(result.highest[d], term.offset[d]);
+                range.lowest[d]  = std::min(range.lowest[d], term.offset[d]);
+                range.highest[d] = std::max(range.highest[d], term.offset[d]);
               }
             result.list.push_back(term);
           }
-    return result;
+    if (result.list.size() > n_before)
+      result.ranges.push_back(range);
   }
 } // namespace greville

@@ -10,7 +10,8 @@ namespace greville
   /// The sum of P_i^T B_ij P_j over the blocks of half rows B, in half rows of
   /// the coarse unknowns. P_i contains the coarse functions of function i, and
   /// of the unknowns on which an extended i depends. Other functions are
-  /// inserted direction by direction.
+  /// inserted direction by direction. In a refined grid, an extended function
+  /// can have coarse functions of several levels of cells.
   template <int dim, int nc, int n>
   class GalerkinProduct
   {
@@ -31,6 +32,7 @@ namespace greville
       , rows(rows)
       , far_blocks(far_blocks)
       , extended(coarse, fine)
+      , boxes(coarse.lattice()[0].n_levels())
     {
       sums.assign(coarse.positions().size() * sums_size, 0.f);
       fine.for_each_row(
@@ -60,13 +62,13 @@ namespace greville
       const Terms *terms;
     };
 
-    /// A box of coarse functions, for which a row has one block each. Entry (c,
-    /// d) of a block is at place() + c * stride + d.
+    /// A box of coarse functions of a level, for which a row has one block
+    /// each. Entry (c, d) of a block is at place() + c * stride + d.
     struct Box
     {
       Position begin, end;
       int      begin_x = 0, end_x = 0; // of the functions of columns
-      int      stride = 0;
+      int      stride = 0, first_place = 0;
 
       Box()
       {
@@ -79,6 +81,12 @@ namespace greville
       {
         begin[d] = std::min(begin[d], first);
         end[d]   = std::max(end[d], last + 1);
+      }
+
+      bool
+      is_empty() const
+      {
+        return begin[0] >= end[0];
       }
 
       /// Extend the lines of the box along x, from p functions before @p first
@@ -103,7 +111,8 @@ namespace greville
       int
       place(const Position &I) const
       {
-        return ((I[2] - begin[2]) * count(1) + I[1] - begin[1]) * nc * stride +
+        return first_place +
+               ((I[2] - begin[2]) * count(1) + I[1] - begin[1]) * nc * stride +
                (I[0] - begin[0]) * nc;
       }
 
@@ -153,16 +162,25 @@ namespace greville
           row = plain_row;
         }
       const Box plain = box_of_columns(i);
-      Box       box   = plain;
+      std::fill(boxes.begin(), boxes.end(), Box());
+      Box &box = box_of(coarse.first_coarse(i));
+      box      = plain;
       for (const Column &column : columns)
-        for (int d = 0; d < 3; ++d)
-          box.include(d,
-                      column.first[d] + column.terms->lowest[d],
-                      column.first[d] + column.terms->highest[d]);
-      begin_blocks(i, own, box);
+        for (const auto &range : column.terms->ranges)
+          for (int d = 0; d < 3; ++d)
+            boxes[range.level].include(d,
+                                       column.first[d] + range.lowest[d],
+                                       column.first[d] + range.highest[d]);
+      begin_blocks(i, own);
       sum_columns(i, row, plain, box);
-      sum_extended_columns(box);
-      add_rows(i, own, box, own || !columns.empty());
+      sum_extended_columns();
+      add_rows(i, own, own || !columns.empty());
+    }
+
+    Box &
+    box_of(const Position &I)
+    {
+      return boxes[coarse.level(I)];
     }
 
     /// Return the coarse functions of the columns of a row.
@@ -185,33 +203,52 @@ namespace greville
       box.include(d, r.first, r.first + int(r.weights.size()) - 1);
     }
 
-    /// Prepare a box for the lines of all coarse functions of i, with zero
+    /// Prepare the boxes for the lines of all coarse functions of i, with zero
     /// blocks.
     void
-    begin_blocks(const Position &i, const Terms *own, Box &box)
+    begin_blocks(const Position &i, const Terms *own)
     {
-      const NestedKnots::Row &r = coarse.insertion(0, i[0]);
-      if (own)
-        box.include_lines(r.first + own->lowest[0], r.first + own->highest[0]);
-      else
-        box.include_lines(r.first, r.first + int(r.weights.size()) - 1);
-      blocks.assign(box.size() + block_width, 0.f);
+      const NestedKnots::Row &r         = coarse.insertion(0, i[0]);
+      const unsigned int      of_row    = coarse.level(coarse.first_coarse(i));
+      int                     n_numbers = 0;
+      for (unsigned int l = 0; l < boxes.size(); ++l)
+        {
+          Box &box = boxes[l];
+          if (box.is_empty())
+            continue;
+          int first = box.begin[0], last = box.end[0] - 1;
+          if (!own && l == of_row)
+            {
+              first = r.first;
+              last  = r.first + int(r.weights.size()) - 1;
+            }
+          if (own)
+            for (const auto &range : own->ranges)
+              if (range.level == l)
+                {
+                  first = r.first + range.lowest[0];
+                  last  = r.first + range.highest[0];
+                }
+          box.include_lines(first, last);
+          box.first_place = n_numbers;
+          n_numbers += box.size();
+        }
+      blocks.assign(n_numbers + block_width, 0.f);
     }
 
-    /// Add P_i^T times the blocks of a box, which may reach beyond rows.
+    /// Add P_i^T times the blocks of the boxes, which may reach beyond rows.
     void
-    add_rows(const Position &i,
-             const Terms    *own,
-             const Box      &box,
-             const bool      can_exceed)
+    add_rows(const Position &i, const Terms *own, const bool can_exceed)
     {
       const auto add = [&](const Position &I, const float weight) {
         const int u = coarse.find(coarse.wrapped(I));
         if (u < 0)
           return;
-        add_to_row(I, u, weight, box);
+        const Box &box = box_of(I);
+        if (!box.is_empty())
+          add_to_row(I, u, weight, box);
         if (can_exceed)
-          add_beyond_row(I, u, weight, box);
+          add_beyond_row(I, u, weight);
       };
       if (!own)
         {
@@ -287,14 +324,15 @@ namespace greville
         if (of_row.empty())
           return;
         const Position &i = of_row[0].i;
-        Box             box;
+        std::fill(boxes.begin(), boxes.end(), Box());
         for (const FarBlock &far : of_row)
           for (int d = 0; d < 3; ++d)
-            include_coarse(d, far.j[d], box);
-        begin_blocks(i, nullptr, box);
+            include_coarse(d, far.j[d], box_of(coarse.first_coarse(far.j)));
+        begin_blocks(i, nullptr);
         for (const FarBlock &far : of_row)
           {
-            float block[nc * block_width] = {};
+            const Box &box = box_of(coarse.first_coarse(far.j));
+            float      block[nc * block_width] = {};
             for (int c = 0; c < nc; ++c)
               std::copy_n(far.block + c * nc, nc, block + c * block_width);
             coarse.for_each_coarse(far.j,
@@ -307,7 +345,7 @@ namespace greville
                                                 nc);
                                    });
           }
-        add_rows(i, nullptr, box, true);
+        add_rows(i, nullptr, true);
         of_row.clear();
       };
       fine.for_each_far_block([&](const FarBlock &far) {
@@ -365,19 +403,22 @@ namespace greville
 
     /// Add the sum of B_ij P_j over the listed columns.
     void
-    sum_extended_columns(const Box &box)
+    sum_extended_columns()
     {
       const float *block = extended_blocks.data();
       for (const Column &column : columns)
         {
           for (const Term &term : column.terms->list)
-            add_blocks(blocks.data() +
-                         box.place(sum(column.first, term.offset)),
-                       box.stride,
-                       scale * term.weight,
-                       block,
-                       block_width,
-                       nc);
+            {
+              const Box &box = boxes[term.level];
+              add_blocks(blocks.data() +
+                           box.place(sum(column.first, term.offset)),
+                         box.stride,
+                         scale * term.weight,
+                         block,
+                         block_width,
+                         nc);
+            }
           block += nc * block_width;
         }
     }
@@ -406,22 +447,20 @@ namespace greville
           }
     }
 
-    /// List the blocks of a box beyond the row of a coarse function.
+    /// List the blocks of the boxes beyond the row of a coarse function.
     void
-    add_beyond_row(const Position    &I,
-                   const unsigned int u,
-                   const float        weight,
-                   const Box         &box)
+    add_beyond_row(const Position &I, const unsigned int u, const float weight)
     {
-      for (int Z = box.begin[2]; Z < box.end[2]; ++Z)
-        for (int Y = box.begin[1]; Y < box.end[1]; ++Y)
-          {
-            const bool is_in_line =
-              std::abs(Y - I[1]) <= reach[1] && std::abs(Z - I[2]) <= reach[2];
-            for (int X = box.begin_x; X < box.end_x; ++X)
-              if (!is_in_line || std::abs(X - I[0]) > p)
-                add_far_block(I, u, {{X, Y, Z}}, weight, box);
-          }
+      for (const Box &box : boxes)
+        for (int Z = box.begin[2]; Z < box.end[2]; ++Z)
+          for (int Y = box.begin[1]; Y < box.end[1]; ++Y)
+            {
+              const bool is_in_line = std::abs(Y - I[1]) <= reach[1] &&
+                                      std::abs(Z - I[2]) <= reach[2];
+              for (int X = box.begin_x; X < box.end_x; ++X)
+                if (!is_in_line || std::abs(X - I[0]) > p)
+                  add_far_block(I, u, {{X, Y, Z}}, weight, box);
+            }
     }
 
     static Position
@@ -523,6 +562,7 @@ namespace greville
     std::vector<float>       extended_blocks; // of the columns
 
     float              plain_row[Half::row_size];
+    std::vector<Box>   boxes; // of the row's blocks, by level of cells
     std::vector<float> in_x, in_y, blocks;
     // Rows with all neighbours, as [line][c][x][d].
     std::vector<float> sums;

@@ -160,7 +160,8 @@ namespace greville
           {
             Block                   &block = level.blocks[part];
             const LatticeLevel<dim> &last  = *block.matrix;
-            if ((levels.size() == 1 || !is_small(last)) &&
+            if ((levels.size() == 1 || !is_small(last) ||
+                 last.lattice()[0].n_levels() > 1) &&
                 LatticeMatrix<dim>::can_coarsen(last))
               {
                 auto matrix = std::make_unique<LatticeMatrix<dim>>(last);

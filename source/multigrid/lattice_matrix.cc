@@ -16,7 +16,7 @@ namespace greville
   void
   LatticeMatrix<dim>::with_sizes(const Action &action) const
   {
-    with_order(lattice()[0].degree(), [&](const auto n) {
+    with_order(places.lattice()[0].degree(), [&](const auto n) {
       with_one_of<1, dim>(n_components(),
                           [&](const auto nc) { action(nc, n); });
     });
@@ -96,12 +96,13 @@ namespace greville
   {
     x.update_ghost_values();
     with_sizes([&](const auto width, const auto n) {
-      constexpr int nc    = decltype(width)::value;
-      using Half          = HalfStencil<dim, nc, decltype(n)::value, float>;
-      const float   *from = x.begin();
-      std::ptrdiff_t of_lines[Half::n_lines];
-      for (int k = 0; k < Half::n_lines; ++k)
-        of_lines[k] = (places.distance(k) - Half::length / 2) * nc;
+      constexpr int nc = decltype(width)::value;
+      using Half       = HalfStencil<dim, nc, decltype(n)::value, float>;
+      const float                *from = x.begin();
+      std::vector<std::ptrdiff_t> of_lines;
+      for (unsigned int l = 0; l < places.lattice()[0].n_levels(); ++l)
+        for (int k = 0; k < Half::n_lines; ++k)
+          of_lines.push_back((places.distance(l, k) - Half::length / 2) * nc);
       const std::vector<unsigned int> &at = places.places();
       for (std::size_t u = 0; u < at.size(); ++u)
         for (int c = 0; c < nc; ++c)
@@ -114,7 +115,7 @@ namespace greville
         Half::multiply(rows.data() + u * row_size,
                        place_x.data() + std::size_t(at[u]) * nc,
                        place_y.data() + std::size_t(at[u]) * nc,
-                       of_lines);
+                       of_lines.data() + places.levels()[u] * Half::n_lines);
       float *to = y.begin();
       for (std::size_t u = 0; u < at.size(); ++u)
         for (int c = 0; c < nc; ++c)

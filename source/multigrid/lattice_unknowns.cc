@@ -71,14 +71,14 @@ namespace greville
           corners.emplace_back(low, 0);
           corners.emplace_back(high, 0);
         }
-      result.box.fit(corners, {{0, 0, 0}});
+      result.boxes.fit(knots[0], corners, {{0, 0, 0}});
     }
-    result.needed.assign(result.box.size(), 0);
-    result.is_listed.assign(result.box.size(), 0);
+    result.needed.assign(result.boxes.size(), 0);
+    result.is_listed.assign(result.boxes.size(), 0);
     for (unsigned int k = 0; k < all.size(); ++k)
       if (all[k].second != 0 || k >= fine_positions.size())
         for_each_coarse(all[k].first, [&](const Position &i, const float) {
-          const std::size_t place = result.box.place(wrapped(i));
+          const std::size_t place = result.boxes.place(wrapped(i));
           result.needed[place] |= all[k].second;
           result.is_listed[place] = 1;
         });
@@ -109,7 +109,7 @@ namespace greville
     for (std::size_t place = 0; place < wanted.is_listed.size(); ++place)
       if (wanted.is_listed[place])
         {
-          listed.push_back(wanted.box.position(place));
+          listed.push_back(wanted.boxes.position(place));
           keys.push_back(key(listed.back()));
           needed.push_back(wanted.needed[place]);
         }
@@ -179,7 +179,7 @@ namespace greville
     const auto constrained_of_finer = fine.constrained_functions();
     for (unsigned int c = 0; c < components; ++c)
       {
-        std::vector<double> states(wanted.box.size(), 0.);
+        std::vector<double> states(wanted.boxes.size(), 0.);
         constexpr double    is_needed = 1., is_fixed = 2.;
         for (std::size_t place = 0; place < states.size(); ++place)
           if ((wanted.needed[place] >> c) & 1)
@@ -187,14 +187,15 @@ namespace greville
         for (const auto &[f, bits] : constrained_of_finer)
           if ((bits >> c) & 1)
             for_each_coarse(f, [&](const Position &i, const float) {
-              if (wanted.box.contains(wrapped(i)))
-                states[wanted.box.place(wrapped(i))] = is_fixed;
+              const std::size_t place = wanted.boxes.place(wrapped(i));
+              if (place < states.size())
+                states[place] = is_fixed;
             });
         const auto values = combine(0.,
                                     VectorOperation::max,
                                     [&](const std::size_t k, double &entry) {
                                       entry =
-                                        states[wanted.box.place(listed[k])];
+                                        states[wanted.boxes.place(listed[k])];
                                     });
         for (unsigned int u = 0; u < of_unknowns.size(); ++u)
           if (values[of_unknowns[u]] != is_needed)
@@ -214,22 +215,27 @@ namespace greville
     for (unsigned int u = 0; u < local_positions.size(); ++u)
       all.emplace_back(local_positions[u], u);
     add_periodic_images(knots, reach, all);
-    box.fit(all, reach);
-    checked_index<unsigned int>(box.size(), "places of a level");
-    unknown_at.assign(box.size(), -1);
+    boxes.fit(knots[0], all, reach);
+    checked_index<unsigned int>(boxes.size(), "places of a level");
+    unknown_at.assign(boxes.size(), -1);
     for (unsigned int k = 0; k < all.size(); ++k)
       {
-        const unsigned int at = box.place(all[k].first);
+        const unsigned int at = boxes.place(all[k].first);
         unknown_at[at]        = all[k].second;
         if (k < local_positions.size())
-          unknown_places.push_back(at);
+          {
+            unknown_places.push_back(at);
+            unknown_levels.push_back(level(all[k].first));
+          }
         else
           image_places.emplace_back(at, all[k].second);
       }
-    for (int z = -reach[2]; z <= reach[2]; ++z)
-      for (int y = -p; y <= p; ++y)
-        distances.push_back((std::ptrdiff_t(z) * box.extents[1] + y) *
-                            box.extents[0]);
+    distances.resize(boxes.n_levels());
+    for (unsigned int l = 0; l < boxes.n_levels(); ++l)
+      for (int z = -reach[2]; z <= reach[2]; ++z)
+        for (int y = -p; y <= p; ++y)
+          distances[l].push_back((std::ptrdiff_t(z) * boxes[l].extents[1] + y) *
+                                 boxes[l].extents[0]);
   }
 
 

@@ -37,8 +37,11 @@ namespace greville
   NestedKnots
   NestedKnots::coarser() const
   {
-    if (levels)
+    if (levels && levels->size() == 2)
       return levels->front();
+    if (levels)
+      return {{levels->begin(), levels->end() - 1},
+              {begin_of_levels.begin(), begin_of_levels.end() - 1}};
     const int n = n_cells(), n_coarse = (n + 1) / 2;
     if (n == 1 || (periodic && n_coarse < p + 1))
       return *this;
@@ -103,9 +106,15 @@ namespace greville
       {
         const unsigned int l        = level(i);
         const int          of_level = i - int(begin_of_levels[l]);
-        return of_level < (*levels)[l].n_functions()
-                 ? (*levels)[l].insertion(of_level, coarse)
-                 : Row{0, {}};
+        if (of_level >= (*levels)[l].n_functions())
+          return {0, {}};
+        if (l < coarse.n_levels())
+          return {i, {1.f}};
+        if (!coarse.levels)
+          return (*levels)[l].insertion(of_level, coarse);
+        Row result = (*levels)[l].insertion(of_level, coarse.levels->back());
+        result.first += coarse.begin_of_levels.back();
+        return result;
       }
     // The Oslo algorithm. Knots of functions are counted from -p on.
     const auto fine_knot   = [&](const int k) { return knot(k - p); };

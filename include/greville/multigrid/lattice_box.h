@@ -70,6 +70,76 @@ namespace greville
 
 
 
+  /// Boxes around positions of each level of a lattice, numbered one box after
+  /// another. Boxes of different levels have no common positions.
+  class LatticeBoxes
+  {
+  public:
+    using Position = LatticeBox::Position;
+
+    /// Set the smallest boxes around the first members of pairs, with a margin.
+    /// @p knots are the knots of a direction.
+    template <typename Pairs>
+    void
+    fit(const NestedKnots &knots, const Pairs &pairs, const Position &margin)
+    {
+      boxes.assign(knots.n_levels(), LatticeBox());
+      begin.assign(1, 0);
+      std::vector<Pairs> of_levels(boxes.size() > 1 ? boxes.size() : 0);
+      if (boxes.size() > 1)
+        for (const auto &pair : pairs)
+          of_levels[knots.level(pair.first[0])].push_back(pair);
+      for (unsigned int l = 0; l < boxes.size(); ++l)
+        {
+          boxes[l].fit(boxes.size() > 1 ? of_levels[l] : pairs, margin);
+          begin.push_back(begin.back() + boxes[l].size());
+        }
+    }
+
+    const LatticeBox &
+    operator[](const unsigned int level) const
+    {
+      return boxes[level];
+    }
+
+    unsigned int
+    n_levels() const
+    {
+      return boxes.size();
+    }
+
+    std::size_t
+    size() const
+    {
+      return begin.back();
+    }
+
+    /// Return the place of a position, or size() if no box contains it.
+    std::size_t
+    place(const Position &i) const
+    {
+      for (unsigned int l = 0; l < boxes.size(); ++l)
+        if (boxes[l].contains(i))
+          return begin[l] + boxes[l].place(i);
+      return size();
+    }
+
+    Position
+    position(const std::size_t place) const
+    {
+      unsigned int l = 0;
+      while (place >= begin[l + 1])
+        ++l;
+      return boxes[l].position(place - begin[l]);
+    }
+
+  private:
+    std::vector<LatticeBox>  boxes;
+    std::vector<std::size_t> begin = {0};
+  };
+
+
+
   /// Append the images in periodic directions, up to a margin, of the first
   /// members of pairs.
   template <typename Pairs>

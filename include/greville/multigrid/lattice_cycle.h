@@ -21,7 +21,8 @@ namespace greville
 
   /**
    * A V-cycle on lattices that are coarsened by two in each direction at the
-   * same order of the splines, with Galerkin products. It has one or several
+   * same order of the splines, with Galerkin products. A refined grid first
+   * loses its levels of cells, one by one. The cycle has one or several
    * *parts*, which a LatticeCoupling can couple. Vectors and matrices have
    * single precision. The smoother is a Chebyshev polynomial over IC(0) of the
    * mean diagonal block, or of each block. Its unknowns are the unknowns of all

@@ -10,7 +10,8 @@
 namespace greville
 {
   /// The unknowns on the lattice of twice the size below a level, and the knot
-  /// insertion P from them to the level, which is multilinear for order 1. The
+  /// insertion P from them to the level, which is multilinear for order 1. In a
+  /// refined grid, they are the unknowns without the last level of cells. The
   /// unknowns are all coarse functions that are needed to interpolate a
   /// component of an unknown of the finer level. A coarse component is
   /// constrained if it is needed to interpolate a constrained one.
@@ -112,11 +113,19 @@ namespace greville
       return {{wrap(0, i[0]), wrap(1, i[1]), wrap(2, i[2])}};
     }
 
+    /// Return the level of cells of a function of the coarse lattice.
+    unsigned int
+    level(const Position &i) const
+    {
+      return knots[0].level(i[0]);
+    }
+
     /// Return the local unknown at a position, -1 if there is none.
     int
     find(const Position &i) const
     {
-      return box.contains(i) ? unknown_at[box.place(i)] : -1;
+      const std::size_t at = boxes.place(i);
+      return at < unknown_at.size() ? unknown_at[at] : -1;
     }
 
     /// Return the local unknown in another line at the distance @p x from u, -1
@@ -124,18 +133,26 @@ namespace greville
     int
     unknown_in_line(const unsigned int u, const int line, const int x) const
     {
-      return unknown_at[unknown_places[u] + distance(line) + x];
+      return unknown_at[unknown_places[u] + distance(unknown_levels[u], line) +
+                        x];
     }
 
-    /// Return the distance from a place to the same x in another line; lines
-    /// are counted from the own line as in HalfStencil.
+    /// Return the distance from a place to the same x in another line of a
+    /// level of cells; lines are counted from the own line as in HalfStencil.
     std::ptrdiff_t
-    distance(const int line) const
+    distance(const unsigned int level, const int line) const
     {
-      return distances[line + int(distances.size() / 2)];
+      return distances[level][line + int(distances[level].size() / 2)];
     }
 
-    /// Return the places of the local unknowns in a box with margins.
+    /// Return the levels of cells of the local unknowns.
+    const std::vector<unsigned char> &
+    levels() const
+    {
+      return unknown_levels;
+    }
+
+    /// Return the places of the local unknowns in boxes with margins.
     const std::vector<unsigned int> &
     places() const
     {
@@ -145,7 +162,7 @@ namespace greville
     std::size_t
     n_places() const
     {
-      return box.size();
+      return boxes.size();
     }
 
     /// Return the periodic images: places and their unknowns.
@@ -179,7 +196,7 @@ namespace greville
     /// that finer unknowns need, and whether rows refer to it.
     struct Wanted
     {
-      LatticeBox                 box;
+      LatticeBoxes               boxes;
       std::vector<unsigned char> needed, is_listed;
     };
 
@@ -225,11 +242,12 @@ namespace greville
     std::vector<Position>                        local_positions;
     std::vector<unsigned char>                   constrained_components;
 
-    LatticeBox                                         box;
+    LatticeBoxes                                       boxes;
+    std::vector<unsigned char>                         unknown_levels;
     std::vector<unsigned int>                          unknown_places;
     std::vector<std::pair<unsigned int, unsigned int>> image_places;
     std::vector<int>                                   unknown_at; // by place
-    std::vector<std::ptrdiff_t>                        distances;
+    std::vector<std::vector<std::ptrdiff_t>>           distances;  // by level
 
     // The rows of P for the owned unknowns of the finer level.
     struct Weight

@@ -77,8 +77,8 @@ namespace greville
 
     /// Return the knots of cells of twice the size. If cells have different
     /// sizes, the smallest cells are joined in pairs. Returns the same knots if
-    /// there is one cell or a period would have too few. Returns the knots of
-    /// level 0 if there are several levels.
+    /// there is one cell or a period would have too few. If there are several
+    /// levels, returns the knots without the last level.
     NestedKnots
     coarser() const;
 
@@ -98,7 +98,9 @@ namespace greville
 
     /// Return the row of function @p i for the @p coarse knots, which are a
     /// part of these knots. In a periodic direction, @p i may be any integer.
-    /// The row is empty if the function does not exist.
+    /// The row is empty if the function does not exist. Functions of levels
+    /// that the @p coarse knots have stay the same; the others are interpolated
+    /// by the last of these levels.
     Row
     insertion(const int i, const NestedKnots &coarse) const;
 
