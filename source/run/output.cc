@@ -249,7 +249,7 @@ namespace greville
                     patch.data(dim + d, v) = x[d] - facet[v][d];
                   }
               }
-            this->patches.push_back(patch);
+            this->patches.push_back(std::move(patch));
           }
       }
     };
@@ -284,10 +284,9 @@ namespace greville
 
         const unsigned int n       = space.degree() + 1;
         const unsigned int n_nodes = Utilities::fixed_power<dim>(n);
-        MultiIndex<dim>    extents;
-        extents.fill(n);
         // Values per direction, N[node * n + a].
         std::array<std::vector<double>, dim> N;
+        std::vector<double>                  values(n_nodes), next(n_nodes);
         for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
           {
             const auto functions = space.cell_functions(cell);
@@ -319,19 +318,26 @@ namespace greville
             patch.data.reinit(fields.size() + has_classes, n_nodes);
             for (unsigned int node = 0; has_classes && node < n_nodes; ++node)
               patch.data(fields.size(), node) = given.cell_classes[cell];
-            for (unsigned int node = 0; node < n_nodes; ++node)
-              for (unsigned int a = 0; a < n_nodes; ++a)
-                {
-                  const auto at = multi_index<dim>(node, extents),
-                             of = multi_index<dim>(a, extents);
-                  double value  = 1.;
-                  for (unsigned int d = 0; d < dim; ++d)
-                    value *= N[d][at[d] * n + of[d]];
-                  for (unsigned int k = 0; k < fields.size(); ++k)
-                    patch.data(k, node) +=
-                      value * fields[k].local_element(functions[a]);
-                }
-            this->patches.push_back(patch);
+            for (unsigned int k = 0; k < fields.size(); ++k)
+              {
+                for (unsigned int a = 0; a < n_nodes; ++a)
+                  values[a] = fields[k].local_element(functions[a]);
+                for (unsigned int d = 0, stride = 1; d < dim; ++d, stride *= n)
+                  {
+                    for (unsigned int i = 0; i < n_nodes; ++i)
+                      {
+                        const unsigned int node = i / stride % n;
+                        next[i]                 = 0.;
+                        for (unsigned int a = 0; a < n; ++a)
+                          next[i] += N[d][node * n + a] *
+                                     values[i + a * stride - node * stride];
+                      }
+                    values.swap(next);
+                  }
+                for (unsigned int node = 0; node < n_nodes; ++node)
+                  patch.data(k, node) = values[node];
+              }
+            this->patches.push_back(std::move(patch));
           }
       }
     };
