@@ -8,6 +8,67 @@ namespace greville
 {
   using namespace dealii;
 
+  namespace
+  {
+    // The states of a component of a function: no process needs it, a process
+    // needs it, it interpolates a constrained component.
+    constexpr double is_needed = 1., is_constraining = 2.;
+
+
+
+    /// Values of the listed functions, combined over the processes that list
+    /// the same functions.
+    class ListedValues
+    {
+    public:
+      using Keys = std::vector<types::global_dof_index>;
+
+      /// Collective. The @p keys, below @p n_keys, are kept by reference.
+      ListedValues(const std::uint64_t n_keys,
+                   const Keys         &keys,
+                   const MPI_Comm      comm)
+        : keys(keys)
+      {
+        const std::uint64_t me = Utilities::MPI::this_mpi_process(comm);
+        const std::uint64_t n  = Utilities::MPI::n_mpi_processes(comm);
+        IndexSet            mine(n_keys), others(n_keys);
+        mine.add_range(n_keys * me / n, n_keys * (me + 1) / n);
+        others.add_indices(keys.begin(), keys.end());
+        list.reinit(mine, others, comm);
+      }
+
+      /// Collective. Set all entries to the initial value, combine the entries
+      /// that set(k, entry) changes on all processes, and return the results.
+      template <typename Set>
+      std::vector<double>
+      combine(const double                  initial,
+              const VectorOperation::values operation,
+              const Set                    &set)
+      {
+        list.zero_out_ghost_values();
+        for (unsigned int k = 0;
+             k < list.locally_owned_size() +
+                   list.get_partitioner()->n_ghost_indices();
+             ++k)
+          list.local_element(k) = initial;
+        for (std::size_t k = 0; k < keys.size(); ++k)
+          set(k, list(keys[k]));
+        list.compress(operation);
+        list.update_ghost_values();
+        std::vector<double> result;
+        for (const auto k : keys)
+          result.push_back(list(k));
+        return result;
+      }
+
+    private:
+      const Keys                                &keys;
+      LinearAlgebra::distributed::Vector<double> list;
+    };
+  } // namespace
+
+
+
   template <int dim>
   LatticeUnknowns<dim>::LatticeUnknowns(const LatticeLevel<dim> &fine,
                                         const bool               coarsen)
@@ -91,9 +152,8 @@ namespace greville
   void
   LatticeUnknowns<dim>::number_unknowns(const LatticeLevel<dim> &fine)
   {
-    using List               = LinearAlgebra::distributed::Vector<double>;
-    const MPI_Comm      comm = fine.layout().communicator();
-    const unsigned int  me   = Utilities::MPI::this_mpi_process(comm);
+    const MPI_Comm      comm        = fine.layout().communicator();
+    const unsigned int  me          = Utilities::MPI::this_mpi_process(comm);
     const std::uint64_t n_processes = Utilities::MPI::n_mpi_processes(comm);
     std::uint64_t       n_keys      = 1;
     for (const NestedKnots &direction : knots)
@@ -113,46 +173,25 @@ namespace greville
           keys.push_back(key(listed.back()));
           needed.push_back(wanted.needed[place]);
         }
-    IndexSet mine(n_keys), others(n_keys);
-    mine.add_range(n_keys * me / n_processes, n_keys * (me + 1) / n_processes);
-    others.add_indices(keys.begin(), keys.end());
-    List list(mine, others, comm);
-    // Set all entries to the initial value, combine the entries @p value(k) of
-    // all processes, and return the results for the listed functions.
-    const auto combine = [&](const double                  initial,
-                             const VectorOperation::values operation,
-                             const auto                   &value) {
-      list.zero_out_ghost_values();
-      for (unsigned int k = 0; k < list.locally_owned_size() +
-                                     list.get_partitioner()->n_ghost_indices();
-           ++k)
-        list.local_element(k) = initial;
-      for (std::size_t k = 0; k < keys.size(); ++k)
-        value(k, list(keys[k]));
-      list.compress(operation);
-      list.update_ghost_values();
-      std::vector<double> result;
-      for (const auto k : keys)
-        result.push_back(list(k));
-      return result;
-    };
+    ListedValues values(n_keys, keys, comm);
 
     // The first process that needs a function owns it.
-    const auto          owners  = combine(n_processes,
-                                VectorOperation::min,
-                                [&](const std::size_t k, double &entry) {
-                                  if (needed[k] != 0)
-                                    entry = me;
-                                });
+    const auto          owners  = values.combine(n_processes,
+                                       VectorOperation::min,
+                                       [&](const std::size_t k, double &entry) {
+                                         if (needed[k] != 0)
+                                           entry = me;
+                                       });
     const std::uint64_t n_owned = std::count(owners.begin(), owners.end(), me);
     const std::uint64_t first   = sum_before(n_owned, comm);
     std::uint64_t       next    = first;
-    const auto          numbers = combine(0.,
-                                 VectorOperation::add,
-                                 [&](const std::size_t k, double &entry) {
-                                   if (owners[k] == me)
-                                     entry = next++;
-                                 });
+    const auto          numbers =
+      values.combine(0.,
+                     VectorOperation::add,
+                     [&](const std::size_t k, double &entry) {
+                       if (owners[k] == me)
+                         entry = next++;
+                     });
     std::vector<std::pair<types::global_dof_index, std::size_t>> ghosts;
     std::vector<std::size_t> of_unknowns; // listed functions
     for (std::size_t k = 0; k < keys.size(); ++k)
@@ -174,33 +213,42 @@ namespace greville
                                                          ghost_numbers,
                                                          comm);
 
-    // The free components: a process needs them, and none constrains them.
     constrained_components.assign(of_unknowns.size(), 0);
-    const auto constrained_of_finer = fine.constrained_functions();
     for (unsigned int c = 0; c < components; ++c)
       {
-        std::vector<double> states(wanted.boxes.size(), 0.);
-        constexpr double    is_needed = 1., is_fixed = 2.;
-        for (std::size_t place = 0; place < states.size(); ++place)
-          if ((wanted.needed[place] >> c) & 1)
-            states[place] = is_needed;
-        for (const auto &[f, bits] : constrained_of_finer)
-          if ((bits >> c) & 1)
-            for_each_coarse(f, [&](const Position &i, const float) {
-              const std::size_t place = wanted.boxes.place(wrapped(i));
-              if (place < states.size())
-                states[place] = is_fixed;
-            });
-        const auto values = combine(0.,
-                                    VectorOperation::max,
-                                    [&](const std::size_t k, double &entry) {
-                                      entry =
-                                        states[wanted.boxes.place(listed[k])];
-                                    });
+        const auto states = states_of_component(c, wanted, fine);
+        const auto of_all =
+          values.combine(0.,
+                         VectorOperation::max,
+                         [&](const std::size_t k, double &entry) {
+                           entry = states[wanted.boxes.place(listed[k])];
+                         });
         for (unsigned int u = 0; u < of_unknowns.size(); ++u)
-          if (values[of_unknowns[u]] != is_needed)
+          if (of_all[of_unknowns[u]] != is_needed)
             constrained_components[u] |= 1u << c;
       }
+  }
+
+
+
+  template <int dim>
+  std::vector<double>
+  LatticeUnknowns<dim>::states_of_component(const unsigned int       c,
+                                            const Wanted            &wanted,
+                                            const LatticeLevel<dim> &fine) const
+  {
+    std::vector<double> states(wanted.boxes.size(), 0.);
+    for (std::size_t place = 0; place < states.size(); ++place)
+      if ((wanted.needed[place] >> c) & 1)
+        states[place] = is_needed;
+    for (const auto &[f, bits] : fine.constrained_functions())
+      if ((bits >> c) & 1)
+        for_each_coarse(f, [&](const Position &i, const float) {
+          const std::size_t place = wanted.boxes.place(wrapped(i));
+          if (place < states.size())
+            states[place] = is_constraining;
+        });
+    return states;
   }
 
 

@@ -229,6 +229,13 @@ namespace greville
     void
     number_unknowns(const LatticeLevel<dim> &fine);
 
+    /// Return, for each place, whether component c is needed or interpolates a
+    /// constrained one on this process.
+    std::vector<double>
+    states_of_component(const unsigned int       c,
+                        const Wanted            &wanted,
+                        const LatticeLevel<dim> &fine) const;
+
     void
     make_places();
 
