@@ -88,7 +88,7 @@ namespace StepGreville
     {
       const Point<dim> lower, upper(1., 1.);
       create_box_mesh<dim>(mesh, lower, upper, {{n_cells, n_cells}});
-      orders.reinit(mesh, degree, "one by one");
+      orders.reinit(mesh, degree, Coarsening::one_by_one);
       const TangentSystem<dim>::ConstrainedFunctions nothing;
       system = std::make_unique<TangentSystem<dim>>(
         orders, nothing, parameters, 0.5, false);
@@ -237,7 +237,7 @@ namespace StepGreville
       system->restrict(b, rough, nullptr);
 
       const unsigned int n_inactive = system->finest().inactive().size();
-      table.add_value("cells", space.lattice().n_cells()[0]);
+      table.add_value("cells", space.cells_per_direction()[0]);
       table.add_value("p", space.degree());
       table.add_value("unknowns",
                       dim * (space.n_dofs() -

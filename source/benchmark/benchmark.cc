@@ -164,13 +164,11 @@ namespace greville
     // Print the hierarchy of the largest order, with its sizes.
     const unsigned int p =
       *std::max_element(parameters.orders.begin(), parameters.orders.end());
-    const auto orders =
-      OrderHierarchy<2>::orders(p,
-                                list_or(parameters.coarsenings,
-                                        (is_elastic(parameters.operators[0])
-                                           ? implicit.multigrid
-                                           : multigrid_parameters)
-                                          .coarsening)[0]);
+    const auto orders = OrderHierarchy<2>::orders(
+      p,
+      parameters.coarsenings.empty()
+        ? multigrid_of(parameters.operators[0]).coarsening
+        : value_of(parameters.coarsenings[0], coarsenings));
     const auto cells = cells_of_dimensions();
     out << "  level  order  unknowns\n";
     for (unsigned int l = orders.size(); l-- > 0;)
@@ -341,16 +339,17 @@ namespace greville
   Benchmark::run_problem(BenchmarkProblem<dim> &problem,
                          const SolveRecord     &what)
   {
-    PMultigridParameters &m           = multigrid_of(what.operator_name);
-    const std::string     old         = m.coarsening;
-    const auto            coarsenings = list_or(parameters.coarsenings, old);
+    PMultigridParameters &m   = multigrid_of(what.operator_name);
+    const Coarsening      old = m.coarsening;
+    const auto            words =
+      list_or(parameters.coarsenings, word_of(old, coarsenings));
     for (const unsigned int p : parameters.orders)
-      for (const std::string &coarsening : coarsenings)
+      for (const std::string &word : words)
         {
-          m.coarsening = coarsening;
-          problem.discretize(p, coarsening);
+          m.coarsening = value_of(word, coarsenings);
+          problem.discretize(p, m.coarsening);
           const auto functions = problem.count_functions();
-          const bool is_first  = coarsening == coarsenings[0];
+          const bool is_first  = word == words[0];
 
           SolveRecord record = what;
           record.p           = p;
@@ -409,19 +408,21 @@ namespace greville
         return;
       }
 
-    record.coarsening         = m.coarsening;
+    record.coarsening         = word_of(m.coarsening, coarsenings);
     record.names_prolongation = parameters.prolongations.size() > 1;
     record.names_coarsening   = parameters.coarsenings.size() > 1;
     for (const std::string &smoother :
          list_or(parameters.smoothers, old.smoother))
-      for (const std::string &cycle : list_or(parameters.cycles, old.cycle))
+      for (const std::string &cycle :
+           list_or(parameters.cycles, word_of(old.cycle, cycle_types)))
         for (const std::string &restriction :
              list_or(parameters.restrictions, old.restriction))
           for (const std::string &prolongation :
                list_or(parameters.prolongations, old.prolongation))
             {
               record.smoother = m.smoother = smoother;
-              record.cycle = m.cycle = cycle;
+              record.cycle                 = cycle;
+              m.cycle                      = value_of(cycle, cycle_types);
               record.restriction = m.restriction = restriction;
               record.prolongation = m.prolongation = prolongation;
               run(record);

@@ -17,10 +17,10 @@ namespace greville
   BenchmarkParameters::variants()
   {
     return {{"Smoothers", smoother_names(), smoothers},
-            {"Cycles", "V|W|F", cycles},
+            {"Cycles", words_of(cycle_types), cycles},
             {"Restrictions", OrderTransfer<2>::restrictions(), restrictions},
             {"Prolongations", OrderTransfer<2>::prolongations(), prolongations},
-            {"Coarsenings", OrderHierarchy<2>::coarsenings(), coarsenings}};
+            {"Coarsenings", words_of(greville::coarsenings), coarsenings}};
   }
 
 

@@ -119,7 +119,7 @@ namespace greville
         return result;
       }
     // One application per iteration, without levels.
-    result.multigrid.coarsening     = "none";
+    result.multigrid.coarsening     = Coarsening::none;
     result.multigrid.pre_smoothing  = 1;
     result.multigrid.post_smoothing = 0;
     if (name == "cg-jacobi")

@@ -52,7 +52,7 @@ namespace greville
       }
 
       void
-      discretize(const unsigned int p, const std::string &) override
+      discretize(const unsigned int p, const Coarsening) override
       {
         degree = p;
         if (is_box)
@@ -97,9 +97,12 @@ namespace greville
         const LevelSolver solver =
           make_level_solver(name, "elasticity", multigrid, smoother);
         TangentParameters tangent;
-        tangent.method = solver.method == LevelMethod::fgmres ? "fgmres" : "cg";
-        tangent.preconditioner =
-          solver.multigrid.coarsening == "none" ? "smoother" : "p-multigrid";
+        tangent.method         = solver.method == LevelMethod::fgmres
+                                   ? TangentParameters::Method::fgmres
+                                   : TangentParameters::Method::cg;
+        tangent.levels         = solver.multigrid.has_coarse_levels()
+                                   ? TangentParameters::Levels::always
+                                   : TangentParameters::Levels::never;
         tangent.max_iterations = parameters.max_iterations;
         tangent.multigrid      = solver.multigrid;
         tangent.smoother       = solver.smoother;

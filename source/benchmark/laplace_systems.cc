@@ -24,7 +24,7 @@ namespace greville
       {}
 
       void
-      discretize(const unsigned int p, const std::string &) override
+      discretize(const unsigned int p, const Coarsening) override
       {
         space.reset();
         space.emplace(triangulation, p);
@@ -44,7 +44,7 @@ namespace greville
         LevelSolver solver =
           make_level_solver(name, "laplace", multigrid, smoother);
         if (!solver.has_preconditioner)
-          solver.multigrid.coarsening = "none";
+          solver.multigrid.coarsening = Coarsening::none;
         return std::make_unique<System>(*this, solver);
       }
 

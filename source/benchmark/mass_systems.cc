@@ -213,7 +213,7 @@ namespace greville
       {}
 
       void
-      discretize(const unsigned int p, const std::string &coarsening) override
+      discretize(const unsigned int p, const Coarsening coarsening) override
       {
         mass.reset();
         orders.reinit(triangulation, p, coarsening);

@@ -133,7 +133,7 @@ namespace greville
             const double h =
               space.hierarchy()
                 ? space.cell_size(d)
-                : space.lattice().cell_size(
+                : space.cell_size(
                     d, w % 2 == 0 ? 0 : space.cells_per_direction()[d] - 1);
             double path = 0., last = 0.;
             for (unsigned int k = 0; k <= n; ++k)

@@ -17,6 +17,21 @@ namespace greville
   {
     constexpr unsigned int x = 0, z = 2;
 
+    enum class Test
+    {
+      isotropic,
+      oedometer,
+      drained,
+      undrained,
+      shear
+    };
+
+    const Choices<Test> tests = {{Test::isotropic, "isotropic"},
+                                 {Test::oedometer, "oedometer"},
+                                 {Test::drained, "triaxial-drained"},
+                                 {Test::undrained, "triaxial-undrained"},
+                                 {Test::shear, "simple-shear"}};
+
 
 
     /// The deformation from the start of a test: logarithmic strains (positive
@@ -49,15 +64,12 @@ namespace greville
     public:
       ElementTest(const Material              &material,
                   const std::string           &section,
-                  const std::string           &test,
+                  const Test                   test,
                   const ElementTestParameters &parameters)
         : material(material)
         , section(section)
         , test(test)
-        , is_isotropic(test == "isotropic")
-        , is_drained(test == "triaxial-drained")
-        , is_undrained(test == "triaxial-undrained")
-        , is_shear(test == "simple-shear")
+        , is_shear(test == Test::shear)
         , kept(is_shear ? z : x)
         , parameters(parameters)
         , names(material.state_names())
@@ -108,11 +120,19 @@ namespace greville
       Stretch
       stretch_of(const double strain, const double unknown) const
       {
-        return is_isotropic   ? Stretch{-strain / 3., -strain / 3., 0.}
-               : is_drained   ? Stretch{unknown, -strain, 0.}
-               : is_undrained ? Stretch{strain / 2., -strain, 0.}
-               : is_shear     ? Stretch{0., unknown, strain}
-                              : Stretch{0., -strain, 0.};
+        switch (test)
+          {
+            case Test::isotropic:
+              return {-strain / 3., -strain / 3., 0.};
+            case Test::drained:
+              return {unknown, -strain, 0.};
+            case Test::undrained:
+              return {strain / 2., -strain, 0.};
+            case Test::shear:
+              return {0., unknown, strain};
+            default:
+              return {0., -strain, 0.};
+          }
       }
 
       /// Return the point at the beginning of a step that ends with @p next, as
@@ -163,7 +183,7 @@ namespace greville
         double        unknown = is_shear ? stretch.axial : stretch.lateral;
         MaterialPoint begun   = begin_step(stretch_of(strain, unknown), dt);
         MaterialPoint ended   = update(begun);
-        bool          is_done = !is_shear && !is_drained;
+        bool          is_done = !is_shear && test != Test::drained;
         for (unsigned int i = 0; i < most_iterations && !is_done; ++i)
           {
             const double r = residual(ended);
@@ -216,8 +236,8 @@ namespace greville
       std::string
       where(const double strain) const
       {
-        return "The element test '" + test + "' of '" + section +
-               "': the step to the strain " + text_of(strain);
+        return "The element test '" + word_of(test, tests) + "' of '" +
+               section + "': the step to the strain " + text_of(strain);
       }
 
       std::vector<double>
@@ -237,7 +257,7 @@ namespace greville
           std::size_t(own) < names.size()
             ? point.state[own]
             : (1. + parameters.void_ratio) * std::exp(stretch.volume()) - 1.,
-          is_undrained ? -stress_start[x][x] - lateral : 0.,
+          test == Test::undrained ? -stress_start[x][x] - lateral : 0.,
           axial,
           sigma[x][z]};
         for (std::size_t k = 0; k < names.size(); ++k)
@@ -251,10 +271,11 @@ namespace greville
 
       static constexpr unsigned int most_iterations = 50;
 
-      const Material    &material;
-      const std::string  section, test;
-      const bool         is_isotropic, is_drained, is_undrained, is_shear;
-      const unsigned int kept; // direction of the prescribed stress
+      const Material                &material;
+      const std::string              section;
+      const Test                     test;
+      const bool                     is_shear;
+      const unsigned int             kept; // direction of the prescribed stress
       const ElementTestParameters   &parameters;
       const std::vector<std::string> names;
 
@@ -308,8 +329,7 @@ namespace greville
   std::string
   element_test_names()
   {
-    return "isotropic|oedometer|triaxial-drained|triaxial-undrained|"
-           "simple-shear";
+    return words_of(tests);
   }
 
 
@@ -321,6 +341,7 @@ namespace greville
                    const ElementTestParameters &parameters)
   {
     check_word(test, "--element-test", element_test_names());
-    return ElementTest(material, section, test, parameters).run();
+    return ElementTest(material, section, value_of(test, tests), parameters)
+      .run();
   }
 } // namespace greville

@@ -91,13 +91,13 @@ namespace greville
     const std::vector<const LevelOperator<dim> *> &levels,
     const std::string                             &p,
     const std::string                             &r,
-    const std::string                             &weighting)
+    const TransferWeight                           weight)
     : steps(levels.size() - 1)
     , prolongation(kind_of(p))
     , restriction(kind_of(r))
     , inverses(levels.size())
   {
-    const bool is_unit = weighting == "unit";
+    const bool is_unit = weight == TransferWeight::unit;
     for (unsigned int l = 1; l < levels.size(); ++l)
       {
         const LevelOperator<dim>  &fine    = *levels[l];

@@ -42,7 +42,7 @@ namespace greville
     const bool by_components = smoother == "chebyshev-component-ic0";
     Require(!coarsens_lattices() || by_components ||
               smoother == "chebyshev-ic0",
-            "The coarsening <" + coarsening +
+            "The coarsening <" + word_of(coarsening, coarsenings) +
               "> takes the smoothers chebyshev-ic0 and "
               "chebyshev-component-ic0, but 'Smoother' is <" +
               smoother + ">.");
@@ -50,7 +50,7 @@ namespace greville
             smoother_parameters.chebyshev_degree,
             smoother_parameters.chebyshev_range,
             by_components,
-            coarsening == "hp"};
+            coarsening == Coarsening::hp};
   }
 
 
@@ -63,15 +63,11 @@ namespace greville
     : levels(levels)
     , parameters(parameters)
     , coarse_tolerance(coarse_tolerance)
-    , type(parameters.cycle == "V"   ? Cycle::V
-           : parameters.cycle == "W" ? Cycle::W
-                                     : Cycle::F)
-    , is_symmetric(parameters.restriction == "transpose")
     , has_coarse(parameters.has_coarse_levels())
     , transfer(levels,
                parameters.prolongation,
                parameters.restriction,
-               parameters.weighting)
+               parameters.weight)
     , smoothers(levels.size())
     , x(levels.size())
     , b(levels.size())
@@ -87,7 +83,7 @@ namespace greville
           smoothers[l] = make_smoother<dim>(parameters.smoother,
                                             smoother_parameters,
                                             *levels[l],
-                                            is_symmetric);
+                                            transfer.is_symmetric());
       }
     if (has_coarse)
       make_coarse_preconditioner(smoother_parameters);
@@ -128,7 +124,7 @@ namespace greville
   PMultigrid<dim>::vmult(VectorType &dst, const VectorType &src) const
   {
     b.back() = src;
-    cycle(levels.size() - 1, type, true);
+    cycle(levels.size() - 1, parameters.cycle, true);
     dst = x.back();
   }
 
@@ -137,7 +133,7 @@ namespace greville
   template <int dim>
   void
   PMultigrid<dim>::cycle(const unsigned int l,
-                         const Cycle        type,
+                         const CycleType    type,
                          const bool         from_zero) const
   {
     if (l == 0 && has_coarse)
@@ -153,11 +149,13 @@ namespace greville
         transfer.restrict_and_add(l, b[l - 1], residual[l]);
         cycle(l - 1, type, true);
         // The coarsest level is solved, so that a second visit would not help.
-        if (type != Cycle::V && l > 1)
-          cycle(l - 1, type == Cycle::W ? Cycle::W : Cycle::V, false);
+        if (type != CycleType::V && l > 1)
+          cycle(l - 1,
+                type == CycleType::W ? CycleType::W : CycleType::V,
+                false);
         transfer.prolongate_and_add(l, x[l], x[l - 1]);
       }
-    smooth(l, parameters.post_smoothing, is_symmetric, false);
+    smooth(l, parameters.post_smoothing, transfer.is_symmetric(), false);
   }
 
 

@@ -235,17 +235,11 @@ namespace greville
   void
   declare_levels(ParameterHandler &prm, PMultigridParameters &parameters)
   {
-    prm.add_parameter(
-      "Coarsening",
-      parameters.coarsening,
+    add_choice(prm, "Coarsening", parameters.coarsening, coarsenings)(
       "The orders of the levels: p, p-1, ..., 1 (one by one), p, p-2, ..., 1 "
       "(by two), p, 1 (direct), or p alone (none), on lattices that become "
-      "coarser by two (lattice), the coarsest one with order 1 (hp).",
-      Patterns::Selection(OrderHierarchy<2>::coarsenings()));
-    prm.add_parameter("Cycle",
-                      parameters.cycle,
-                      "The cycle.",
-                      Patterns::Selection("V|W|F"));
+      "coarser by two (lattice), the coarsest one with order 1 (hp).");
+    add_choice(prm, "Cycle", parameters.cycle, cycle_types)("The cycle.");
     prm.add_parameter(
       "Prolongation",
       parameters.prolongation,
@@ -259,10 +253,8 @@ namespace greville
                       "the residual, lumped or exact, or the transpose of the "
                       "prolongation, which makes the cycle symmetric.",
                       Patterns::Selection(OrderTransfer<2>::restrictions()));
-    prm.add_parameter("Transfer weight",
-                      parameters.weighting,
-                      "The weight of the L2 products in the transfer.",
-                      Patterns::Selection(OrderTransfer<2>::weightings()));
+    add_choice(prm, "Transfer weight", parameters.weight, transfer_weights)(
+      "The weight of the L2 products in the transfer.");
     add_parameter(prm,
                   "Pre-smoothing steps",
                   parameters.pre_smoothing,

@@ -14,12 +14,14 @@ namespace greville
   TensorProductSolver<dim>::TensorProductSolver(const SplineSpace<dim> &s)
     : space(&s)
   {
-    Require(!s.lattice().is_periodic(),
-            "Periodic walls do not support 'Prolongation' or 'Restriction' = "
-            "exact-l2, nor tensor-product as 'Smoother' or 'Coarse "
-            "preconditioner': all of them need open knot vectors.");
     for (unsigned int d = 0; d < dim; ++d)
-      factors[d] = factorize(s.knots(d));
+      {
+        Require(!s.is_periodic(d),
+                "Periodic walls do not support 'Prolongation' or 'Restriction' "
+                "= exact-l2, nor tensor-product as 'Smoother' or 'Coarse "
+                "preconditioner': all of them need open knot vectors.");
+        factors[d] = factorize(s.knots(d));
+      }
 
     const MPI_Comm     comm        = s.communicator();
     const unsigned int n_processes = Utilities::MPI::n_mpi_processes(comm);

@@ -328,7 +328,8 @@ namespace greville
               std::any_of(grid.regions.begin(),
                           grid.regions.end(),
                           [](const auto &region) {
-                            return region.second.indicator == "stress jump";
+                            return region.second.indicator ==
+                                   Indicator::stress_jump;
                           }),
             "The field stress_jump of 'Output/Fields' needs a region of "
             "'Grid/Refinement' with 'Indicator' = stress jump.");
@@ -427,7 +428,7 @@ namespace greville
         {
           const auto sides = contact.sides();
           const auto has   = [&](const unsigned int side) {
-            return std::count(group.begin(), group.end(), sides[side][0]) > 0;
+            return contains(group, sides[side][0]);
           };
           Require(!has(0) || !has(1),
                   "'Contact " + name + "/Bodies' is <" + contact.bodies +

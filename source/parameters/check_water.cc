@@ -330,7 +330,8 @@ namespace greville
       refuse_with_water(parameters.scheme.averages_over_domains(),
                         "'Scheme/Functions' = domains",
                         "take points.");
-      refuse_with_water(parameters.implicit_solver.always_takes_cg(),
+      refuse_with_water(parameters.implicit_solver.method ==
+                          TangentParameters::Method::cg,
                         "'Implicit solver/Method' = cg",
                         "its systems are nonsymmetric; take auto or fgmres.");
     }

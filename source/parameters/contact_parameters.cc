@@ -193,13 +193,13 @@ namespace greville
         {
           const std::string parameter = "The parameter '" + section +
                                         "/Bodies' has the name <" + name + ">";
-          Require(std::count(names.begin(), names.end(), name) > 0,
+          Require(contains(names, name),
                   parameter +
                     "; it has to be one of the bodies and rigid bodies of "
                     "'Simulation': " +
                     boost::algorithm::join(names, ", ") + "." +
                     did_you_mean(name, names));
-          Require(std::count(named.begin(), named.end(), name) == 0,
+          Require(!contains(named, name),
                   parameter +
                     " twice: contact of a body with itself is not supported.");
           named.push_back(name);

@@ -128,9 +128,7 @@ namespace greville
     const auto    has_plastic_strain = [&]() {
       return std::any_of(
         materials.begin(), materials.end(), [](const auto &material) {
-          const auto names = material.second->state_names();
-          return std::find(names.begin(), names.end(), "plastic_strain") !=
-                 names.end();
+          return contains(material.second->state_names(), "plastic_strain");
         });
     };
     Require((grid.most_cells == 0 && grid.adapt_at_start == 0) ||
@@ -156,14 +154,15 @@ namespace greville
                   "given.");
         Require(grid.has_changing_cells() || !region.has_indicator(),
                 "The parameter " + section +
-                  "Indicator' = " + region.indicator +
+                  "Indicator' = " + word_of(region.indicator, indicators) +
                   " needs 'Grid/Adapt every' or 'Grid/Adapt at start' > 0.");
-        Require(region.indicator == "plastic strain" ||
+        Require(region.indicator == Indicator::plastic_strain ||
                   region.refine_above == RefinementParameters().refine_above,
                 "The parameter " + section +
                   "Refine above' needs 'Indicator' = "
                   "plastic strain.");
-        Require(region.indicator != "plastic strain" || has_plastic_strain(),
+        Require(region.indicator != Indicator::plastic_strain ||
+                  has_plastic_strain(),
                 "The parameter " + section +
                   "Indicator' = plastic strain: no material has the variable "
                   "plastic_strain.");
@@ -258,9 +257,6 @@ namespace greville
              "take auto.");
     else
       {
-        refuse(implicit_solver.always_takes_levels(),
-               "'Implicit solver/Preconditioner' = p-multigrid",
-               "take auto.");
         refuse(!implicit_solver.multigrid.coarsens_lattices(),
                "'Implicit solver/Levels' = orders",
                "take lattice.");

@@ -63,15 +63,14 @@ namespace greville
             if (kind == "Stage" || kind == "Body")
               sections.back() =
                 sections.back().substr(0, sections.back().find('/'));
-            Require(std::count(names.begin(), names.end(), sections.back()) ==
-                      1,
+            Require(contains(names, sections.back()),
                     line.place + ": there is a section '" + line.section +
                       "', but the parameter '" + of + "/" + entry +
                       "' does not name <" + sections.back() + ">." +
                       did_you_mean(sections.back(), names));
           }
       for (const std::string &name : names)
-        Require(std::count(sections.begin(), sections.end(), name) > 0,
+        Require(contains(sections, name),
                 "The parameter '" + of + "/" + entry + "' has the name <" +
                   name + ">, but there is no section '" + kind + " " + name +
                   "'." + did_you_mean(name, sections));
@@ -121,7 +120,7 @@ namespace greville
         if (line.section == section && kinds_with.count(line.name) > 0)
           {
             const auto &kinds = kinds_with[line.name];
-            Require(std::count(kinds.begin(), kinds.end(), name) > 0,
+            Require(contains(kinds, name),
                     line.place + ": the parameter '" + section + "/" +
                       line.name + "' belongs to 'Kind' = " +
                       boost::algorithm::join(kinds, " and ") + ", not " + name +

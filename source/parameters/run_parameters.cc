@@ -94,10 +94,12 @@ namespace greville
   {
     add_parameter(prm, "Directory", directory)(
       "Folder of results. Empty: output/NAME.");
-    add_parameter(prm,
-                  "Earlier results",
-                  earlier_results,
-                  Selection("move aside|refuse|remove"))(
+    add_choice<EarlierResults>(prm,
+                               "Earlier results",
+                               earlier_results,
+                               {{EarlierResults::move_aside, "move aside"},
+                                {EarlierResults::refuse, "refuse"},
+                                {EarlierResults::remove, "remove"}})(
       "Treatment of results of an earlier run in the folder: move aside (into "
       "the folder earlier_1, earlier_2, ...), refuse (end with a message), or "
       "remove. Other files stay.");

@@ -141,10 +141,7 @@ namespace greville
       "Unit: m.");
     add_parameter(prm, "Levels", levels, Integer(1, 6))(
       "How often the cells of 'Grid/Cells' are halved. Unit: none.");
-    add_parameter(prm,
-                  "Indicator",
-                  indicator,
-                  Selection("none|plastic strain|stress jump"))(
+    add_choice(prm, "Indicator", indicator, indicators)(
       "Which cells of the region are halved when the grid is adapted. none: "
       "all. plastic strain: cells with a point above 'Refine above'. stress "
       "jump: the cells with the largest differences between the stresses of "

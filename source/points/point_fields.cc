@@ -40,7 +40,7 @@ namespace greville
       std::vector<std::string> names;
       for (const Body<dim> &body : bodies)
         for (const std::string &name : body.material->state_names())
-          if (std::find(names.begin(), names.end(), name) == names.end())
+          if (!contains(names, name))
             names.push_back(name);
       for (const std::string &name : names)
         fields.push_back(
@@ -231,9 +231,9 @@ namespace greville
   {
     std::vector<OutputField<dim>> result;
     for (const OutputField<dim> &field : all_fields<dim>(process))
-      if (std::find(names.begin(), names.end(), field.name) != names.end())
+      if (contains(names, field.name))
         result.push_back(field);
-    if (std::find(names.begin(), names.end(), "history") != names.end())
+    if (contains(names, "history"))
       add_history(result, bodies);
     return result;
   }

@@ -96,10 +96,9 @@ namespace greville
         // If the number of cells is odd, the last cell is extended to two.
         edges[d].clear();
         for (unsigned int k = 0; k <= n; k += 2)
-          edges[d].push_back(space.lattice().edge(d, k));
+          edges[d].push_back(space.edge(d, k));
         if (n % 2 == 1)
-          edges[d].push_back(edges[d].back() +
-                             2. * space.lattice().cell_size(d, n - 1));
+          edges[d].push_back(edges[d].back() + 2. * space.cell_size(d, n - 1));
         const bool wraps = space.is_periodic(d);
         Require(!wraps || (n % 2 == 0 && n_all > q),
                 "'Scheme/Volumetric projection' = coarse mesh joins two cells "

@@ -38,7 +38,7 @@ namespace greville
                 // Cells in a periodic direction are equal.
                 const double size =
                   is_there && !space.is_periodic(d)
-                    ? space.lattice().cell_size(d, index + k - 1) / box.size[d]
+                    ? space.cell_size(d, index + k - 1) / box.size[d]
                     : 1.;
                 scales[d][k]  = 1. / size;
                 centers[d][k] = 0.5 * (1. + size) * (int(k) - 1);

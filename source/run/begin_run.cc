@@ -47,14 +47,11 @@ namespace greville
               const RunOptions           &options,
               const MPI_Comm              comm)
   {
-    const std::string &word = parameters.output.earlier_results;
     return {directory,
             parameters.output.directory.empty() ? "Simulation/Name"
                                                 : "Output/Directory",
-            options.resumes        ? EarlierResults::keep
-            : word == "move aside" ? EarlierResults::move_aside
-            : word == "refuse"     ? EarlierResults::refuse
-                                   : EarlierResults::remove,
+            options.resumes ? EarlierResults::keep
+                            : parameters.output.earlier_results,
             comm};
   }
 

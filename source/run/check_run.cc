@@ -158,7 +158,7 @@ namespace greville
         if (!parameters.grid.is_refined())
           return;
         const SplineSpace<dim>   &space  = simulations.part(0).space();
-        const CellHierarchy<dim> &levels = *space.lattice().hierarchy();
+        const CellHierarchy<dim> &levels = *space.hierarchy();
         std::vector<unsigned int> counts(levels.n_levels(), 0);
         for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
           ++counts[levels.level(space.box(cell).index)];

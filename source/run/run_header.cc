@@ -119,7 +119,7 @@ namespace greville
       {
         const ContactParameters &contact = parameters.contacts.at(name);
         out << "  contact " << name << ": " << contact.bodies << ", "
-            << (contact.friction == "rough"
+            << (contact.is_rough()
                   ? "rough"
                   : "friction " + formula_text(contact.friction))
             << '\n';

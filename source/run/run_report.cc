@@ -46,7 +46,7 @@ namespace greville
       if (loss < 0.02)
         return "low";
       std::string remedy = "shorter steps";
-      if (scheme.stress_update == "backward-euler")
+      if (scheme.is_backward_euler())
         remedy += ", or 'Scheme/Stress update' = implicit-midpoint";
       else if (is_explicit_scheme(scheme.stress_update))
         {

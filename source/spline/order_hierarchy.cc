@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
-#include <greville/base/errors.h>
 #include <greville/spline/order_hierarchy.h>
 
 #include <algorithm>
@@ -12,16 +11,14 @@ namespace greville
   template <int dim>
   std::vector<unsigned int>
   OrderHierarchy<dim>::orders(const unsigned int degree,
-                              const std::string &coarsening)
+                              const Coarsening   coarsening)
   {
-    const auto names = Utilities::split_string_list(coarsenings(), '|');
-    Require(std::count(names.begin(), names.end(), coarsening) == 1,
-            "The coarsening <" + coarsening + "> is none of " + coarsenings() +
-              ".");
-    if (coarsening == "none" || coarsening == "lattice" || coarsening == "hp")
+    if (coarsening == Coarsening::none || coarsening == Coarsening::lattice ||
+        coarsening == Coarsening::hp)
       return {degree};
-    const unsigned int step =
-      coarsening == "one by one" ? 1 : (coarsening == "by two" ? 2 : degree);
+    const unsigned int step = coarsening == Coarsening::one_by_one ? 1
+                              : coarsening == Coarsening::by_two   ? 2
+                                                                   : degree;
 
     std::vector<unsigned int> result{degree};
     while (result.back() > 1)

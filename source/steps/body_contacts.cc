@@ -57,13 +57,12 @@ namespace greville
     bool        has_static = false;
     for (unsigned int k = 0; k < parameters.n_stages(); ++k)
       {
-        const std::string &scheme =
-          k < parameters.stages.size()
-            ? parameters.stages[k].scheme.stress_update
-            : parameters.scheme.stress_update;
-        has_static = has_static || scheme == "quasi-static";
-        if (!is_implicit_scheme(scheme))
-          others = scheme;
+        const SchemeParameters &scheme = k < parameters.stages.size()
+                                           ? parameters.stages[k].scheme
+                                           : parameters.scheme;
+        has_static                     = has_static || scheme.is_quasi_static();
+        if (!is_implicit_scheme(scheme.stress_update))
+          others = scheme.stress_update;
       }
     for (const std::string &name : parameters.general.contacts)
       Require(

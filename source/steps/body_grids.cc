@@ -368,11 +368,9 @@ namespace greville
         loads.erase(std::remove_if(loads.begin(),
                                    loads.end(),
                                    [&](const std::string &load) {
-                                     const auto &body =
-                                       parameters.surface_loads.at(load).body;
-                                     return std::count(group.begin(),
-                                                       group.end(),
-                                                       body) == 0;
+                                     return !contains(
+                                       group,
+                                       parameters.surface_loads.at(load).body);
                                    }),
                     loads.end());
         parts.push_back(part);

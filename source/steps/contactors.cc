@@ -281,11 +281,10 @@ namespace greville
     Tensor<1, dim>
     proportions(const MaterialPoints<dim> &points, const ConstPointRef<dim> p)
     {
-      const Lattice<dim> &lattice = points.space().lattice();
-      Point<dim>          X;
+      Point<dim> X;
       for (unsigned int d = 0; d < dim; ++d)
         X[d] = p.reference(d);
-      const CellBox<dim> box = lattice.box(lattice.find_cell(X));
+      const CellBox<dim> box = points.space().box_around(X);
       return box.size / std::pow(box.volume(), 1. / dim);
     }
 
@@ -312,17 +311,16 @@ namespace greville
     largest_proportion(const SplineSpace<dim> &space)
     {
       // The proportions of cells do not depend on their level.
-      const Lattice<dim>       &lattice = space.lattice();
-      const CellHierarchy<dim> *levels  = lattice.hierarchy();
+      const CellHierarchy<dim> *levels = space.hierarchy();
       const MultiIndex<dim>     n_cells =
-        levels ? levels->n_cells(0) : lattice.n_cells();
+        levels ? levels->n_cells(0) : space.cells_per_direction();
       std::array<double, dim> smallest, largest;
       for (unsigned int d = 0; d < dim; ++d)
         {
-          smallest[d] = largest[d] = lattice.cell_size(d, 0);
+          smallest[d] = largest[d] = space.cell_size(d, 0);
           for (unsigned int k = 0; k < n_cells[d]; ++k)
             {
-              const double h = lattice.cell_size(d, k);
+              const double h = space.cell_size(d, k);
               smallest[d]    = std::min(smallest[d], h);
               largest[d]     = std::max(largest[d], h);
             }

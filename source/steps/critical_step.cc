@@ -126,7 +126,7 @@ namespace greville
     const double smallest_mass       = !mass.is_exact() && space.degree() == 1
                                          ? 0.01 * lumped.linfty_norm()
                                          : 0.;
-    const CellHierarchy<dim> *levels = space.lattice().hierarchy();
+    const CellHierarchy<dim> *levels = space.hierarchy();
     const auto                size_of_cells = [&](const unsigned int i) {
       return levels ? std::ldexp(1.,
                                  -int(dim * levels->level_of_function(

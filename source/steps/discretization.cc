@@ -73,9 +73,8 @@ namespace greville
 
 
 
-    /// Return the orders that solvers use, as in
-    /// MultigridParameters::coarsening.
-    std::string
+    /// Return the orders that solvers use.
+    Coarsening
     coarsening_of(const SimulationParameters &parameters)
     {
       // An integrator that a program adds may be implicit.
@@ -84,7 +83,7 @@ namespace greville
       return parameters.scheme.has_consistent_mass() &&
                  parameters.solver.has_cycle()
                ? parameters.multigrid.coarsening
-               : "none";
+               : Coarsening::none;
     }
   } // namespace
 

@@ -191,7 +191,7 @@ namespace greville
              parameters.scheme.volumetric_projection,
            "the force of the projection does not conserve energy; take another "
            "scheme.");
-    refuse(parameters.implicit_solver.always_takes_cg() &&
+    refuse(parameters.implicit_solver.method == TangentParameters::Method::cg &&
              parameters.scheme.has_projection(),
            "'Implicit solver/Method' = cg and 'Scheme/Volumetric projection' "
            "= " +
@@ -265,7 +265,8 @@ namespace greville
     const OrderHierarchy<dim>  &hierarchy = system.hierarchy();
     const PMultigridParameters &cycle     = solver.multigrid;
     for (unsigned int l = 0; l < hierarchy.n_levels(); ++l)
-      if (l + 1 == hierarchy.n_levels() || !solver.never_takes_levels())
+      if (l + 1 == hierarchy.n_levels() ||
+          solver.levels != TangentParameters::Levels::never)
         result.push_back({hierarchy[l].degree(),
                           dim * std::uint64_t(hierarchy[l].n_dofs()),
                           l == 0 && hierarchy.n_levels() > 1

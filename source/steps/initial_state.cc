@@ -428,7 +428,7 @@ namespace greville
         for (const unsigned int w : {2 * d, 2 * d + 1})
           if (!(walls.is_periodic(w) ||
                 (w == 0 && parameters.grid.has_axis()) ||
-                (walls.type[w] != "free" && walls.region[w].empty())))
+                (!walls.is_free(w) && walls.region[w].empty())))
             return;
       }
     if (parameters.grid.is_axisymmetric())

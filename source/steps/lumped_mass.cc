@@ -29,7 +29,7 @@ namespace greville
       friction_walls[w] = walls.is_friction(w);
     for (VectorType &component : inverse)
       this->space().initialize_vector(component);
-    if (this->space().lattice().hierarchy())
+    if (this->space().hierarchy())
       levels = std::make_unique<Levels>(this->space());
   }
 

@@ -28,7 +28,7 @@ namespace greville
         {
           const auto sides = contact.sides();
           const auto has = [&](const unsigned int side, const std::string &x) {
-            return std::count(sides[side].begin(), sides[side].end(), x) > 0;
+            return contains(sides[side], x);
           };
           if ((has(0, a) && has(1, b)) || (has(0, b) && has(1, a)))
             return true;

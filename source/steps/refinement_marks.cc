@@ -261,7 +261,7 @@ namespace greville
     for (const auto &[name, region] : parameters.grid.regions)
       if (region.has_indicator() && region.acts_at(state.time))
         {
-          const bool by_jumps = region.indicator == "stress jump";
+          const bool by_jumps = region.indicator == Indicator::stress_jump;
           Values     values;
           if (by_jumps)
             values = squares_of_jumps(state, discretization, parameters);

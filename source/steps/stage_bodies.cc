@@ -489,7 +489,7 @@ namespace greville
                 surface = made;
           }
       }
-    if (std::find(is_new.begin(), is_new.end(), true) != is_new.end())
+    if (contains(is_new, true))
       check_overlap<dim>(state.bodies, space);
     state.points_have_changed();
   }

@@ -9,7 +9,7 @@ namespace greville
 
   TangentParameters::TangentParameters()
   {
-    multigrid.coarsening            = "lattice";
+    multigrid.coarsening            = Coarsening::lattice;
     multigrid.prolongation          = "ic0-l2";
     multigrid.restriction           = "transpose";
     multigrid.smoother              = "auto";
@@ -24,22 +24,24 @@ namespace greville
   void
   TangentParameters::declare(ParameterHandler &prm)
   {
-    add_parameter(prm, "Method", method, Patterns::Selection("auto|cg|fgmres"))(
+    add_choice<Method>(prm,
+                       "Method",
+                       method,
+                       {{Method::automatic, "auto"},
+                        {Method::cg, "cg"},
+                        {Method::fgmres, "fgmres"}})(
       "Krylov method, preconditioned by p-multigrid: cg for symmetric "
       "tangents, fgmres for all tangents. auto: cg if all materials have "
       "symmetric tangents. Unit: none.");
-    prm.declare_entry("Levels",
-                      multigrid.coarsening,
-                      Patterns::Selection("lattice|hp|orders"),
-                      "The levels of the cycle: splines of the order of the "
-                      "grid on lattices of "
-                      "1, 2, 4, ... times the cell size (lattice), the same "
-                      "with order 1 on the "
-                      "coarsest lattice (hp), or the order of the grid and "
-                      "order 1 on the grid, "
-                      "and lattices of order 1 (orders). Unit: none.");
-    prm.add_action("Levels", [this](const std::string &value) {
-      multigrid.coarsening = value == "orders" ? "direct" : value;
-    });
+    add_choice<Coarsening>(prm,
+                           "Levels",
+                           multigrid.coarsening,
+                           {{Coarsening::lattice, "lattice"},
+                            {Coarsening::hp, "hp"},
+                            {Coarsening::direct, "orders"}})(
+      "The levels of the cycle: splines of the order of the grid on lattices "
+      "of 1, 2, 4, ... times the cell size (lattice), the same with order 1 on "
+      "the coarsest lattice (hp), or the order of the grid and order 1 on the "
+      "grid, and lattices of order 1 (orders). Unit: none.");
   }
 } // namespace greville

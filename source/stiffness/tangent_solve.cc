@@ -95,7 +95,7 @@ namespace greville
     typename PMultigrid<dim>::Levels operators;
     choose_smoother(cycle, smoother);
     if (!has_levels)
-      cycle.coarsening = "none";
+      cycle.coarsening = Coarsening::none;
     else
       for (unsigned int l = 0; l + 1 < levels.size(); ++l)
         operators.push_back(levels[l].get());

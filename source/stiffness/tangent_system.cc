@@ -113,9 +113,9 @@ namespace greville
   {
     if (levels_fail)
       return false;
-    if (parameters.always_takes_levels())
+    if (parameters.levels == TangentParameters::Levels::always)
       return true;
-    if (parameters.never_takes_levels() ||
+    if (parameters.levels == TangentParameters::Levels::never ||
         !parameters.multigrid.has_coarse_levels())
       return false;
     unsigned int n_long = 0;

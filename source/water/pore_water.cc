@@ -18,14 +18,6 @@ namespace greville
     /// the size.
     constexpr std::array<double, 6> penalties = {{0., 4., 24., 36., 64., 100.}};
 
-
-
-    /// Return whether the strength of a contact may depend on the pressure.
-    bool
-    depends_on_pressure(const ContactParameters &contact)
-    {
-      return contact.friction != "0" && contact.friction != "rough";
-    }
   } // namespace
 
 
@@ -38,7 +30,10 @@ namespace greville
     , parameters(parameters)
     , drained(displacements, parameters, penalties[displacements.degree()])
   {
-    orders.reinit(triangulation, displacements.degree(), "direct", true);
+    orders.reinit(triangulation,
+                  displacements.degree(),
+                  Coarsening::direct,
+                  true);
 
     for (unsigned int c = 0; c < displacements.owned_cells().size(); ++c)
       parents.push_back(space().find(displacements.box(c).center));
@@ -97,7 +92,7 @@ namespace greville
     for (unsigned int k = 0; k < surfaces.size(); ++k)
       if (drained.has_surface(k) ||
           (!surfaces[k].contact.empty() &&
-           depends_on_pressure(parameters.contacts.at(surfaces[k].contact))))
+           parameters.contacts.at(surfaces[k].contact).depends_on_pressure()))
         for (const unsigned int cell : surfaces[k].points.cells())
           if (parts[parents[cell]] <= 0.)
             parts[parents[cell]] = -1.;
@@ -184,7 +179,7 @@ namespace greville
         std::any_of(parameters.contacts.begin(),
                     parameters.contacts.end(),
                     [](const auto &contact) {
-                      return depends_on_pressure(contact.second);
+                      return contact.second.depends_on_pressure();
                     }))
       points.average_old_pressure(x);
   }
@@ -281,7 +276,7 @@ namespace greville
       n_long += n > 1;
     PMultigridParameters cycle = of_cycle.multigrid;
     if (n_long <= 1)
-      cycle.coarsening = "none";
+      cycle.coarsening = Coarsening::none;
     typename PMultigrid<dim>::Levels operators;
     for (const auto &level : of_cycles)
       if (n_long > 1 || level == of_cycles.back())

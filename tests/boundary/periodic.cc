@@ -15,11 +15,13 @@ struct History
   double              kinetic = 0.;
 };
 
+using Levels = TangentParameters::Levels;
+
 History
-history_of(const Text &text, const std::string &preconditioner = "auto")
+history_of(const Text &text, const Levels levels = Levels::automatic)
 {
   Simulated<2> run(text, [&](SimulationParameters &parameters) {
-    parameters.implicit_solver.preconditioner = preconditioner;
+    parameters.implicit_solver.levels = levels;
   });
   History      result;
   const auto   add = [&]() {
@@ -173,10 +175,12 @@ test_main()
   // Implicit steps, with levels, too.
   for (const std::string scheme : {"implicit-midpoint", "generalized-alpha"})
     for (const unsigned int p : {1, 2, 3})
-      for (const std::string preconditioner : {"smoother", "p-multigrid"})
+      for (const auto &[levels, levels_name] :
+           Choices<Levels>{{Levels::never, "smoother"},
+                           {Levels::always, "p-multigrid"}})
         {
-          const std::string name = scheme + ", p = " + std::to_string(p) +
-                                   ", " + preconditioner + ": ";
+          const std::string name =
+            scheme + ", p = " + std::to_string(p) + ", " + levels_name + ": ";
           const auto text = [&](const double       begin,
                                 const unsigned int n,
                                 const bool         periodic,
@@ -188,17 +192,13 @@ test_main()
               .with("Material solid", {"Model = neo-hookean"})
               .with("Newton", {"Tolerance = 1e-9"});
           };
-          const History middle =
-            history_of(text(0.32, 10, true, 0.), preconditioner);
-          const History across =
-            history_of(text(0.72, 10, true, 0.), preconditioner);
+          const History middle = history_of(text(0.32, 10, true, 0.), levels);
+          const History across = history_of(text(0.72, 10, true, 0.), levels);
           check(name + "energies across the wall",
                 relative(across.energies, middle.energies),
                 1e-8);
-          const History open =
-            history_of(text(0.42, 24, false, 10.), preconditioner);
-          const History wrapped =
-            history_of(text(0.42, 8, true, 10.), preconditioner);
+          const History open = history_of(text(0.42, 24, false, 10.), levels);
+          const History wrapped = history_of(text(0.42, 8, true, 10.), levels);
           check(name + "energies in flight",
                 relative(wrapped.energies, open.energies),
                 1e-8);

@@ -111,7 +111,7 @@ test_main()
   for (const std::string restriction : {"lumped-l2", "transpose"})
     {
       parameters.restriction = restriction;
-      parameters.cycle       = "V";
+      parameters.cycle       = CycleType::V;
       const PMultigrid<2> cycle(levels,
                                 parameters,
                                 smoother_parameters,
@@ -126,7 +126,7 @@ test_main()
       const OrderTransfer<2>                  transfer(levels,
                                       parameters.prolongation,
                                       parameters.restriction,
-                                      parameters.weighting);
+                                      parameters.weight);
       for (unsigned int l = 0; l <= top; ++l)
         {
           operators[l].level = levels[l];
@@ -166,7 +166,7 @@ test_main()
       y = multigrid.solution[top];
       check(restriction + ": as deal.II's V-cycle", difference(x, y), 1e-11);
 
-      for (const std::string type : {"V", "W", "F"})
+      for (const auto &[type, name] : cycle_types)
         {
           parameters.cycle = type;
           const PMultigrid<2> other(levels,
@@ -174,17 +174,17 @@ test_main()
                                     smoother_parameters,
                                     coarse);
           other.vmult(y, b);
-          if (type != "V")
-            check(restriction + ": " + type + " is not V",
+          if (type != CycleType::V)
+            check(restriction + ": " + name + " is not V",
                   difference(x, y) > 1e-6);
           // The adjoint of an F-cycle does its V before its F.
-          if (restriction == "transpose" && type != "F")
+          if (restriction == "transpose" && type != CycleType::F)
             {
               VectorType c(b), z(b);
               for (unsigned int i = 0; i < c.locally_owned_size(); ++i)
                 c.local_element(i) = std::cos(5. * b.local_element(i));
               other.vmult(z, c);
-              check(type + ": symmetric",
+              check(name + ": symmetric",
                     std::abs(y * c - b * z) / (y.l2_norm() * c.l2_norm()),
                     1e-9);
             }
@@ -200,20 +200,20 @@ test_main()
                                                       levels[2]};
     const VectorType c = pseudo_random_vector(orders[2]);
     VectorType       w(c), f(c);
-    parameters.cycle = "W";
+    parameters.cycle = CycleType::W;
     PMultigrid<2>(three, parameters, smoother_parameters, coarse).vmult(w, c);
-    parameters.cycle = "F";
+    parameters.cycle = CycleType::F;
     PMultigrid<2>(three, parameters, smoother_parameters, coarse).vmult(f, c);
     check("orders 3, 2, 1: W is F", difference(w, f), 1e-11);
   }
-  parameters.cycle = "W";
+  parameters.cycle = CycleType::W;
   const double w   = reduction();
-  parameters.cycle = "F";
+  parameters.cycle = CycleType::F;
   const double f   = reduction();
   check("orders 4, ..., 1: W is not F", std::abs(w - f) > 1e-9);
 
   // More smoothing, smaller residual.
-  parameters.cycle         = "V";
+  parameters.cycle         = CycleType::V;
   parameters.smoother      = "symmetric-gauss-seidel";
   double before            = reduction();
   parameters.pre_smoothing = 3;
@@ -234,8 +234,8 @@ test_main()
   parameters.restriction = "exact-l2";
   before                 = reduction();
   check("restriction has an effect", std::abs(before - after) > 1e-9);
-  parameters.weighting = "unit";
-  after                = reduction();
+  parameters.weight = TransferWeight::unit;
+  after             = reduction();
   check("weight has an effect", std::abs(before - after) > 1e-9);
   parameters.coarse_max_iterations = 2;
   before                           = reduction();

@@ -171,7 +171,7 @@ test_transfer(const MultiIndex<dim> &cells,
       const OrderTransfer<dim>                      transposed(levels,
                                           prolongation,
                                           "transpose",
-                                          "density");
+                                          TransferWeight::density);
       VectorType e = pseudo_random_vector(coarse), r(e);
       VectorType f = pseudo_random_vector(fine), Ie(f);
       transposed.prolongate(1, Ie, e);
@@ -192,7 +192,7 @@ test_transfer(const MultiIndex<dim> &cells,
           const OrderTransfer<dim> own(levels,
                                        "lumped-l2",
                                        "lumped-l2",
-                                       "density");
+                                       TransferWeight::density);
           e = 1.;
           own.prolongate(1, Ie, e);
           for (const unsigned int i : fine_level.inactive())
@@ -230,7 +230,7 @@ test_solvers(const MultiIndex<dim> &cells,
   smoother.overlap = 2;
   VectorType reference;
   const auto run = [&](const std::string &name,
-                       const std::string &coarsening,
+                       const Coarsening   coarsening,
                        const std::string &smoother_name) {
     multigrid.coarsening = coarsening;
     multigrid.smoother   = smoother_name;
@@ -252,22 +252,30 @@ test_solvers(const MultiIndex<dim> &cells,
     const SolveResult result = solver.solve(x, b);
     if (reference.size() == 0)
       reference = x;
-    check("  " + name + ", " + coarsening + ", " + smoother_name +
+    check("  " + name + ", " + word_of(coarsening, coarsenings) + ", " +
+            smoother_name +
             (result.reason.empty() ? "" : " (" + result.reason + ")"),
           result.converged ? difference(x, reference) : 1.,
           1e-6);
     return result.iterations.value_or(0);
   };
-  for (const std::string coarsening : {"one by one", "direct", "none"})
+  for (const Coarsening coarsening :
+       {Coarsening::one_by_one, Coarsening::direct, Coarsening::none})
     {
       const unsigned int n = run("cg-p-multigrid", coarsening, "ic0");
       check_range("  iterations", n, 1, 40);
     }
-  check_range("  iterations", run("cg-p-multigrid", "direct", "ict"), 1, 20);
-  check_range("  iterations", run("cg-smoother", "direct", "ict"), 1, 20);
-  run("cg-jacobi", "none", "");
-  run("cg-p-multigrid", "none", "jacobi");
-  run("cg-p-multigrid", "by two", "chebyshev");
+  check_range("  iterations",
+              run("cg-p-multigrid", Coarsening::direct, "ict"),
+              1,
+              20);
+  check_range("  iterations",
+              run("cg-smoother", Coarsening::direct, "ict"),
+              1,
+              20);
+  run("cg-jacobi", Coarsening::none, "");
+  run("cg-p-multigrid", Coarsening::none, "jacobi");
+  run("cg-p-multigrid", Coarsening::by_two, "chebyshev");
 }
 
 

@@ -192,7 +192,7 @@ namespace
                    const unsigned int degree,
                    const double       beta,
                    const unsigned int n_components,
-                   const std::string &coarsening,
+                   const Coarsening   coarsening,
                    const std::string &smoother)
   {
     Box<2>                  box(MultiIndex<2>{{cells, cells}});
@@ -242,12 +242,13 @@ test_main()
       {
         print() << "beta = " << beta << ", p = " << p << std::endl;
         for (const unsigned int cells : {8, 16, 32})
-          for (const std::string coarsening : {"one by one", "direct"})
+          for (const Coarsening coarsening :
+               {Coarsening::one_by_one, Coarsening::direct})
             {
               const unsigned int n =
                 count_iterations(cells, p, beta, 1, coarsening, "ic0");
               check_range("  iterations, " + std::to_string(cells) +
-                            " cells, " + coarsening,
+                            " cells, " + word_of(coarsening, coarsenings),
                           n,
                           2,
                           12);
@@ -258,9 +259,10 @@ test_main()
                   n - 1,
                   n + 1);
             }
-        check_range("  with Chebyshev",
-                    count_iterations(16, p, beta, 2, "direct", "chebyshev"),
-                    2,
-                    40);
+        check_range(
+          "  with Chebyshev",
+          count_iterations(16, p, beta, 2, Coarsening::direct, "chebyshev"),
+          2,
+          40);
       }
 }

@@ -24,23 +24,23 @@ test(const unsigned int p, const unsigned int q, const std::string &rho_name)
   coarse_level.assemble(false, false);
   fine_level.assemble(false, false);
 
-  for (const std::string weighting : {"density", "unit"})
+  for (const auto &[weight, weight_name] : transfer_weights)
     for (const std::string prolongation : {"lumped-l2", "exact-l2"})
       {
         const std::string name = std::to_string(dim) + "D, " +
                                  std::to_string(q) + " to " +
                                  std::to_string(p) + ", " + rho_name + ", " +
-                                 weighting + ", " + prolongation;
+                                 weight_name + ", " + prolongation;
         const std::vector<const LevelOperator<dim> *> levels{&coarse_level,
                                                              &fine_level};
         const OrderTransfer<dim>                      transposed(levels,
                                             prolongation,
                                             "transpose",
-                                            weighting);
+                                            weight);
         const OrderTransfer<dim>                      own(levels,
                                      prolongation,
                                      prolongation,
-                                     weighting);
+                                     weight);
         VectorType e = pseudo_random_vector(coarse), constant(e), r(e);
         VectorType f = pseudo_random_vector(fine), Ie(f), back(f);
 
@@ -111,7 +111,7 @@ test(const unsigned int p, const unsigned int q, const std::string &rho_name)
       const OrderTransfer<dim> transfer({&coarse_level, &fine_level},
                                         "lumped-l2",
                                         "lumped-l2",
-                                        "density");
+                                        TransferWeight::density);
       const VectorType         e = pseudo_random_vector(coarse);
       const VectorType         f = pseudo_random_vector(fine);
       VectorType               up(f), down(e);

@@ -23,7 +23,7 @@ count(const unsigned int n, const unsigned int p, const std::string &cycle)
   MassSolverParameters      solver_parameters;
   PaperMultigridParameters  multigrid;
   SmootherParameters        smoother;
-  multigrid.cycle = cycle;
+  multigrid.cycle = value_of(cycle, cycle_types);
   MassSolver<dim> solver(
     "p-multigrid", mass, solver_parameters, multigrid, smoother);
   solver.assemble();

@@ -11,12 +11,11 @@ void
 test_main()
 {
   Box<2> box(MultiIndex<2>{{4, 8}});
-  for (const std::string coarsening :
-       {"one by one", "by two", "direct", "none"})
+  for (const auto &[coarsening, name] : coarsenings)
     for (unsigned int p = 1; p <= 5; ++p)
       {
         const OrderHierarchy<2> orders(box.mesh, p, coarsening);
-        print() << coarsening << ", p = " << p << ":";
+        print() << name << ", p = " << p << ":";
         for (unsigned int l = 0; l < orders.n_levels(); ++l)
           print() << " " << orders[l].degree() << " (" << orders[l].n_dofs()
                   << ")";
@@ -24,7 +23,7 @@ test_main()
       }
   try
     {
-      OrderHierarchy<2>::orders(3, "by three");
+      value_of("by three", coarsenings);
     }
   catch (const std::exception &error)
     {

@@ -108,6 +108,31 @@ namespace greville
     return "";
   }
 
+  /// Return all words, separated by '|'.
+  template <typename Enumeration>
+  std::string
+  words_of(const Choices<Enumeration> &choices)
+  {
+    std::string words;
+    for (const auto &[choice, word] : choices)
+      words += (words.empty() ? "" : "|") + word;
+    return words;
+  }
+
+  /// Return the value of a word. Throws dealii::ExcMessage if there is none.
+  template <typename Enumeration>
+  Enumeration
+  value_of(const std::string &given, const Choices<Enumeration> &choices)
+  {
+    for (const auto &[choice, word] : choices)
+      if (word == given)
+        return choice;
+    AssertThrow(false,
+                dealii::ExcMessage("<" + given + "> is none of " +
+                                   words_of(choices) + "."));
+    return choices.front().first;
+  }
+
   /// Declare a parameter that takes one of the words of an enumeration, as
   /// add_parameter() does.
   template <typename Enumeration>
@@ -118,17 +143,12 @@ namespace greville
              const Choices<Enumeration> &choices)
   {
     return [&prm, name, &value, choices](const std::string &text) {
-      std::string words;
-      for (const auto &[choice, word] : choices)
-        words += (words.empty() ? "" : "|") + word;
       prm.declare_entry(name,
                         word_of(value, choices),
-                        dealii::Patterns::Selection(words),
+                        dealii::Patterns::Selection(words_of(choices)),
                         text);
       prm.add_action(name, [&value, choices](const std::string &given) {
-        for (const auto &[choice, word] : choices)
-          if (word == given)
-            value = choice;
+        value = value_of(given, choices);
       });
     };
   }

@@ -55,7 +55,7 @@ namespace greville
     /// Set up splines of order @p p and the levels of a coarsening, in place of
     /// earlier ones.
     virtual void
-    discretize(const unsigned int p, const std::string &coarsening) = 0;
+    discretize(const unsigned int p, const Coarsening coarsening) = 0;
 
     virtual unsigned long
     n_unknowns() const = 0;

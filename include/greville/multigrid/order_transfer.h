@@ -4,6 +4,7 @@
 
 #include <deal.II/multigrid/mg_base.h>
 
+#include <greville/base/parameters.h>
 #include <greville/mass/mass_operator.h>
 #include <greville/multigrid/level_operator.h>
 
@@ -27,6 +28,18 @@ namespace greville
 
 
 
+  /// The weight of the L2 products of a transfer.
+  enum class TransferWeight
+  {
+    density, // LevelOperator::transfer_weights()
+    unit
+  };
+
+  inline const Choices<TransferWeight> transfer_weights = {
+    {TransferWeight::density, "density"}, {TransferWeight::unit, "unit"}};
+
+
+
   /**
    * Transfer between consecutive orders k > l on one mesh, in the form of
    * deal.II's transfer classes (level 0 is the coarsest). With the cross matrix
@@ -47,9 +60,8 @@ namespace greville
    * - "transpose": the transpose of the prolongation, which makes a cycle with
    *   a symmetric smoother symmetric.
    *
-   * The weight w is the density of LevelOperator::transfer_weights()
-   * ("density") or 1 ("unit"). Inactive coefficients do not take part. All
-   * components of an operator have the same transfer.
+   * The weight w is a TransferWeight. Inactive coefficients do not take part.
+   * All components of an operator have the same transfer.
    *
    * With extended B-splines, P acts on all coefficients of a spline. The matrix
    * @f$ E_l @f$ of LevelOperator::distribute() computes them. The coefficients
@@ -68,17 +80,18 @@ namespace greville
     static std::string
     restrictions();
 
-    static std::string
-    weightings()
-    {
-      return "density|unit";
-    }
-
     /// Collective. @p levels are kept by reference.
     OrderTransfer(const std::vector<const LevelOperator<dim> *> &levels,
                   const std::string                             &prolongation,
                   const std::string                             &restriction,
-                  const std::string                             &weighting);
+                  const TransferWeight                           weight);
+
+    /// Return whether the restriction is the transpose of the prolongation.
+    bool
+    is_symmetric() const
+    {
+      return restriction == Kind::transpose;
+    }
 
     void
     prolongate(const unsigned int to_level,

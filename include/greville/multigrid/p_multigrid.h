@@ -9,6 +9,19 @@
 
 namespace greville
 {
+  enum class CycleType
+  {
+    V,
+    W,
+    F
+  };
+
+  inline const Choices<CycleType> cycle_types = {{CycleType::V, "V"},
+                                                 {CycleType::W, "W"},
+                                                 {CycleType::F, "F"}};
+
+
+
   struct PMultigridParameters
   {
     /// Declare the parameters. @p smoothers and @p coarse_preconditioners are
@@ -30,31 +43,32 @@ namespace greville
     bool
     has_coarse_levels() const
     {
-      return coarsening != "none";
+      return coarsening != Coarsening::none;
     }
 
     /// Return whether the lattices of the highest order become coarser.
     bool
     coarsens_lattices() const
     {
-      return coarsening == "lattice" || coarsening == "hp";
+      return coarsening == Coarsening::lattice || coarsening == Coarsening::hp;
     }
 
     /// Return the parameters of a LatticeCycle.
     LatticeCycleParameters
     of_lattices(const SmootherParameters &smoother_parameters) const;
 
-    std::string  coarsening            = "one by one";
-    std::string  cycle                 = "V";
-    std::string  prolongation          = "lumped-l2";
-    std::string  restriction           = "lumped-l2";
-    std::string  weighting             = "density";
-    unsigned int pre_smoothing         = 1;
-    unsigned int post_smoothing        = 1;
-    double       coarse_tolerance      = 1e-4;
-    unsigned int coarse_max_iterations = 1000;
-    std::string  coarse_preconditioner = "none";
-    std::string  smoother              = "ic0";
+    Coarsening coarsening = Coarsening::one_by_one;
+    CycleType  cycle      = CycleType::V;
+    // Names of lists to which programs add.
+    std::string    prolongation          = "lumped-l2";
+    std::string    restriction           = "lumped-l2";
+    TransferWeight weight                = TransferWeight::density;
+    unsigned int   pre_smoothing         = 1;
+    unsigned int   post_smoothing        = 1;
+    double         coarse_tolerance      = 1e-4;
+    unsigned int   coarse_max_iterations = 1000;
+    std::string    coarse_preconditioner = "none";
+    std::string    smoother              = "ic0";
   };
 
 
@@ -74,10 +88,10 @@ namespace greville
    * steps after the coarse correction use @f$ S^T @f$, so that V- and W-cycles
    * are symmetric (up to the tolerance of the coarse solver).
    *
-   * With coarsening = "none" there is no coarse level: a cycle consists of
-   * @f$ \nu_1 + \nu_2 @f$ smoothing steps. With "lattice" and "hp", there is
-   * one level with a LatticeCycle. The coarse preconditioner "lattice" is a
-   * LatticeCycle on level 0.
+   * With Coarsening::none there is no coarse level: a cycle consists of
+   * @f$ \nu_1 + \nu_2 @f$ smoothing steps. With Coarsening::lattice and
+   * Coarsening::hp, there is one level with a LatticeCycle. The coarse
+   * preconditioner "lattice" is a LatticeCycle on level 0.
    *
    * The cycle is not dealii::Multigrid's, whose W-cycle runs as a V-cycle up to
    * version 9.7.
@@ -90,7 +104,7 @@ namespace greville
 
     /// Collective. @p levels are kept by reference, from the coarsest to the
     /// finest. @p coarse_tolerance is the relative tolerance on level 0. For
-    /// coarsening = "none" there is one level.
+    /// Coarsening::none there is one level.
     PMultigrid(const Levels               &levels,
                const PMultigridParameters &parameters,
                const SmootherParameters   &smoother_parameters,
@@ -101,18 +115,11 @@ namespace greville
     vmult(VectorType &dst, const VectorType &src) const override;
 
   private:
-    enum class Cycle
-    {
-      V,
-      W,
-      F
-    };
-
     /// Improve x[level] for the right-hand side b[level], beginning with zero
     /// if @p from_zero.
     void
     cycle(const unsigned int level,
-          const Cycle        type,
+          const CycleType    type,
           const bool         from_zero) const;
 
     /// Do @p n_steps steps x += S (b - A x), the first one from x = 0 if
@@ -140,8 +147,7 @@ namespace greville
     const Levels                                 levels;
     const PMultigridParameters                   parameters;
     const double                                 coarse_tolerance;
-    const Cycle                                  type;
-    const bool                                   is_symmetric, has_coarse;
+    const bool                                   has_coarse;
     OrderTransfer<dim>                           transfer;
     std::vector<std::unique_ptr<Preconditioner>> smoothers;
     std::unique_ptr<Preconditioner>              coarse_preconditioner;

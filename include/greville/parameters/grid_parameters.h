@@ -4,6 +4,7 @@
 
 #include <deal.II/base/parameter_handler.h>
 
+#include <greville/base/parameters.h>
 #include <greville/spline/cell_hierarchy.h>
 
 #include <algorithm>
@@ -24,6 +25,21 @@ namespace greville
 
 
 
+  /// The reason for which the cells of a region are refined.
+  enum class Indicator
+  {
+    none, // all of them are
+    plastic_strain,
+    stress_jump
+  };
+
+  inline const Choices<Indicator> indicators = {
+    {Indicator::none, "none"},
+    {Indicator::plastic_strain, "plastic strain"},
+    {Indicator::stress_jump, "stress jump"}};
+
+
+
   /// A region in which cells are refined.
   struct RefinementParameters
   {
@@ -41,12 +57,12 @@ namespace greville
     bool
     has_indicator() const
     {
-      return indicator != "none";
+      return indicator != Indicator::none;
     }
 
     std::string  shape;
     unsigned int levels       = 1;
-    std::string  indicator    = "none";
+    Indicator    indicator    = Indicator::none;
     double       refine_above = 0.01;
     double       distance     = 0.; // to surfaces, m; 0: any
     /// One time, s, or none.

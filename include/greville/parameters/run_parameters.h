@@ -5,6 +5,8 @@
 #include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/utilities.h>
 
+#include <greville/base/run_folder.h>
+
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -86,7 +88,7 @@ namespace greville
     }
 
     std::string              directory;
-    std::string              earlier_results  = "move aside";
+    EarlierResults           earlier_results  = EarlierResults::move_aside;
     double                   fields_every     = 0.;
     std::string              statistics_every = "auto";
     double                   runout_above     = -1e100;

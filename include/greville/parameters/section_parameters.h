@@ -197,6 +197,19 @@ namespace greville
       return contactors == "material points";
     }
 
+    bool
+    is_rough() const
+    {
+      return friction == "rough";
+    }
+
+    /// Return whether the strength may depend on the pressure.
+    bool
+    depends_on_pressure() const
+    {
+      return friction != "0" && !is_rough();
+    }
+
     std::string bodies;
     std::string contactors = "surface points";
     std::string friction   = "0";

@@ -80,6 +80,12 @@ namespace greville
     }
 
     bool
+    is_backward_euler() const
+    {
+      return stress_update == "backward-euler";
+    }
+
+    bool
     is_total_lagrangian() const
     {
       return formulation == "total Lagrangian";
@@ -202,6 +208,12 @@ namespace greville
     passes_water(const unsigned int wall) const
     {
       return !pore_pressure[wall].empty() || !flux[wall].empty();
+    }
+
+    bool
+    is_free(const unsigned int wall) const
+    {
+      return type[wall] == "free";
     }
 
     bool

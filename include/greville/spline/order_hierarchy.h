@@ -2,12 +2,32 @@
 
 #pragma once
 
+#include <greville/base/parameters.h>
 #include <greville/spline/spline_space.h>
-
-#include <string>
 
 namespace greville
 {
+  /// The orders of the levels of p-multigrid.
+  enum class Coarsening
+  {
+    one_by_one, // p, p - 1, ..., 1
+    by_two,     // p, p - 2, ..., 1; the last step may be by one
+    direct,     // p, 1
+    none,       // p alone
+    lattice,    // p alone, on lattices that become coarser
+    hp          // the same, with order 1 on the coarsest lattice
+  };
+
+  inline const Choices<Coarsening> coarsenings = {
+    {Coarsening::one_by_one, "one by one"},
+    {Coarsening::by_two, "by two"},
+    {Coarsening::direct, "direct"},
+    {Coarsening::none, "none"},
+    {Coarsening::lattice, "lattice"},
+    {Coarsening::hp, "hp"}};
+
+
+
   /// The levels of p-multigrid: spline spaces of decreasing order on one mesh
   /// (@ref Tielen2019 "Tielen, Moeller and Vuik, 2019"). As in deal.II, level 0
   /// is the coarsest. It has order 1 unless the hierarchy has a single level.
@@ -19,17 +39,17 @@ namespace greville
 
     OrderHierarchy(DistributedTriangulation<dim> &triangulation,
                    const unsigned int             degree,
-                   const std::string             &coarsening = "one by one")
+                   const Coarsening coarsening = Coarsening::one_by_one)
     {
       reinit(triangulation, degree, coarsening);
     }
 
-    /// Collective. @p coarsening is one of coarsenings(). The cells are the
-    /// cells of the mesh or their parents, see SplineSpace.
+    /// Collective. The cells are the cells of the mesh or their parents, see
+    /// SplineSpace.
     void
     reinit(DistributedTriangulation<dim> &triangulation,
            const unsigned int             degree,
-           const std::string             &coarsening,
+           const Coarsening               coarsening,
            const bool                     on_parents = false)
     {
       spaces.clear();
@@ -37,19 +57,9 @@ namespace greville
         spaces.emplace_back(triangulation, order, on_parents);
     }
 
-    /// Return the names of coarsenings, separated by '|' for a
-    /// Patterns::Selection. "one by one": p, p-1, ..., 1; "by two": p, p-2,
-    /// ..., 1 (the last step may be by one); "direct": p, 1; "none", "lattice",
-    /// "hp": p alone.
-    static std::string
-    coarsenings()
-    {
-      return "one by one|by two|direct|none|lattice|hp";
-    }
-
     /// Return the orders from the coarsest to the finest level.
     static std::vector<unsigned int>
-    orders(const unsigned int degree, const std::string &coarsening);
+    orders(const unsigned int degree, const Coarsening coarsening);
 
     unsigned int
     n_levels() const

@@ -40,8 +40,9 @@ namespace greville
       return comm;
     }
 
-    /// Return the cells as one lattice, for the few parts that need all cells.
-    /// All other code uses the functions on cells below.
+    /// Return the cells as one lattice, for parts that keep it, compare those
+    /// of several grids, or loop over all cells. All other code uses the
+    /// functions below.
     const Lattice<dim> &
     lattice() const
     {
@@ -95,6 +96,21 @@ namespace greville
       return mesh_lattice.cell_size(d);
     }
 
+    /// Return the size of a cell, by its index in a direction.
+    double
+    cell_size(const unsigned int d, const unsigned int index) const
+    {
+      return mesh_lattice.cell_size(d, index);
+    }
+
+    /// Return the lower edge of a cell, by its index in a direction, and behind
+    /// the last cell its upper one.
+    double
+    edge(const unsigned int d, const unsigned int index) const
+    {
+      return mesh_lattice.edge(d, index);
+    }
+
     /// Return the size of the largest cells in a direction.
     double
     largest_cell_size(const unsigned int d) const
@@ -145,6 +161,14 @@ namespace greville
     {
       return mesh_lattice.box(
         multi_index<dim>(cells[cell], mesh_lattice.n_cells()));
+    }
+
+    /// Return the cell that contains a point, anywhere in the mesh; the nearest
+    /// cell for points outside.
+    CellBox<dim>
+    box_around(const dealii::Point<dim> &x) const
+    {
+      return mesh_lattice.box(mesh_lattice.find_cell(x));
     }
 
     /// Return whether a point lies in the half-open box of an owned cell, or at

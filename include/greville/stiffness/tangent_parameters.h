@@ -4,13 +4,26 @@
 
 #include <greville/multigrid/p_multigrid.h>
 
-#include <string>
-
 namespace greville
 {
   /// Parameters of the linear solver of implicit steps.
   struct TangentParameters
   {
+    enum class Method
+    {
+      automatic, // cg for symmetric systems, otherwise fgmres
+      cg,
+      fgmres
+    };
+
+    /// The use of coarse levels by the cycle.
+    enum class Levels
+    {
+      automatic, // where they pay
+      always,
+      never
+    };
+
     TangentParameters();
 
     void
@@ -20,31 +33,12 @@ namespace greville
     bool
     takes_cg(const bool is_symmetric) const
     {
-      return always_takes_cg() || (method == "auto" && is_symmetric);
+      return method == Method::cg ||
+             (method == Method::automatic && is_symmetric);
     }
 
-    bool
-    always_takes_cg() const
-    {
-      return method == "cg";
-    }
-
-    /// Return whether the cycle never uses coarse levels. If it may, it uses
-    /// them always, or only where they pay.
-    bool
-    never_takes_levels() const
-    {
-      return preconditioner == "smoother";
-    }
-
-    bool
-    always_takes_levels() const
-    {
-      return preconditioner == "p-multigrid";
-    }
-
-    std::string          method         = "auto";
-    std::string          preconditioner = "auto";
+    Method               method         = Method::automatic;
+    Levels               levels         = Levels::automatic;
     unsigned int         max_iterations = 200;
     unsigned int         reuse          = 10;
     PMultigridParameters multigrid;
