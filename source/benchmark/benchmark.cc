@@ -164,11 +164,15 @@ namespace greville
     // Print the hierarchy of the largest order, with its sizes.
     const unsigned int p =
       *std::max_element(parameters.orders.begin(), parameters.orders.end());
-    const auto orders = OrderHierarchy<2>::orders(
-      p,
-      parameters.coarsenings.empty()
-        ? multigrid_of(parameters.operators[0]).coarsening
-        : value_of(parameters.coarsenings[0], coarsenings));
+    const PMultigridParameters &multigrid = is_elastic(parameters.operators[0])
+                                              ? implicit.multigrid
+                                              : multigrid_parameters;
+    const auto                  orders =
+      OrderHierarchy<2>::orders(p,
+                                parameters.coarsenings.empty()
+                                  ? multigrid.coarsening
+                                  : value_of(parameters.coarsenings[0],
+                                             coarsenings));
     const auto cells = cells_of_dimensions();
     out << "  level  order  unknowns\n";
     for (unsigned int l = orders.size(); l-- > 0;)
