@@ -17,6 +17,8 @@ namespace greville
   {
     constexpr unsigned int x = 0, z = 2;
 
+
+
     enum class Test
     {
       isotropic,
@@ -26,11 +28,20 @@ namespace greville
       shear
     };
 
-    const Choices<Test> tests = {{Test::isotropic, "isotropic"},
-                                 {Test::oedometer, "oedometer"},
-                                 {Test::drained, "triaxial-drained"},
-                                 {Test::undrained, "triaxial-undrained"},
-                                 {Test::shear, "simple-shear"}};
+
+
+    /// Return the tests; programs may ask for their names before main().
+    const Choices<Test> &
+    tests()
+    {
+      static const Choices<Test> list = {{Test::isotropic, "isotropic"},
+                                         {Test::oedometer, "oedometer"},
+                                         {Test::drained, "triaxial-drained"},
+                                         {Test::undrained,
+                                          "triaxial-undrained"},
+                                         {Test::shear, "simple-shear"}};
+      return list;
+    }
 
 
 
@@ -236,7 +247,7 @@ namespace greville
       std::string
       where(const double strain) const
       {
-        return "The element test '" + word_of(test, tests) + "' of '" +
+        return "The element test '" + word_of(test, tests()) + "' of '" +
                section + "': the step to the strain " + text_of(strain);
       }
 
@@ -329,7 +340,7 @@ namespace greville
   std::string
   element_test_names()
   {
-    return words_of(tests);
+    return words_of(tests());
   }
 
 
@@ -341,7 +352,7 @@ namespace greville
                    const ElementTestParameters &parameters)
   {
     check_word(test, "--element-test", element_test_names());
-    return ElementTest(material, section, value_of(test, tests), parameters)
+    return ElementTest(material, section, value_of(test, tests()), parameters)
       .run();
   }
 } // namespace greville
