@@ -3,10 +3,10 @@
 #include <deal.II/numerics/rtree.h>
 
 #include <greville/contact/rigid_body.h>
+#include <greville/spline/cell_neighbors.h>
 #include <greville/steps/body_surfaces.h>
 
 #include <cmath>
-#include <unordered_set>
 
 namespace greville
 {
@@ -68,39 +68,33 @@ namespace greville
     public:
       /// Collective.
       void
-      add(const Body<dim>        &body,
-          const SplineSpace<dim> &space,
-          const bool              is_new)
+      add(const Body<dim>          &body,
+          const SplineSpace<dim>   &space,
+          const CellNeighbors<dim> &neighbors,
+          const bool                is_new)
       {
-        const auto position = [&](const MultiIndex<dim> &index) {
-          return lexicographic<dim>(index, space.cells_per_direction());
-        };
-        std::vector<std::uint64_t> own;
-        std::vector<double>        filled;
+        // The parts of owned cells and of their neighbors that points fill.
+        std::vector<double> parts(neighbors.positions().size(), 0.);
         for (const unsigned int cell : body.points.cells())
           {
-            if (body.points.n_points(cell) == 0)
-              continue;
-            own.push_back(position(space.box(cell).index));
             double volume = 0.;
             body.points.for_each_in_cell(cell, [&](const ConstPointRef<dim> p) {
               volume += body.points.layout().is_total_lagrangian() ? p.volume0()
                                                                    : p.volume();
             });
-            filled.push_back(volume /
-                             cell_volume(space, cell, body.points.layout()));
+            parts[cell] =
+              volume / cell_volume(space, cell, body.points.layout());
           }
-        std::unordered_set<std::uint64_t> all;
-        for (const auto &of_process :
-             Utilities::MPI::all_gather(space.communicator(), own))
-          all.insert(of_process.begin(), of_process.end());
+        neighbors.exchange(parts);
         const double full =
           is_new && fills_cells(body) ? filled_at_start : filled_in_run;
         std::vector<std::uint64_t> cells;
         run_on_all(space.communicator(), [&]() {
-          for (unsigned int k = 0; k < own.size(); ++k)
-            if (filled[k] < full || has_empty_neighbor(space, own[k], all))
-              cells.push_back(own[k]);
+          for (const unsigned int cell : body.points.cells())
+            if (parts[cell] > 0. &&
+                (parts[cell] < full ||
+                 has_empty_neighbor(space, cell, neighbors, parts)))
+              cells.push_back(neighbors.positions()[cell]);
         });
         const CellHierarchy<dim> &levels = *space.lattice().hierarchy();
         for (const auto &of_process :
@@ -157,15 +151,16 @@ namespace greville
       }
 
     private:
-      /// Return whether one of the cells across the faces of a cell is not
-      /// among @p cells. They may be half as large.
+      /// Return whether one of the cells across the faces of an owned cell is
+      /// empty. They may be half as large.
       static bool
-      has_empty_neighbor(const SplineSpace<dim>                  &space,
-                         const std::uint64_t                      position,
-                         const std::unordered_set<std::uint64_t> &cells)
+      has_empty_neighbor(const SplineSpace<dim>    &space,
+                         const unsigned int         cell,
+                         const CellNeighbors<dim>  &neighbors,
+                         const std::vector<double> &parts)
       {
         const CellHierarchy<dim> &levels = *space.lattice().hierarchy();
-        const CellBox<dim> box = space.lattice().box(levels.index(position));
+        const CellBox<dim>        box    = space.box(cell);
         // Probes lie outside by this part of the cell, in the middle of each of
         // the neighbors that a face can have.
         constexpr double outside = 1e-3;
@@ -184,10 +179,12 @@ namespace greville
                 if (x[d] < space.lower_corner()[d] ||
                     x[d] > space.upper_corner()[d])
                   continue;
-                const auto neighbor =
+                const unsigned int neighbor = neighbors.find(
                   lexicographic<dim>(levels.find(x),
-                                     space.cells_per_direction());
-                if (cells.count(neighbor) == 0)
+                                     space.cells_per_direction()));
+                AssertThrow(neighbor != numbers::invalid_unsigned_int,
+                            ExcInternalError());
+                if (parts[neighbor] == 0.)
                   return true;
               }
         return false;
@@ -212,9 +209,11 @@ namespace greville
   {
     if (!parameters.grid.has_distances())
       return {};
-    const auto surfaces = std::make_shared<Surfaces<dim>>();
+    const auto         surfaces = std::make_shared<Surfaces<dim>>();
+    CellNeighbors<dim> neighbors;
+    neighbors.reinit(space);
     for (const Body<dim> &body : bodies)
-      surfaces->add(body, space, are_new);
+      surfaces->add(body, space, neighbors, are_new);
     const auto &names = parameters.general.rigid_bodies;
     for (unsigned int k = 0; k < names.size(); ++k)
       surfaces->add(names[k],
