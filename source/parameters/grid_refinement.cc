@@ -233,10 +233,14 @@ namespace greville
            "'Grid/Order' = 1 with 'Scheme/Mass' = lumped",
            "functions of small cells at surfaces have hardly any mass. Take "
            "order 2 or 3, or 'Scheme/Mass' = consistent.");
-    refuse(scheme.has_lumped_mass() && !contacts.empty(),
-           "'Simulation/Contacts' with 'Scheme/Mass' = lumped",
-           "surfaces ahead of their points need functions with mass. Take "
-           "'Scheme/Mass' = consistent.");
+    for (const auto &[name, contact] : contacts)
+      refuse(scheme.has_lumped_mass() &&
+               (!contact.is_by_material_points() ||
+                rigid_bodies.count(contact.sides()[1][0]) == 0),
+             "'Contact " + name + "' with 'Scheme/Mass' = lumped",
+             "points of surfaces ahead of material points need functions with "
+             "mass. Take a rigid body and 'Contactors' = material points, or "
+             "'Scheme/Mass' = consistent.");
     refuse(scheme.is_total_lagrangian() && bodies.size() > 1,
            "several bodies with 'Scheme/Formulation' = total Lagrangian",
            "take one body.");
