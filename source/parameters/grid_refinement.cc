@@ -241,9 +241,18 @@ namespace greville
              "points of surfaces ahead of material points need functions with "
              "mass. Take a rigid body and 'Contactors' = material points, or "
              "'Scheme/Mass' = consistent.");
-    refuse(scheme.is_total_lagrangian() && bodies.size() > 1,
-           "several bodies with 'Scheme/Formulation' = total Lagrangian",
-           "take one body.");
+    if (scheme.is_total_lagrangian())
+      {
+        for (const auto &group : body_groups())
+          refuse(group.size() > 1,
+                 "several bodies on one grid with 'Scheme/Formulation' = total "
+                 "Lagrangian",
+                 "take one body, or bodies that meet in 'Contacts'.");
+        refuse(grid.adapt_at_start > 0 && bodies.size() > 1,
+               "'Grid/Adapt at start' of several bodies with "
+               "'Scheme/Formulation' = total Lagrangian",
+               "take 'Grid/Adapt every'.");
+      }
     refuse(scheme.averages_over_domains(),
            "'Scheme/Functions' = domains",
            "take points.");

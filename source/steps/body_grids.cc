@@ -47,9 +47,13 @@ namespace greville
       DistributedTriangulation<dim> mesh(comm,
                                          Triangulation<dim>::none,
                                          mesh_settings<dim>);
-      const MultiIndex<dim>         n_cells =
+      // Grids are cut along cells of level 0.
+      GridParameters without_levels = grid;
+      without_levels.regions.clear();
+      without_levels.marked_at_start.clear();
+      const MultiIndex<dim> n_cells =
         create_grid_mesh(mesh,
-                         grid,
+                         without_levels,
                          parameters.walls,
                          "Body " + name + "/Grid/Cells",
                          parameters.time.start);

@@ -153,8 +153,11 @@ namespace greville
       refine_at_surfaces(mesh, parameters, loads);
     const unsigned int n_refinements =
       CoarseCells<dim>(n_cells).n_refinements + parameters.grid.n_levels();
+    // Regions may lie outside of the grid of one body.
+    const bool is_part =
+      parameters.general.bodies.size() < parameters.bodies.size();
     Require(!parameters.grid.is_refined() ||
-              parameters.grid.has_changing_cells() ||
+              parameters.grid.has_changing_cells() || is_part ||
               mesh.n_global_levels() == n_refinements + 1,
             "The regions of 'Grid/Refinement' contain no cell of the grid that "
             "is halved " +
