@@ -100,9 +100,9 @@ namespace greville
         tangent.method         = solver.method == LevelMethod::fgmres
                                    ? TangentParameters::Method::fgmres
                                    : TangentParameters::Method::cg;
-        tangent.levels         = solver.multigrid.has_coarse_levels()
-                                   ? TangentParameters::Levels::always
-                                   : TangentParameters::Levels::never;
+        tangent.use_of_levels  = solver.multigrid.has_coarse_levels()
+                                   ? TangentParameters::UseOfLevels::always
+                                   : TangentParameters::UseOfLevels::never;
         tangent.max_iterations = parameters.max_iterations;
         tangent.multigrid      = solver.multigrid;
         tangent.smoother       = solver.smoother;

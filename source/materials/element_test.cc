@@ -141,9 +141,10 @@ namespace greville
               return {strain / 2., -strain, 0.};
             case Test::shear:
               return {0., unknown, strain};
-            default:
-              return {0., -strain, 0.};
+            case Test::oedometer:
+              break;
           }
+        return {0., -strain, 0.};
       }
 
       /// Return the point at the beginning of a step that ends with @p next, as

@@ -28,29 +28,26 @@ namespace greville
     const SplineSpace<dim> &space = matrix.matrix().space();
     Lattice                 result;
     result.fill(NestedKnots(0, 1, false));
+    // Levels without cells have no functions.
+    const unsigned int n_levels = space.n_used_levels();
     for (unsigned int d = 0; d < dim; ++d)
-      if (const CellHierarchy<dim> *levels = space.lattice().hierarchy())
-        {
-          std::vector<NestedKnots>  knots;
-          std::vector<unsigned int> begin;
-          for (unsigned int l = 0; l < levels->n_levels(); ++l)
-            {
-              const unsigned int n = levels->n_cells(l)[d];
-              const auto         edge =
-                space.lattice().edges(d).begin() + levels->offset(l)[d];
-              begin.push_back(levels->offset(l)[d]);
-              knots.emplace_back(space.degree(),
-                                 n,
-                                 false,
-                                 std::vector<double>(edge, edge + n + 1));
-            }
-          result[d] = NestedKnots(knots, begin);
-        }
-      else
-        result[d] = NestedKnots(space.degree(),
-                                space.cells_per_direction()[d],
-                                space.is_periodic(d),
-                                space.lattice().edges(d));
+      {
+        std::vector<NestedKnots>  knots;
+        std::vector<unsigned int> begin;
+        for (unsigned int l = 0; l < n_levels; ++l)
+          {
+            const CellHierarchy<dim> *levels = space.hierarchy();
+            const unsigned int        n =
+              levels ? levels->n_cells(l)[d] : space.cells_per_direction()[d];
+            begin.push_back(levels ? levels->offset(l)[d] : 0);
+            std::vector<double> edges = space.lattice().edges(d);
+            if (levels)
+              edges = std::vector<double>(edges.begin() + begin[l],
+                                          edges.begin() + begin[l] + n + 1);
+            knots.emplace_back(space.degree(), n, space.is_periodic(d), edges);
+          }
+        result[d] = n_levels > 1 ? NestedKnots(knots, begin) : knots[0];
+      }
     return result;
   }
 

@@ -15,7 +15,8 @@ namespace greville
 
   namespace
   {
-    // Lattices become coarser until a part has at most this number of rows.
+    // Lattices become coarser until a part has one level of cells and at most
+    // this number of rows.
     constexpr unsigned int small_size = 250;
 
     // The distance between parts in a common lattice, more than any overlap.
@@ -160,14 +161,15 @@ namespace greville
           {
             Block                   &block = level.blocks[part];
             const LatticeLevel<dim> &last  = *block.matrix;
-            if ((levels.size() == 1 || !is_small(last) ||
-                 last.lattice()[0].n_levels() > 1) &&
+            const bool has_levels          = last.lattice()[0].n_levels() > 1;
+            if ((levels.size() == 1 || !is_small(last) || has_levels) &&
                 LatticeMatrix<dim>::can_coarsen(last))
               {
                 auto matrix = std::make_unique<LatticeMatrix<dim>>(last);
                 // Coarsening many bodies of a few functions each adds unknowns.
-                if (CoarsestSolver<dim>::n_rows(*matrix, false) <=
-                    2 * CoarsestSolver<dim>::n_rows(*parts[part], false))
+                if (has_levels ||
+                    CoarsestSolver<dim>::n_rows(*matrix, false) <=
+                      2 * CoarsestSolver<dim>::n_rows(*parts[part], false))
                   {
                     block.coarser = &matrix->unknowns();
                     coarse.push_back(std::move(matrix));

@@ -55,6 +55,10 @@ namespace greville
         for (unsigned int c = 0; c < n_components(); ++c)
           rows[u * row_size + c * Half::line_size + (n - 1) * nc + c] *=
             1. + regularization;
+      for (unsigned int l = 0; l < places.lattice()[0].n_levels(); ++l)
+        for (int k = 0; k < Half::n_lines; ++k)
+          line_begins.push_back((places.distance(l, k) - Half::length / 2) *
+                                nc);
       // Stencils read some numbers after the last place.
       for (auto *values : {&place_x, &place_y})
         values->assign(places.n_places() * nc + Half::line_size, 0.f);
@@ -98,12 +102,8 @@ namespace greville
     with_sizes([&](const auto width, const auto n) {
       constexpr int nc = decltype(width)::value;
       using Half       = HalfStencil<dim, nc, decltype(n)::value, float>;
-      const float                *from = x.begin();
-      std::vector<std::ptrdiff_t> of_lines;
-      for (unsigned int l = 0; l < places.lattice()[0].n_levels(); ++l)
-        for (int k = 0; k < Half::n_lines; ++k)
-          of_lines.push_back((places.distance(l, k) - Half::length / 2) * nc);
-      const std::vector<unsigned int> &at = places.places();
+      const float                     *from = x.begin();
+      const std::vector<unsigned int> &at   = places.places();
       for (std::size_t u = 0; u < at.size(); ++u)
         for (int c = 0; c < nc; ++c)
           place_x[std::size_t(at[u]) * nc + c] = from[u * nc + c];
@@ -115,7 +115,7 @@ namespace greville
         Half::multiply(rows.data() + u * row_size,
                        place_x.data() + std::size_t(at[u]) * nc,
                        place_y.data() + std::size_t(at[u]) * nc,
-                       of_lines.data() + places.levels()[u] * Half::n_lines);
+                       line_begins.data() + places.levels()[u] * Half::n_lines);
       float *to = y.begin();
       for (std::size_t u = 0; u < at.size(); ++u)
         for (int c = 0; c < nc; ++c)

@@ -155,14 +155,12 @@ namespace greville
     const MPI_Comm      comm        = fine.layout().communicator();
     const unsigned int  me          = Utilities::MPI::this_mpi_process(comm);
     const std::uint64_t n_processes = Utilities::MPI::n_mpi_processes(comm);
-    std::uint64_t       n_keys      = 1;
-    for (const NestedKnots &direction : knots)
-      n_keys *= direction.n_functions();
-    checked_index<types::global_dof_index>(n_keys, "functions of a level");
 
     // The listed functions: their keys, in ascending order, and the components
     // that are needed.
-    const Wanted                         wanted = find_wanted(fine);
+    const Wanted       wanted = find_wanted(fine);
+    const LatticeBoxes all    = wanted.boxes.of_all_processes(knots[0], comm);
+    checked_index<types::global_dof_index>(all.size(), "functions of a level");
     std::vector<types::global_dof_index> keys;
     std::vector<unsigned char>           needed;
     std::vector<Position>                listed;
@@ -170,10 +168,10 @@ namespace greville
       if (wanted.is_listed[place])
         {
           listed.push_back(wanted.boxes.position(place));
-          keys.push_back(key(listed.back()));
+          keys.push_back(all.place(listed.back()));
           needed.push_back(wanted.needed[place]);
         }
-    ListedValues values(n_keys, keys, comm);
+    ListedValues values(std::max<std::size_t>(all.size(), 1), keys, comm);
 
     // The first process that needs a function owns it.
     const auto          owners  = values.combine(n_processes,

@@ -30,7 +30,9 @@ namespace greville
     , levels(std::make_shared<const std::vector<NestedKnots>>(levels))
     , begin_of_levels(begin)
     , end_of_levels(begin.back() + levels.back().n_functions())
-  {}
+  {
+    AssertThrow(levels.size() > 1, dealii::ExcLowerRange(levels.size(), 2));
+  }
 
 
 

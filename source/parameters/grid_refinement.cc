@@ -234,13 +234,14 @@ namespace greville
            "functions of small cells at surfaces have hardly any mass. Take "
            "order 2 or 3, or 'Scheme/Mass' = consistent.");
     for (const auto &[name, contact] : contacts)
-      refuse(scheme.has_lumped_mass() &&
-               (!contact.is_by_material_points() ||
-                rigid_bodies.count(contact.sides()[1][0]) == 0),
-             "'Contact " + name + "' with 'Scheme/Mass' = lumped",
-             "points of surfaces ahead of material points need functions with "
-             "mass. Take a rigid body and 'Contactors' = material points, or "
-             "'Scheme/Mass' = consistent.");
+      refuse(
+        scheme.has_lumped_mass() &&
+          (!contact.is_by_material_points() ||
+           rigid_bodies.count(contact.sides()[1][0]) == 0),
+        "'Contact " + name + "' with 'Scheme/Mass' = lumped",
+        "points of surfaces lie in cells whose functions may have no mass. "
+        "Take a rigid body and 'Contactors' = material points, or "
+        "'Scheme/Mass' = consistent.");
     if (scheme.is_total_lagrangian())
       {
         for (const auto &group : body_groups())

@@ -102,8 +102,9 @@ namespace greville
           {
             CoupledSimulations<dim> trial(parameters, comm);
             trial.step();
-            for (const std::uint64_t position : trial.part(0).marked_cells())
-              marks.insert(position);
+            for (unsigned int part = 0; part < trial.n_parts(); ++part)
+              for (const auto position : trial.part(part).marked_cells())
+                marks.insert(position);
           }
         catch (const std::exception &error)
           {

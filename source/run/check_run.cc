@@ -157,16 +157,22 @@ namespace greville
       {
         if (!parameters.grid.is_refined())
           return;
-        const SplineSpace<dim>   &space  = simulations.part(0).space();
-        const CellHierarchy<dim> &levels = *space.hierarchy();
-        std::vector<unsigned int> counts(levels.n_levels(), 0);
-        for (unsigned int cell = 0; cell < space.owned_cells().size(); ++cell)
-          ++counts[levels.level(space.box(cell).index)];
-        Utilities::MPI::sum(counts, comm, counts);
-        out << "  cells that are halved 0, 1, ... times: ";
-        for (unsigned int l = 0; l < counts.size(); ++l)
-          out << (l > 0 ? ", " : "") << counts[l];
-        out << '\n';
+        for (unsigned int k = 0; k < simulations.n_parts(); ++k)
+          {
+            Simulation<dim>          &part   = simulations.part(k);
+            const SplineSpace<dim>   &space  = part.space();
+            const CellHierarchy<dim> &levels = *space.hierarchy();
+            std::vector<unsigned int> counts(levels.n_levels(), 0);
+            for (unsigned int cell = 0; cell < space.owned_cells().size();
+                 ++cell)
+              ++counts[levels.level(space.box(cell).index)];
+            Utilities::MPI::sum(counts, comm, counts);
+            out << "  cells" << part.step_log().of
+                << " that are halved 0, 1, ... times: ";
+            for (unsigned int l = 0; l < counts.size(); ++l)
+              out << (l > 0 ? ", " : "") << counts[l];
+            out << '\n';
+          }
       }
 
       void

@@ -2,6 +2,7 @@
 
 #include <greville/base/errors.h>
 #include <greville/spline/cell_owner.h>
+#include <greville/spline/coarse_cells.h>
 #include <greville/spline/space_cells.h>
 
 #include <algorithm>
@@ -44,6 +45,18 @@ namespace greville
               "The children of a cell of the once coarser mesh are on "
               "several processes.");
     });
+  }
+
+
+
+  template <int dim>
+  unsigned int
+  SpaceCells<dim>::n_used_levels() const
+  {
+    if (!hierarchy())
+      return 1;
+    return tria->n_global_levels() -
+           CoarseCells<dim>(hierarchy()->n_cells(0)).n_refinements;
   }
 
 

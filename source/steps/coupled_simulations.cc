@@ -24,6 +24,16 @@ namespace greville
     for (const auto &part : parts)
       if (parts.size() > 1)
         part->step_log().of = " of 'Body " + part->state().bodies[0].name + "'";
+    unsigned int n_levels = 0;
+    for (const auto &part : parts)
+      n_levels = std::max(n_levels, part->space().n_used_levels());
+    Require(!parameters.grid.is_refined() ||
+              parameters.grid.has_changing_cells() ||
+              n_levels == parameters.grid.n_levels() + 1,
+            "The regions of 'Grid/Refinement' contain no cell of the grid that "
+            "is halved " +
+              std::to_string(parameters.grid.n_levels()) +
+              " times: check their 'Shape'.");
     if (!parameters.contacts.empty())
       contacts =
         std::make_unique<BodyContacts<dim>>(parameters, pointers(), comm);

@@ -151,18 +151,6 @@ namespace greville
                                                      parameters.time.start);
     if (parameters.grid.is_refined())
       refine_at_surfaces(mesh, parameters, loads);
-    const unsigned int n_refinements =
-      CoarseCells<dim>(n_cells).n_refinements + parameters.grid.n_levels();
-    // Regions may lie outside of the grid of one body.
-    const bool is_part =
-      parameters.general.bodies.size() < parameters.bodies.size();
-    Require(!parameters.grid.is_refined() ||
-              parameters.grid.has_changing_cells() || is_part ||
-              mesh.n_global_levels() == n_refinements + 1,
-            "The regions of 'Grid/Refinement' contain no cell of the grid that "
-            "is halved " +
-              std::to_string(parameters.grid.n_levels()) +
-              " times: check their 'Shape'.");
     cell_partition = std::make_shared<const Partition>(
       std::vector<double>(),
       comm,

@@ -266,7 +266,7 @@ namespace greville
     const PMultigridParameters &cycle     = solver.multigrid;
     for (unsigned int l = 0; l < hierarchy.n_levels(); ++l)
       if (l + 1 == hierarchy.n_levels() ||
-          solver.levels != TangentParameters::Levels::never)
+          solver.use_of_levels != TangentParameters::UseOfLevels::never)
         result.push_back({hierarchy[l].degree(),
                           dim * std::uint64_t(hierarchy[l].n_dofs()),
                           l == 0 && hierarchy.n_levels() > 1

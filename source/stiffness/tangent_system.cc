@@ -113,9 +113,9 @@ namespace greville
   {
     if (levels_fail)
       return false;
-    if (parameters.levels == TangentParameters::Levels::always)
+    if (parameters.use_of_levels == TangentParameters::UseOfLevels::always)
       return true;
-    if (parameters.levels == TangentParameters::Levels::never ||
+    if (parameters.use_of_levels == TangentParameters::UseOfLevels::never ||
         !parameters.multigrid.has_coarse_levels())
       return false;
     unsigned int n_long = 0;

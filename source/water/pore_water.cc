@@ -17,7 +17,6 @@ namespace greville
     /// the displacement. It bounds the trace of a displacement on cells of half
     /// the size.
     constexpr std::array<double, 6> penalties = {{0., 4., 24., 36., 64., 100.}};
-
   } // namespace
 
 

@@ -2,6 +2,8 @@
 
 #pragma once
 
+#include <deal.II/base/mpi.h>
+
 #include <greville/multigrid/nested_knots.h>
 
 #include <algorithm>
@@ -16,22 +18,17 @@ namespace greville
   {
     using Position = std::array<int, 3>;
 
-    /// Set the smallest box around the first members of pairs, with a margin.
-    template <typename Pairs>
+    /// Extend the box to a position with a margin.
     void
-    fit(const Pairs &pairs, const Position &margin)
+    include(const Position &i, const Position &margin)
     {
-      Position high;
-      low.fill(std::numeric_limits<int>::max());
-      high.fill(-std::numeric_limits<int>::max());
-      for (const auto &pair : pairs)
-        for (unsigned int d = 0; d < 3; ++d)
-          {
-            low[d]  = std::min(low[d], pair.first[d] - margin[d]);
-            high[d] = std::max(high[d], pair.first[d] + margin[d]);
-          }
       for (unsigned int d = 0; d < 3; ++d)
-        extents[d] = pairs.empty() ? 0 : high[d] + 1 - low[d];
+        {
+          const int begin = i[d] - margin[d], end = i[d] + margin[d] + 1;
+          const int last_end = extents[d] > 0 ? low[d] + extents[d] : end;
+          low[d]             = extents[d] > 0 ? std::min(low[d], begin) : begin;
+          extents[d]         = std::max(last_end, end) - low[d];
+        }
     }
 
     std::size_t
@@ -71,7 +68,8 @@ namespace greville
 
 
   /// Boxes around positions of each level of a lattice, numbered one box after
-  /// another. Boxes of different levels have no common positions.
+  /// another. Boxes of different levels have no common positions if their
+  /// margins together are smaller than the gap between levels.
   class LatticeBoxes
   {
   public:
@@ -84,16 +82,38 @@ namespace greville
     fit(const NestedKnots &knots, const Pairs &pairs, const Position &margin)
     {
       boxes.assign(knots.n_levels(), LatticeBox());
+      for (const auto &pair : pairs)
+        boxes[knots.level(pair.first[0])].include(pair.first, margin);
       begin.assign(1, 0);
-      std::vector<Pairs> of_levels(boxes.size() > 1 ? boxes.size() : 0);
-      if (boxes.size() > 1)
-        for (const auto &pair : pairs)
-          of_levels[knots.level(pair.first[0])].push_back(pair);
-      for (unsigned int l = 0; l < boxes.size(); ++l)
-        {
-          boxes[l].fit(boxes.size() > 1 ? of_levels[l] : pairs, margin);
-          begin.push_back(begin.back() + boxes[l].size());
-        }
+      for (const LatticeBox &box : boxes)
+        begin.push_back(begin.back() + box.size());
+    }
+
+    /// Collective. Return the smallest boxes around the boxes of all processes.
+    LatticeBoxes
+    of_all_processes(const NestedKnots &knots, const MPI_Comm comm) const
+    {
+      constexpr int    none = std::numeric_limits<int>::max();
+      std::vector<int> bounds;
+      for (const LatticeBox &box : boxes)
+        for (unsigned int d = 0; d < 3; ++d)
+          {
+            const bool is_empty = box.extents[d] == 0;
+            bounds.push_back(is_empty ? none : box.low[d]);
+            bounds.push_back(is_empty ? none : 1 - box.low[d] - box.extents[d]);
+          }
+      dealii::Utilities::MPI::min(bounds, comm, bounds);
+      std::vector<std::pair<Position, int>> corners;
+      for (std::size_t k = 0; k < bounds.size(); k += 6)
+        if (bounds[k] < none)
+          {
+            corners.push_back({{{bounds[k], bounds[k + 2], bounds[k + 4]}}, 0});
+            corners.push_back(
+              {{{-bounds[k + 1], -bounds[k + 3], -bounds[k + 5]}}, 0});
+          }
+      LatticeBoxes result;
+      result.fit(knots, corners, {{0, 0, 0}});
+      return result;
     }
 
     const LatticeBox &

@@ -28,8 +28,8 @@ namespace greville
    * mean diagonal block, or of each block. Its unknowns are the unknowns of all
    * parts together, in domains of processes that overlap by a layer, or by two
    * on the finest lattice of order 3. Couplings within a process are included.
-   * A part that has few functions or cannot be coarsened stays the same while
-   * other parts become coarser.
+   * A part that has few functions and one level of cells, or cannot be
+   * coarsened, stays the same while other parts become coarser.
    *
    * The last level is a CoarsestSolver.
    */

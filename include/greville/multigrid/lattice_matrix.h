@@ -8,9 +8,10 @@
 namespace greville
 {
   /// The Galerkin product @f$ P^T A P @f$ of a level on the lattice of twice
-  /// the size. Splines are nested, so rows keep the size of a HalfStencil.
-  /// Extended functions of the finer level add a few blocks beyond it, which
-  /// are listed separately.
+  /// the size, or of a refined grid without its last level of cells. Splines
+  /// are nested, so rows keep the size of a HalfStencil. Extended functions of
+  /// the finer level add a few blocks beyond it, also between levels of cells,
+  /// which are listed separately.
   template <int dim>
   class LatticeMatrix : public LatticeLevel<dim>
   {
@@ -130,6 +131,9 @@ namespace greville
     const LatticeUnknowns<dim> places;
     std::size_t                row_size = 0;
     std::vector<float>         rows;
+
+    // The distances to the first number of each line of a row, by level.
+    std::vector<std::ptrdiff_t> line_begins;
 
     std::vector<FarBlock>                              far_blocks;
     std::vector<std::pair<unsigned int, unsigned int>> far_unknowns;

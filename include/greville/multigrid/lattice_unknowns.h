@@ -214,14 +214,6 @@ namespace greville
       return knots[d].is_periodic() ? (i % n + n) % n : i;
     }
 
-    std::uint64_t
-    key(const Position &i) const
-    {
-      return (std::uint64_t(i[2]) * knots[1].n_functions() + i[1]) *
-               knots[0].n_functions() +
-             i[0];
-    }
-
     Wanted
     find_wanted(const LatticeLevel<dim> &fine) const;
 

@@ -56,6 +56,10 @@ namespace greville
       return mesh_lattice.hierarchy();
     }
 
+    /// Return the number of levels up to the last one with cells.
+    unsigned int
+    n_used_levels() const;
+
     const MultiIndex<dim> &
     cells_per_direction() const
     {

@@ -16,10 +16,10 @@ namespace greville
       fgmres
     };
 
-    /// The use of coarse levels by the cycle.
-    enum class Levels
+    /// The use of coarse levels by the cycle. Parameter files do not set it.
+    enum class UseOfLevels
     {
-      automatic, // where they pay
+      automatic, // if they save time
       always,
       never
     };
@@ -38,7 +38,7 @@ namespace greville
     }
 
     Method               method         = Method::automatic;
-    Levels               levels         = Levels::automatic;
+    UseOfLevels          use_of_levels  = UseOfLevels::automatic;
     unsigned int         max_iterations = 200;
     unsigned int         reuse          = 10;
     PMultigridParameters multigrid;
