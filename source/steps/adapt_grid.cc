@@ -4,6 +4,7 @@
 #include <greville/steps/adapt_grid.h>
 #include <greville/steps/body_surfaces.h>
 #include <greville/steps/refinement_marks.h>
+#include <greville/steps/stage_bodies.h>
 #include <greville/steps/state_tables.h>
 
 #include <algorithm>
@@ -397,8 +398,15 @@ namespace greville
       for_all_points(state, [&](MaterialPoints<dim> &points) {
         points.set_space(discretization.space());
       });
-      state.partition = discretization.partition();
+      state.partition           = discretization.partition();
+      const unsigned int n_kept = state.field.history.n;
       discretization.initialize_field(state);
+      // Accelerations that points keep remain valid.
+      if (keeps_in_points(state.bodies))
+        {
+          discretization.initialize(state.field.history.accelerations[0]);
+          state.field.history.n = n_kept;
+        }
       return n_divided;
     }
   } // namespace

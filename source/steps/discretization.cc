@@ -37,16 +37,6 @@ namespace greville
                 (taylor ? "FLIP" : "PIC") + " already " +
                 (taylor ? "keeps" : "is a projection that keeps") +
                 " linear fields.");
-      const std::string &name = parameters.scheme.stress_update;
-      Require(
-        parameters.grid.adapt_every == 0 ||
-          !parameters.scheme.is_total_lagrangian() ||
-          !is_implicit_scheme(name) ||
-          !make_implicit_scheme(name, parameters.implicit).keeps_acceleration,
-        "'Grid/Adapt every' does not support 'Scheme/Stress update' = " + name +
-          " with 'Scheme/Formulation' = total Lagrangian, whose "
-          "acceleration belongs to the cells: take implicit-midpoint or "
-          "updated Lagrangian.");
     }
 
 

@@ -2,6 +2,7 @@
 
 #include <greville/base/step_errors.h>
 #include <greville/steps/implicit_steps.h>
+#include <greville/steps/stage_bodies.h>
 
 #include <algorithm>
 
@@ -50,7 +51,7 @@ namespace greville
     if (scheme.keeps_acceleration && state.field.history.n > 0)
       {
         // The kept acceleration is due to all forces.
-        if (parameters.scheme.is_total_lagrangian())
+        if (!keeps_in_points(state.bodies))
           {
             if (find_contact_acceleration())
               for (unsigned int d = 0; d < dim; ++d)
@@ -123,7 +124,7 @@ namespace greville
     for (unsigned int d = 0; d < dim && contact_force; ++d)
       kept[d] += contact_acceleration[d];
     state.field.history.n = 1;
-    if (parameters.scheme.is_total_lagrangian())
+    if (!keeps_in_points(state.bodies))
       return;
     PointUpdate<dim> update;
     update.acceleration = update.velocity = &kept;

@@ -42,7 +42,8 @@ namespace greville
           if (is_implicit_scheme(name) &&
               make_implicit_scheme(name, parameters.implicit)
                 .keeps_acceleration &&
-              !parameters.scheme.is_total_lagrangian())
+              (!parameters.scheme.is_total_lagrangian() ||
+               parameters.grid.adapt_every > 0))
             layout.add("acceleration", dim);
           in_stage(parameters, k, [&]() {
             Loads<dim>(parameters).add_fields(layout);

@@ -15,13 +15,13 @@ struct History
   double              kinetic = 0.;
 };
 
-using Levels = TangentParameters::Levels;
+using Levels = TangentParameters::UseOfLevels;
 
 History
 history_of(const Text &text, const Levels levels = Levels::automatic)
 {
   Simulated<2> run(text, [&](SimulationParameters &parameters) {
-    parameters.implicit_solver.levels = levels;
+    parameters.implicit_solver.use_of_levels = levels;
   });
   History      result;
   const auto   add = [&]() {

@@ -18,6 +18,15 @@ namespace greville
   PointLayout<dim>
   layout_of(const std::string &body, const SimulationParameters &parameters);
 
+  /// Return whether points keep the accelerations of generalized-alpha, which
+  /// the grid keeps if points stay in their cells.
+  template <int dim>
+  bool
+  keeps_in_points(const std::vector<Body<dim>> &bodies)
+  {
+    return !bodies.empty() && bodies[0].points.layout().find("acceleration");
+  }
+
   /// Collective. Make the points of a body with their initial state at the
   /// start of the current stage: the K0 procedure includes the layers present
   /// then. Throws like make_points(), and also if an initial displacement moves
