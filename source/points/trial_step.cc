@@ -266,7 +266,7 @@ namespace greville
         Simd sum = 0.;
         for (int r = 0; r < dim * dim; ++r)
           {
-            result.stress[r] = trial.volume * trial.P[0][r];
+            result.stress[r] = trial.volume * trial.P[r / dim][r % dim];
             sum += result.stress[r];
           }
         if constexpr (dim == 2)

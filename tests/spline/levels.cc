@@ -155,9 +155,15 @@ test(const std::string                               &name,
             functions.insert(space.function_position(f));
         most = std::max<unsigned int>(most, functions.size());
       }
-  print() << "  largest weight " << std::setprecision(4) << largest_weight
-          << ", most functions of a full cell "
-          << Utilities::MPI::max(most, MPI_COMM_WORLD) << std::endl;
+  most = Utilities::MPI::max(most, MPI_COMM_WORLD);
+  print() << "  largest weight " << std::setprecision(4) << largest_weight;
+  // At surfaces, round-off chooses between hosts at the same distance, which
+  // have different functions.
+  if (counts.lumped == 0)
+    print() << ", most functions of a full cell " << most;
+  else
+    check_range("  most functions of a full cell", most, 8, 39);
+  print() << std::endl;
 }
 
 
