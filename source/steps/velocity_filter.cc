@@ -327,7 +327,10 @@ namespace greville
         const double factor = (p == 1 ? more_if_linear : 1.) * strength * dt;
         for (unsigned int l = 0; l < lines.size(); ++l)
           {
-            const Line   &line = lines[l];
+            const Line &line = lines[l];
+            // Lines beyond the grid have no functions.
+            if (line.begin == line.end)
+              continue;
             const double *v    = velocities[c].data() + line.place;
             double       *sums = crossings.data() + line.place;
             if (c == 0 && !space->is_uniform())
