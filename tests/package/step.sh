@@ -13,8 +13,8 @@ rm -rf "$folder"
 mkdir -p "$folder"
 cd "$folder"
 sed -n '/^@code/,/^@endcode/{/^@/d;p}' "$results" >expected
-"$@" >output
-sed 's/ *$//' output | tee printed
+"$@" >lines
+sed 's/ *$//' lines | tee printed
 for file in expected printed; do
   sed '/^$/,$d' $file >$file.iterations
   sed '1,/^$/d; s/, [0-9]* linear systems.*//' $file >$file.steps
