@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/parameters/names.h>
 #include <greville/spline/level_functions.h>
 #include <greville/steps/adapt_grid.h>
 #include <greville/steps/body_surfaces.h>
@@ -398,15 +399,8 @@ namespace greville
       for_all_points(state, [&](MaterialPoints<dim> &points) {
         points.set_space(discretization.space());
       });
-      state.partition           = discretization.partition();
-      const unsigned int n_kept = state.field.history.n;
+      state.partition = discretization.partition();
       discretization.initialize_field(state);
-      // Accelerations that points keep remain valid.
-      if (keeps_in_points(state.bodies))
-        {
-          discretization.initialize(state.field.history.accelerations[0]);
-          state.field.history.n = n_kept;
-        }
       return n_divided;
     }
   } // namespace
@@ -447,11 +441,23 @@ namespace greville
     else
       at_surfaces.clear();
     result.changes_cells = true;
+    // Accelerations that points keep remain valid; explicit steps keep theirs
+    // on the grid.
+    const unsigned int n_kept =
+      keeps_in_points(state.bodies) &&
+          !is_explicit_scheme(parameters.scheme.stress_update)
+        ? state.field.history.n
+        : 0;
     release();
     result.n_divided = change_cells(state,
                                     discretization,
                                     levels->refined_also(at_surfaces),
                                     std::move(at_surfaces));
+    if (n_kept > 0)
+      {
+        discretization.initialize(state.field.history.accelerations[0]);
+        state.field.history.n = n_kept;
+      }
     return result;
   }
 
