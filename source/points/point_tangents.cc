@@ -44,7 +44,9 @@ namespace greville
     symmetric    = are_symmetric;
     axisymmetric = are_axisymmetric;
     cells.clear();
-    n_used = 0;
+    n_used       = 0;
+    sum_cell     = nullptr;
+    keeps_points = true;
   }
 
 
@@ -400,43 +402,85 @@ namespace greville
 
   template <int dim>
   template <typename Number>
-  void
-  PointTangents<dim>::for_each_cell(const SpacePolynomials<dim> &of_space,
-                                    const CellAction<Number>    &action) const
+  std::function<void(const typename PointTangents<dim>::CellPoints &)>
+  PointTangents<dim>::cell_sums(const SpacePolynomials<dim> &of_space,
+                                const CellAction<Number>    &action) const
   {
-    const std::size_t size = group_size();
+    std::function<void(const CellPoints &)> result;
     with_order_and_hoop<dim>(
       of_space.space->degree(),
       axisymmetric,
       [&](const auto order, const auto hoop) {
-        using Stiffness   = CellStiffness<dim,
-                                        decltype(order)::value,
-                                        Number,
-                                        decltype(hoop)::value>;
-        const auto matrix = std::make_unique<Number[]>(Stiffness::size);
-        const auto sums   = std::make_unique<Stiffness>();
-        for (const CellPoints &points : cells)
-          {
-            const CellGeometry<dim, decltype(order)::value> geometry(
-              of_space, points.cell);
-            const double *group = numbers.data() + points.first;
-            if constexpr (Stiffness::has_moments)
-              if (points.n_points >= Stiffness::many)
-                {
-                  sums->sum_moments(geometry,
-                                    group,
-                                    points.n_points,
-                                    size,
-                                    symmetric,
-                                    matrix.get());
-                  action(points.cell, matrix.get(), Stiffness::stride);
-                  continue;
-                }
-            sums->sum_up(
-              geometry, group, points.n_points, size, symmetric, matrix.get());
-            action(points.cell, matrix.get(), Stiffness::stride);
-          }
+        constexpr int n = decltype(order)::value;
+        using Stiffness = CellStiffness<dim, n, Number, decltype(hoop)::value>;
+        const auto sums = std::make_shared<Stiffness>();
+        const std::shared_ptr<Number[]> matrix(new Number[Stiffness::size]);
+        result = [this, &of_space, action, sums, matrix](
+                   const CellPoints &points) {
+          const CellGeometry<dim, n> geometry(of_space, points.cell);
+          const double              *group = numbers.data() + points.first;
+          bool                       done  = false;
+          if constexpr (Stiffness::has_moments)
+            if (points.n_points >= Stiffness::many)
+              {
+                sums->sum_moments(geometry,
+                                  group,
+                                  points.n_points,
+                                  group_size(),
+                                  symmetric,
+                                  matrix.get());
+                done = true;
+              }
+          if (!done)
+            sums->sum_up(geometry,
+                         group,
+                         points.n_points,
+                         group_size(),
+                         symmetric,
+                         matrix.get());
+          action(points.cell, matrix.get(), Stiffness::stride);
+        };
       });
+    return result;
+  }
+
+
+
+  template <int dim>
+  template <typename Number>
+  void
+  PointTangents<dim>::for_each_cell(const SpacePolynomials<dim> &of_space,
+                                    const CellAction<Number>    &action) const
+  {
+    const auto sum_up = cell_sums(of_space, action);
+    for (const CellPoints &points : cells)
+      sum_up(points);
+  }
+
+
+
+  template <int dim>
+  void
+  PointTangents<dim>::sum_at_once(const CellAction<double> &action,
+                                  const bool                keep)
+  {
+    sum_cell     = cell_sums(tables, action);
+    keeps_points = keep;
+  }
+
+
+
+  template <int dim>
+  void
+  PointTangents<dim>::finish_cell()
+  {
+    if (!sum_cell)
+      return;
+    sum_cell(cells.back());
+    if (keeps_points)
+      return;
+    cells.clear();
+    n_used = 0;
   }
 
 
@@ -448,10 +492,4 @@ namespace greville
   template void
   PointTangents<3>::for_each_cell(const SpacePolynomials<3> &,
                                   const CellAction<float> &) const;
-  template void
-  PointTangents<2>::for_each_cell(const SpacePolynomials<2> &,
-                                  const CellAction<double> &) const;
-  template void
-  PointTangents<3>::for_each_cell(const SpacePolynomials<3> &,
-                                  const CellAction<double> &) const;
 } // namespace greville

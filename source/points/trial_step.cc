@@ -468,6 +468,8 @@ namespace greville
               count = simd_width;
             }
           action(cell, groups);
+          if (tangents)
+            tangents->finish_cell();
         }
     }
   } // namespace

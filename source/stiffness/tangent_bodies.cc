@@ -93,13 +93,51 @@ namespace greville
 
 
   template <int dim>
+  void
+  TangentBodies<dim>::begin_tangents(const std::vector<TrialBody<dim>> &bodies,
+                                     const StepStress                   stress,
+                                     BlockStencil<dim, double> *entries)
+  {
+    bool are_symmetric = stress == StepStress::end && !projection;
+    for (const TrialBody<dim> &body : bodies)
+      are_symmetric = are_symmetric && body.material->has_symmetric_tangent();
+    K.clear(are_symmetric,
+            !bodies.empty() && bodies[0].points->layout().is_axisymmetric());
+    const bool assembles = entries && are_symmetric,
+               keeps     = !assembles || windows;
+    if (assembles)
+      {
+        entries->clear();
+        K.sum_at_once([entries](const unsigned int cell,
+                                const double      *values,
+                                const unsigned int stride) {
+          entries->add_cell(cell, values, stride);
+        },
+                      keeps);
+      }
+    std::size_t n_groups = 0;
+    for (const TrialBody<dim> &body : bodies)
+      for (const unsigned int cell : body.points->cells())
+        {
+          const std::size_t of_cell =
+            (body.points->n_points(cell) + MaterialPoints<dim>::width - 1) /
+            MaterialPoints<dim>::width;
+          n_groups = keeps ? n_groups + of_cell : std::max(n_groups, of_cell);
+        }
+    K.reserve(n_groups);
+  }
+
+
+
+  template <int dim>
   std::string
   TangentBodies<dim>::evaluate(const std::vector<TrialBody<dim>> &bodies,
                                const VectorField<dim>            &u,
                                const double                       dt,
                                const StepStress                   stress,
-                               const bool        with_stiffness,
-                               VectorField<dim> &force)
+                               const bool                 with_stiffness,
+                               BlockStencil<dim, double> *entries,
+                               VectorField<dim>          &force)
   {
     std::string problem;
     // Sums over cells of the compression and shear moduli of K, see
@@ -109,20 +147,7 @@ namespace greville
     sums.clear();
     if (with_stiffness)
       {
-        bool are_symmetric = stress == StepStress::end && !projection;
-        for (const TrialBody<dim> &body : bodies)
-          are_symmetric =
-            are_symmetric && body.material->has_symmetric_tangent();
-        K.clear(are_symmetric,
-                !bodies.empty() &&
-                  bodies[0].points->layout().is_axisymmetric());
-        std::size_t n_groups = 0;
-        for (const TrialBody<dim> &body : bodies)
-          for (const unsigned int cell : body.points->cells())
-            n_groups +=
-              (body.points->n_points(cell) + MaterialPoints<dim>::width - 1) /
-              MaterialPoints<dim>::width;
-        K.reserve(n_groups);
+        begin_tangents(bodies, stress, entries);
         if (projection)
           displacement = u;
         projected_bodies.clear();

@@ -101,8 +101,17 @@ namespace greville
                                VectorField<dim> &force)
   {
     if (with_stiffness)
-      of_surfaces.clear_stiffness();
-    return of_bodies.evaluate(bodies, u, dt, stress, with_stiffness, force);
+      {
+        of_surfaces.clear_stiffness();
+        mass_of_entries = 0.;
+      }
+    return of_bodies.evaluate(bodies,
+                              u,
+                              dt,
+                              stress,
+                              with_stiffness,
+                              space().degree() == 1 ? &entries : nullptr,
+                              force);
   }
 
 
@@ -201,20 +210,13 @@ namespace greville
 
   template <int dim>
   void
-  TangentSystem<dim>::assemble_entries()
+  TangentSystem<dim>::set_mass_factor(const double new_mass_factor)
   {
-    if (!has_entries())
+    mass_factor = new_mass_factor;
+    if (!has_entries() || mass_factor == mass_of_entries)
       return;
-    entries.clear();
-    of_bodies.tangents().template for_each_cell<double>(
-      tables.back(),
-      [&](const unsigned int cell,
-          const double      *values,
-          const unsigned int stride) {
-        entries.add_cell(cell, values, stride);
-      });
-    if (mass_factor != 0.)
-      entries.add(mass_factor, finest().extended().matrix());
+    entries.add(mass_factor - mass_of_entries, finest().extended().matrix());
+    mass_of_entries = mass_factor;
   }
 
 
@@ -224,9 +226,8 @@ namespace greville
   TangentSystem<dim>::set_operator(const double new_mass_factor,
                                    const bool   is_symmetric)
   {
-    symmetric   = is_symmetric;
-    mass_factor = new_mass_factor;
-    assemble_entries();
+    symmetric = is_symmetric;
+    set_mass_factor(new_mass_factor);
     if (!reuse.is_possible(mass_factor, parameters.reuse))
       set_up();
   }
@@ -262,9 +263,8 @@ namespace greville
   typename PMultigrid<dim>::Levels
   TangentSystem<dim>::make_levels(const double new_mass_factor)
   {
-    mass_factor = new_mass_factor;
+    set_mass_factor(new_mass_factor);
     forget();
-    assemble_entries();
     typename PMultigrid<dim>::Levels result;
     for (unsigned int l = 0; l < levels.size(); ++l)
       {

@@ -46,7 +46,8 @@ namespace greville
     void
     clear(const bool symmetric, const bool axisymmetric);
 
-    /// Reserve memory for the groups that are added afterwards.
+    /// Reserve memory for the groups that are added afterwards, of one cell if
+    /// points are not kept.
     void
     reserve(const std::size_t n_groups);
 
@@ -77,6 +78,10 @@ namespace greville
     double *
     add_cell(const unsigned int cell, const unsigned int n_points);
 
+    /// End the last add_cell(): its numbers are set.
+    void
+    finish_cell();
+
     /// Compute T = C H for the pairs of a group with this @p C.
     void
     multiply(const double *C, const Lanes *H, Lanes *T) const;
@@ -103,6 +108,12 @@ namespace greville
     for_each_cell(const SpacePolynomials<dim> &tables,
                   const CellAction<Number>    &action) const;
 
+    /// From now on until clear(), call @p action as in for_each_cell() at the
+    /// end of each cell, while its numbers are in the cache. Afterwards its
+    /// points are removed unless @p keep.
+    void
+    sum_at_once(const CellAction<double> &action, const bool keep);
+
   private:
     struct CellPoints
     {
@@ -110,6 +121,12 @@ namespace greville
       unsigned int n_points;
       std::size_t  first; // number
     };
+
+    /// Return a function that passes the matrix of a cell to @p action.
+    template <typename Number>
+    std::function<void(const CellPoints &)>
+    cell_sums(const SpacePolynomials<dim> &tables,
+              const CellAction<Number>    &action) const;
 
     template <int n, bool with_hoop>
     void
@@ -121,6 +138,9 @@ namespace greville
     bool                    symmetric = true, axisymmetric = false;
     std::vector<CellPoints> cells;
     std::size_t             n_used = 0;
+    // Empty without sum_at_once().
+    std::function<void(const CellPoints &)> sum_cell;
+    bool                                    keeps_points = true;
     // [cell][group][number][lane]
     dealii::AlignedVector<double> numbers;
   };

@@ -4,6 +4,7 @@
 
 #include <greville/points/point_tangents.h>
 #include <greville/points/volume_projection.h>
+#include <greville/stiffness/block_stencil.h>
 #include <greville/stiffness/trial_body.h>
 
 #include <string>
@@ -32,13 +33,16 @@ namespace greville
                   VolumeProjection<dim>  *projection,
                   CellWindows<dim>       *windows);
 
-    /// Collective. See TangentSystem::evaluate().
+    /// Collective. See TangentSystem::evaluate(). If K is symmetric, it is also
+    /// assembled in @p entries, unless null; tangents() is then empty without
+    /// domains.
     std::string
     evaluate(const std::vector<TrialBody<dim>> &bodies,
              const VectorField<dim>            &u,
              const double                       dt,
              const StepStress                   stress,
              const bool                         with_stiffness,
+             BlockStencil<dim, double>         *entries,
              VectorField<dim>                  &force);
 
     /// Return K.
@@ -88,6 +92,12 @@ namespace greville
     }
 
   private:
+    /// Prepare K for the points of the bodies.
+    void
+    begin_tangents(const std::vector<TrialBody<dim>> &bodies,
+                   const StepStress                   stress,
+                   BlockStencil<dim, double>         *entries);
+
     const SplineSpace<dim> &space;
     TrialSums<dim>          sums;
     TrialStep<dim>          trial;

@@ -241,8 +241,9 @@ namespace greville
       return space().degree() == 1 && of_bodies.tangents().is_symmetric();
     }
 
+    /// Set the mass factor of the operator.
     void
-    assemble_entries();
+    set_mass_factor(const double new_mass_factor);
 
     /// Compute y = (c M~ + K) x for vectors on the places of the finest level's
     /// StencilMatrix.
@@ -287,6 +288,7 @@ namespace greville
     bool       levels_fail = false; // coarse levels fail for these unknowns
     bool       is_coupled  = false;
     double     mass_factor = 0.; // of the operator
+    double     mass_of_entries = 0.; // the mass factor that they contain
 
     std::vector<double> filled_part;
     mutable VectorType  unknowns;
