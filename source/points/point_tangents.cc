@@ -413,33 +413,33 @@ namespace greville
       [&](const auto order, const auto hoop) {
         constexpr int n = decltype(order)::value;
         using Stiffness = CellStiffness<dim, n, Number, decltype(hoop)::value>;
-        const auto sums = std::make_shared<Stiffness>();
+        const auto                      sums = std::make_shared<Stiffness>();
         const std::shared_ptr<Number[]> matrix(new Number[Stiffness::size]);
-        result = [this, &of_space, action, sums, matrix](
-                   const CellPoints &points) {
-          const CellGeometry<dim, n> geometry(of_space, points.cell);
-          const double              *group = numbers.data() + points.first;
-          bool                       done  = false;
-          if constexpr (Stiffness::has_moments)
-            if (points.n_points >= Stiffness::many)
-              {
-                sums->sum_moments(geometry,
-                                  group,
-                                  points.n_points,
-                                  group_size(),
-                                  symmetric,
-                                  matrix.get());
-                done = true;
-              }
-          if (!done)
-            sums->sum_up(geometry,
-                         group,
-                         points.n_points,
-                         group_size(),
-                         symmetric,
-                         matrix.get());
-          action(points.cell, matrix.get(), Stiffness::stride);
-        };
+        result =
+          [this, &of_space, action, sums, matrix](const CellPoints &points) {
+            const CellGeometry<dim, n> geometry(of_space, points.cell);
+            const double              *group = numbers.data() + points.first;
+            bool                       done  = false;
+            if constexpr (Stiffness::has_moments)
+              if (points.n_points >= Stiffness::many)
+                {
+                  sums->sum_moments(geometry,
+                                    group,
+                                    points.n_points,
+                                    group_size(),
+                                    symmetric,
+                                    matrix.get());
+                  done = true;
+                }
+            if (!done)
+              sums->sum_up(geometry,
+                           group,
+                           points.n_points,
+                           group_size(),
+                           symmetric,
+                           matrix.get());
+            action(points.cell, matrix.get(), Stiffness::stride);
+          };
       });
     return result;
   }

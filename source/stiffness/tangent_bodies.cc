@@ -96,7 +96,7 @@ namespace greville
   void
   TangentBodies<dim>::begin_tangents(const std::vector<TrialBody<dim>> &bodies,
                                      const StepStress                   stress,
-                                     BlockStencil<dim, double> *entries)
+                                     BlockStencil<dim, double>         *entries)
   {
     bool are_symmetric = stress == StepStress::end && !projection;
     for (const TrialBody<dim> &body : bodies)
@@ -108,12 +108,13 @@ namespace greville
     if (assembles)
       {
         entries->clear();
-        K.sum_at_once([entries](const unsigned int cell,
-                                const double      *values,
-                                const unsigned int stride) {
-          entries->add_cell(cell, values, stride);
-        },
-                      keeps);
+        K.sum_at_once(
+          [entries](const unsigned int cell,
+                    const double      *values,
+                    const unsigned int stride) {
+            entries->add_cell(cell, values, stride);
+          },
+          keeps);
       }
     std::size_t n_groups = 0;
     for (const TrialBody<dim> &body : bodies)

@@ -284,10 +284,10 @@ namespace greville
     bool                                            by_components = false;
 
     SetUpReuse reuse;
-    bool       has_levels  = false; // in the last set-up
-    bool       levels_fail = false; // coarse levels fail for these unknowns
-    bool       is_coupled  = false;
-    double     mass_factor = 0.; // of the operator
+    bool       has_levels      = false; // in the last set-up
+    bool       levels_fail     = false; // coarse levels fail for these unknowns
+    bool       is_coupled      = false;
+    double     mass_factor     = 0.; // of the operator
     double     mass_of_entries = 0.; // the mass factor that they contain
 
     std::vector<double> filled_part;
