@@ -3,6 +3,7 @@
 #include <greville/base/errors.h>
 #include <greville/stiffness/tangent_bodies.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace greville
@@ -98,9 +99,12 @@ namespace greville
                                      const StepStress                   stress,
                                      BlockStencil<dim, double>         *entries)
   {
-    bool are_symmetric = stress == StepStress::end && !projection;
-    for (const TrialBody<dim> &body : bodies)
-      are_symmetric = are_symmetric && body.material->has_symmetric_tangent();
+    plastic_flow =
+      std::any_of(bodies.begin(), bodies.end(), [](const TrialBody<dim> &body) {
+        return !body.material->has_symmetric_tangent();
+      });
+    const bool are_symmetric =
+      stress == StepStress::end && !projection && !plastic_flow;
     K.clear(are_symmetric,
             !bodies.empty() && bodies[0].points->layout().is_axisymmetric());
     const bool assembles = entries && are_symmetric,

@@ -25,15 +25,17 @@ namespace greville
     const double     ratio  = moduli[1] > 0.
                                 ? moduli[0] / moduli[1]
                                 : std::numeric_limits<double>::infinity();
-    cycle.smoother          = ratio <= stiff_ratio && !by_components
-                                ? "chebyshev-ic0"
-                                : "chebyshev-component-ic0";
+    // Plastic flow makes points soft in some directions, unless inertia adds to
+    // them.
+    const bool flows      = of_bodies.has_plastic_flow() && mass_factor == 0.;
+    const bool separately = by_components || flows || ratio > stiff_ratio;
+    cycle.smoother = separately ? "chebyshev-component-ic0" : "chebyshev-ic0";
     if (ratio > stiff_ratio)
       {
         smoother.chebyshev_degree += ratio > very_stiff_ratio ? 3 : 1;
         smoother.chebyshev_range *= ratio > very_stiff_ratio ? 4. : 2.;
       }
-    if (ratio > stiff_ratio || by_components)
+    if (separately)
       {
         // Pivots fail if one direction is much stiffer than the others.
         constexpr double smallest_shift = 1e-3;

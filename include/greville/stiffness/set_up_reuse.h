@@ -12,8 +12,9 @@ namespace greville
 {
   /// The reuse of the set-up of a preconditioner for subsequent systems, as
   /// long as it pays: until the additional iterations due to its age exceed a
-  /// limit, or the cost of a set-up in one system, or the mass factor changes
-  /// by more than a factor of two.
+  /// limit, or the cost of a set-up in one system, or a system that an older
+  /// set-up makes slow takes several times this cost, or the mass factor
+  /// changes by more than a factor of two.
   class SetUpReuse
   {
   public:
@@ -24,6 +25,7 @@ namespace greville
       constexpr double largest_change = 2.;
       return exists && largest_excess > 0. && excess <= largest_excess &&
              last_excess <= iterations_of_set_up &&
+             last_iterations <= 4. * iterations_of_set_up &&
              mass_factor <= largest_change * mass_factor_of_set_up &&
              mass_factor_of_set_up <= largest_change * mass_factor;
     }
@@ -46,6 +48,7 @@ namespace greville
       mass_factor_of_set_up            = mass_factor;
       excess                           = 0.;
       last_excess                      = 0.;
+      last_iterations                  = 0;
       ++n;
     }
 
@@ -60,8 +63,9 @@ namespace greville
     void
     count(const SolveResult &result)
     {
+      last_iterations = *result.iterations;
       last_excess =
-        std::max(0., *result.iterations - digits(result) * iterations_of_digit);
+        std::max(0., last_iterations - digits(result) * iterations_of_digit);
       excess += last_excess;
     }
 
@@ -110,7 +114,8 @@ namespace greville
     double        mass_factor_of_set_up = 0.;
     double        iterations_of_digit   = 0.;
     double        excess = 0., last_excess = 0.; // iterations
-    unsigned int  n             = 0;
-    std::uint64_t unique_number = 0;
+    double        last_iterations = 0.;
+    unsigned int  n               = 0;
+    std::uint64_t unique_number   = 0;
   };
 } // namespace greville

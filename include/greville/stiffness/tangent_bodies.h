@@ -65,6 +65,14 @@ namespace greville
       return projection;
     }
 
+    /// Return whether a material has no symmetric tangent, as most plastic
+    /// laws.
+    bool
+    has_plastic_flow() const
+    {
+      return plastic_flow;
+    }
+
     /// Collective. Compute the product of the part that K lacks with a
     /// @p direction of the displacement.
     void
@@ -110,6 +118,7 @@ namespace greville
     CellWindows<dim>                                                  *windows;
     std::vector<std::pair<unsigned int, std::vector<TrialGroup<dim>>>> domains;
     std::vector<double>   window_buffer;
+    bool                  plastic_flow = false;
     std::array<double, 2> sums_of_moduli{};
     double                force_of_strain = 0.;
   };
