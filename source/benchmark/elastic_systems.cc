@@ -165,6 +165,7 @@ namespace greville
         void
         setup() override
         {
+          system.forget();
           system.set_operator(problem.mass_factor, true);
         }
 
