@@ -114,9 +114,11 @@ namespace greville
     while (fails())
       {
         used_shift = std::max(2. * used_shift, first_shift);
-        Require(used_shift < 10.,
-                "An incomplete Cholesky factorization fails with all shifts: "
-                "the matrix is not positive definite.");
+        Require(used_shift <= parameters.largest_shift,
+                "An incomplete Cholesky factorization fails with all shifts up "
+                "to " +
+                  std::to_string(parameters.largest_shift) +
+                  ": the matrix is not positive definite.");
       }
   }
 

@@ -60,30 +60,30 @@ namespace greville
   {
     // Kronecker products of band matrices remain positive definite without the
     // outermost diagonals. The factorization then costs less than half. In
-    // refined grids, the weights of some functions are too large for that, and
-    // in other grids in rare cases.
-    const SplineSpace<dim> &space         = mass.matrix().space();
-    const int               degree        = space.degree();
-    const auto              try_factorize = [&](const int reach) {
+    // refined grids, the weights of some functions are too large for that. In
+    // other grids some matrices are ill-conditioned, and their factors need the
+    // outermost diagonals and smaller entries; a larger shift would not help.
+    const SplineSpace<dim> &space   = mass.matrix().space();
+    const int               degree  = space.degree();
+    const auto              attempt = [&](const int                 reach,
+                             const CholeskyParameters &cholesky) {
       factors.factorize(mass.local_entries((1u << dim) - 1, reach),
                         *mass.unknowns().unknown_layout(),
                         mass.unknowns().unknown_positions(),
                         reach,
                         1,
-                        ict_parameters(degree),
+                        cholesky,
                         mass.row_variants(reach));
     };
-    const int small_reach =
-      space.hierarchy() ? degree : std::max(1, degree - 1);
+    CholeskyParameters cholesky = ict_parameters(degree);
+    cholesky.largest_shift      = cholesky.shift;
     try
       {
-        try_factorize(small_reach);
+        attempt(space.hierarchy() ? degree : std::max(1, degree - 1), cholesky);
       }
     catch (const ErrorOnAll &)
       {
-        if (small_reach == degree)
-          throw;
-        try_factorize(degree);
+        attempt(degree, {0.1 * cholesky.shift, 0.1 * cholesky.drop_tolerance});
       }
     ++factorizations;
     factorized        = mass.unknowns().unknown_layout();

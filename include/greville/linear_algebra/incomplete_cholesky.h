@@ -16,6 +16,8 @@ namespace greville
     /// Entries of the factor of the scaled matrix below this value are dropped;
     /// 0: IC(0), which keeps the entries that the matrix has.
     double drop_tolerance = 0.;
+    /// The largest shift that is tried.
+    double largest_shift = 10.;
   };
 
   /// Return the parameters of ICT for a mass matrix of B-splines of a @p degree
