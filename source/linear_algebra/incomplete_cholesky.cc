@@ -115,10 +115,8 @@ namespace greville
       {
         used_shift = std::max(2. * used_shift, first_shift);
         Require(used_shift <= parameters.largest_shift,
-                "An incomplete Cholesky factorization fails with all shifts up "
-                "to " +
-                  std::to_string(parameters.largest_shift) +
-                  ": the matrix is not positive definite.");
+                "An incomplete Cholesky factorization fails with all shifts: "
+                "the matrix is not positive definite.");
       }
   }
 

@@ -119,12 +119,14 @@ test_kronecker(const unsigned int n_cells, const unsigned int p)
 
 
 void
-test_fails(const std::string &name, const UpperTriangle &matrix)
+test_fails(const std::string        &name,
+           const UpperTriangle      &matrix,
+           const CholeskyParameters &parameters = {})
 {
   IncompleteCholesky factors;
   try
     {
-      factors.factorize(matrix);
+      factors.factorize(matrix, parameters);
       print() << name << ": FAILED, no error" << std::endl;
     }
   catch (const std::exception &error)
@@ -234,6 +236,7 @@ test_main()
     const double found = factors.shift();
     factors.factorize(matrix, {2. * found, 0.});
     check("  a shift that is asked for", factors.shift() == 2. * found);
+    test_fails("No larger shift", matrix, {0.1, 0., 0.1});
   }
   {
     // The unit of mass does not matter, as small as it may be.
