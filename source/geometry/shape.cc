@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+#include <greville/base/compatibility.h>
 #include <greville/base/errors.h>
 #include <greville/geometry/shape.h>
 

@@ -45,8 +45,13 @@ namespace greville
     parse(const std::string &given)
     {
       const std::string text = without_parentheses(given);
-      if (const auto found = named.find(text); found != named.end())
-        return parse(found->second);
+      // A name in its own definition has no meaning.
+      if (auto definition = named.extract(text))
+        {
+          const Node node = parse(definition.mapped());
+          named.insert(std::move(definition));
+          return node;
+        }
       for (const auto &operators : {std::vector<std::string>{"|", "||"},
                                     std::vector<std::string>{"&", "&&"}})
         {
